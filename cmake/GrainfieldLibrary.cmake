@@ -1,0 +1,55 @@
+# grainfield_library(NAME SOURCES … [PUBLIC libs…] [PRIVATE libs…] [INTERNAL core …])
+#
+# One library per top-level folder, alias grainfield::NAME. The arrows
+#     core <- {io, tracking, simulate, analysis, report} <- app
+# are enforced twice: INTERNAL may name only `core` (app: anything), and each library exposes only
+# its own folder on the include path, so that a header of a sibling is not found by the compiler.
+set(GRAINFIELD_ROOMS core io tracking simulate analysis report app)
+
+function(grainfield_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE;INTERNAL" ${ARGN})
+  if(NOT name IN_LIST GRAINFIELD_ROOMS)
+    message(FATAL_ERROR "grainfield_library: '${name}' is not a room of the house (${GRAINFIELD_ROOMS})")
+  endif()
+  foreach(dependency IN LISTS ARG_INTERNAL)
+    if(name STREQUAL "core" OR (NOT dependency STREQUAL "core" AND NOT name STREQUAL "app"))
+      message(FATAL_ERROR
+        "grainfield_library: '${name}' may not depend on '${dependency}': siblings meet in core types")
+    endif()
+  endforeach()
+
+  set(include_root ${PROJECT_BINARY_DIR}/include/${name})
+  file(MAKE_DIRECTORY ${include_root})
+  file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${name} ${include_root}/${name} SYMBOLIC)
+
+  set(target grainfield_${name})
+  add_library(${target} STATIC ${ARG_SOURCES})
+  add_library(grainfield::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  target_include_directories(${target} PUBLIC
+    $<BUILD_INTERFACE:${include_root}>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/grainfield>)
+  list(TRANSFORM ARG_INTERNAL PREPEND grainfield_)
+  target_link_libraries(${target}
+    PUBLIC ${ARG_INTERNAL} ${ARG_PUBLIC}
+    PRIVATE $<BUILD_INTERFACE:grainfield_compile_options> ${ARG_PRIVATE})
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  set_property(GLOBAL APPEND PROPERTY GRAINFIELD_LIBRARIES ${target})
+endfunction()
+
+# grainfield_test(path/from/tests/x_test.cpp [LIBS rooms…] [PRIVATE libs…])
+# CTest name = path without "_test.cpp".
+function(grainfield_test source)
+  cmake_parse_arguments(ARG "" "" "LIBS;PRIVATE" ${ARGN})
+  string(REGEX REPLACE "_test\\.cpp$" "" name ${source})
+  string(REPLACE "/" "." target ${name})
+  list(TRANSFORM ARG_LIBS PREPEND grainfield::)
+  add_executable(test.${target} ${source})
+  target_include_directories(test.${target} PRIVATE ${PROJECT_SOURCE_DIR})
+  target_link_libraries(test.${target} PRIVATE
+    grainfield_compile_options ${ARG_LIBS} ${ARG_PRIVATE} GTest::gtest_main GTest::gmock)
+  target_compile_definitions(test.${target} PRIVATE
+    GRAINFIELD_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
+    GRAINFIELD_PROGRAM="${PROJECT_BINARY_DIR}/grainfield")
+  add_test(NAME ${name} COMMAND test.${target})
+endfunction()

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/frame.h"
+#include "core/option_table.h"
+#include "core/snapshot.h"
+#include "core/trajectory.h"
+
+namespace grainfield {
+
+/// A measured number with its standard error and the number of independent samples behind it, or
+/// the reason why there is none. Never NaN without a reason.
+struct Measurement {
+    std::string name;  ///< "s0", "d_liquid"
+    std::string unit;  ///< "-", "a^2/s"
+    std::optional<double> value;
+    std::optional<double> error;
+    double samples = 0;
+    std::string reason;  ///< why there is no value, or no error
+};
+
+/// One column of numbers; NaN means "missing".
+struct Column {
+    std::string name;  ///< "k", "s", "s_err", "n": stable, scripts rely on it
+    std::string unit;
+    std::string meaning;  ///< axis label for people
+    std::vector<double> values;
+};
+
+/// A curve or table of an observable; all columns have the same length.
+struct Curve {
+    std::string name;  ///< "sk", "variance", "msd", "q4_histogram": also the CSV's file name
+    std::string title;
+    std::vector<Column> columns;
+    std::map<std::string, std::vector<std::string>> text_columns;  ///< e.g. "phase" in msd
+
+    const Column* find(const std::string& column) const;
+};
+
+/// Everything an analysis says about one observable.
+struct ObservableResult {
+    std::string name;  ///< "q4", "phase", "msd", "sk", "variance"
+    std::vector<Measurement> measurements;
+    std::vector<Curve> curves;
+    std::vector<std::pair<std::string, OptionValue>> options;
+    std::string reason;  ///< set when nothing at all could be measured
+    double seconds = 0;
+
+    const Curve* find_curve(const std::string& curve) const;
+    const Measurement* find_measurement(const std::string& measurement) const;
+};
+
+/// A frame kept for people to look at, with what was found in it.
+struct Preview {
+    Frame frame;  ///< image empty if the source has none (simulations)
+    Snapshot snapshot;
+    std::vector<double> abs_q4;  ///< |Q4| per particle; empty before the analysis, NaN: undefined
+};
+
+/// How an output came to be; stored with every file.
+struct RunRecord {
+    std::string command;  ///< "track"
+    std::string version;
+    std::uint64_t seed = 0;
+    int threads = 1;
+    double seconds = 0;
+    std::vector<std::pair<std::string, std::string>> configuration;  ///< "section.name" → text
+
+    struct Input {
+        std::string name;
+        std::uint64_t bytes = 0;
+        std::string checksum;  ///< "crc32:9ae0daaf" of the content
+    };
+    std::vector<Input> inputs;
+    std::vector<std::string> skipped;  ///< "stage: reason"
+    std::vector<std::string> warnings;
+};
+
+/// The content of a results file.
+struct Results {
+    TrajectoryInfo source;
+    std::string label;  ///< legend entry: origin and control parameter
+    Box box;
+    std::int64_t frames = 0;
+    double particles_mean = 0;
+    std::vector<ObservableResult> observables;
+    std::vector<Preview> previews;
+    RunRecord record;
+
+    const ObservableResult* find(const std::string& observable) const;
+};
+
+}  // namespace grainfield

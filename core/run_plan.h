@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace grainfield {
+
+/// One stage that a command will run or leave out.
+struct PlannedStage {
+    std::string stage;  ///< "background fit"
+    bool runs = true;
+    std::string reason;  ///< "skipped, illumination uniform to 0.3 %"
+    std::string saved;   ///< what skipping saves: "about 12 ms a frame"; empty if it runs
+};
+
+/// What a command is going to do and what it leaves out, and why. `--explain` prints it and
+/// stops; the summary of a run repeats the skipped stages. Warnings gathered on the way ride along.
+class RunPlan {
+ public:
+    void run(std::string stage, std::string reason);
+    void skip(std::string stage, std::string reason, std::string saved);
+    /// Keeps each distinct text once, in the order of first appearance.
+    void warn(std::string text);
+
+    const std::vector<PlannedStage>& stages() const { return stages_; }
+    const std::vector<std::string>& warnings() const { return warnings_; }
+    std::vector<PlannedStage> skipped() const;
+
+    /// One line a stage, for `--explain`.
+    std::string text() const;
+
+ private:
+    std::vector<PlannedStage> stages_;
+    std::vector<std::string> warnings_;
+};
+
+}  // namespace grainfield
