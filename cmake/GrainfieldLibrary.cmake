@@ -37,11 +37,12 @@ function(grainfield_library name)
   set_property(GLOBAL APPEND PROPERTY GRAINFIELD_LIBRARIES ${target})
 endfunction()
 
-# grainfield_test(path/from/tests/x_test.cpp [LIBS rooms…] [PRIVATE libs…])
-# CTest name = path without "_test.cpp".
+# grainfield_test(x_test.cpp [LIBS rooms…] [PRIVATE libs…])
+# CTest name = path from tests/ without "_test.cpp".
 function(grainfield_test source)
   cmake_parse_arguments(ARG "" "" "LIBS;PRIVATE" ${ARGN})
-  string(REGEX REPLACE "_test\\.cpp$" "" name ${source})
+  file(RELATIVE_PATH name ${PROJECT_SOURCE_DIR}/tests ${CMAKE_CURRENT_SOURCE_DIR}/${source})
+  string(REGEX REPLACE "_test\\.cpp$" "" name ${name})
   string(REPLACE "/" "." target ${name})
   list(TRANSFORM ARG_LIBS PREPEND grainfield::)
   add_executable(test.${target} ${source})
