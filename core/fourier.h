@@ -8,7 +8,8 @@
 namespace grainfield {
 
 /// How FFTW chooses its algorithm. `estimate` picks the same one on every run (bit-reproducible
-/// results); `measure` times candidates once and keeps the wisdom in the user's cache folder
+/// results, also for any number of threads: such plans are serial); `measure` times candidates once
+/// and keeps the wisdom in the user's cache folder
 /// ($XDG_CACHE_HOME/grainfield, else ~/.cache/grainfield): 20–25 % faster, not bit-reproducible.
 enum class FourierPlanning { estimate, measure };
 

@@ -27,6 +27,7 @@ struct Option {
     double minimum = -std::numeric_limits<double>::infinity();
     double maximum = std::numeric_limits<double>::infinity();
     std::vector<std::string> choices;
+    OptionValue default_value;  ///< as it was when the table was made
 
     std::function<OptionValue()> get;  ///< the present value; text "auto" where not set
 
