@@ -1,0 +1,167 @@
+#include "core/option_table.h"
+
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include "core/errors.h"
+
+namespace grainfield {
+namespace {
+
+using testing::HasSubstr;
+
+enum class Polarity { dark, bright };
+
+struct Options {
+    bool fast = false;
+    int memory = 3;
+    std::int64_t steps = 10;
+    double range = 0.5;
+    std::optional<double> diameter;
+    std::string title = "run";
+    Polarity polarity = Polarity::dark;
+};
+
+OptionTable describe(Options& o) {
+    OptionTable t("link");
+    t.flag("fast", o.fast, "skip checks");
+    t.integer("memory", o.memory, "frames", {0, 100}, "how long a lost particle is remembered");
+    t.integer("steps", o.steps, "-", {1, 1e18}, "steps");
+    t.number("search-range", o.range, "a", {0, 10}, "largest step");
+    t.number("diameter", o.diameter, "px", {3, 400}, "apparent diameter");
+    t.text("title", o.title, "title");
+    t.choice("polarity", o.polarity, {{"dark", Polarity::dark}, {"bright", Polarity::bright}},
+             "spheres against background");
+    return t;
+}
+
+std::string refusal(const std::function<void()>& action) {
+    try {
+        action();
+    } catch (const OptionError& error) {
+        return error.what();
+    }
+    return "nothing was thrown";
+}
+
+TEST(OptionTable, SetsEveryKindOfFieldFromValuesAndFromText) {
+    Options o;
+    const OptionTable t = describe(o);
+    t.set("fast", true);
+    t.set("memory", std::int64_t{7});
+    t.set("search-range", std::int64_t{2});
+    t.set("diameter", 8.9);
+    t.set("polarity", std::string("bright"));
+    EXPECT_TRUE(o.fast);
+    EXPECT_EQ(o.memory, 7);
+    EXPECT_EQ(o.range, 2);
+    EXPECT_EQ(o.diameter, 8.9);
+    EXPECT_EQ(o.polarity, Polarity::bright);
+    t.find("diameter")->set_from_text("auto");
+    t.find("steps")->set_from_text("9007199254740993");
+    t.find("fast")->set_from_text("off");
+    t.find("title")->set_from_text("auto");
+    EXPECT_EQ(o.diameter, std::nullopt);
+    EXPECT_EQ(o.steps, 9007199254740993);
+    EXPECT_FALSE(o.fast);
+    EXPECT_EQ(o.title, "auto");
+}
+
+TEST(OptionTable, RefusesWrongKindsRangesAndNanAndLeavesTheFieldAsItWas) {
+    Options o;
+    const OptionTable t = describe(o);
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_THROW(t.set("memory", 3.5), OptionError);
+    EXPECT_THROW(t.set("memory", std::int64_t{101}), OptionError);
+    EXPECT_THROW(t.set("search-range", nan), OptionError);
+    EXPECT_THROW(t.set("search-range", std::numeric_limits<double>::infinity()), OptionError);
+    EXPECT_THROW(t.set("search-range", -0.001), OptionError);
+    EXPECT_THROW(t.set("search-range", std::string("auto")), OptionError);
+    EXPECT_THROW(t.set("diameter", true), OptionError);
+    EXPECT_THROW(t.set("title", std::int64_t{3}), OptionError);
+    EXPECT_THROW(t.set("fast", std::int64_t{1}), OptionError);
+    EXPECT_THROW(t.set("polarity", std::string("grey")), OptionError);
+    for (const char* text : {"", "1e", "0x3", "nan", "inf", "3 px", " 3"}) {
+        EXPECT_THROW(t.find("search-range")->set_from_text(text), OptionError) << text;
+        EXPECT_THROW(t.find("memory")->set_from_text(text), OptionError) << text;
+    }
+    EXPECT_EQ(o.memory, 3);
+    EXPECT_EQ(o.range, 0.5);
+    EXPECT_EQ(o.diameter, std::nullopt);
+    EXPECT_EQ(o.title, "run");
+    EXPECT_FALSE(o.fast);
+    EXPECT_EQ(o.polarity, Polarity::dark);
+}
+
+TEST(OptionTable, MessagesNameOptionValueExpectationAndTheNearestName) {
+    Options o;
+    const OptionTable t = describe(o);
+    EXPECT_EQ(refusal([&] { t.set("diameter", 2.0); }),
+              "option 'diameter' has a wrong value: '2'; expected a number 3 … 400 [px] or auto.");
+    EXPECT_THAT(refusal([&] { t.set("polarity", std::string("brigth")); }),
+                HasSubstr("did you mean 'bright'?"));
+    EXPECT_THAT(refusal([&] { t.set("serach-range", 1.0); }),
+                HasSubstr("did you mean 'search-range'?"));
+    EXPECT_THAT(refusal([&] { t.set("zzz", 1.0); }), testing::Not(HasSubstr("did you mean")));
+}
+
+TEST(OptionTable, DescribesUnitRangeAndTheDefaultAtTheTimeOfBinding) {
+    Options o;
+    const OptionTable t = describe(o);
+    t.set("search-range", 4.0);
+    EXPECT_EQ(t.find("search-range")->domain_text(), "[a] 0 … 10, default 0.5");
+    EXPECT_EQ(t.find("diameter")->domain_text(), "[px] 3 … 400, default auto");
+    EXPECT_EQ(t.find("polarity")->domain_text(), "one of dark, bright; default dark");
+    EXPECT_EQ(t.find("fast")->domain_text(), "");
+    EXPECT_EQ(t.find("title")->domain_text(), "default run");
+}
+
+TEST(OptionTable, TextOfAValueReadsBackAsTheSameValue) {
+    EXPECT_TRUE(rc::check([](double number, std::int64_t whole) {
+        Options o;
+        OptionTable t("free");
+        t.number("x", o.range, "-", {}, "any number");
+        t.integer("n", o.steps, "-", {}, "any integer");
+        RC_PRE(std::isfinite(number));
+        t.find("x")->set_from_text(to_text(number));
+        t.find("n")->set_from_text(to_text(whole));
+        RC_ASSERT(o.range == number);
+        RC_ASSERT(o.steps == whole);
+    }));
+}
+
+TEST(OptionTable, ArbitraryTextNeverPutsANumberOutOfRange) {
+    EXPECT_TRUE(rc::check([] {
+        const auto text = *rc::gen::container<std::string>(
+            rc::gen::elementOf(std::string("0123456789.eE+-naifx ")));
+        Options o;
+        const OptionTable t = describe(o);
+        for (const Option& option : t.rows()) {
+            try {
+                option.set_from_text(text);
+            } catch (const OptionError&) {
+            }
+        }
+        RC_ASSERT(o.range >= 0 && o.range <= 10);
+        RC_ASSERT(o.memory >= 0 && o.memory <= 100);
+        RC_ASSERT(!o.diameter || (*o.diameter >= 3 && *o.diameter <= 400));
+    }));
+}
+
+TEST(NearestName, FindsTyposAndPrefixesButNotStrangers) {
+    const std::vector<std::string> names{"diameter", "search-range", "threads"};
+    EXPECT_EQ(nearest_name("diamater", names), "diameter");
+    EXPECT_EQ(nearest_name("tehrads", names), "threads");
+    EXPECT_EQ(nearest_name("dia", names), "diameter");
+    EXPECT_EQ(nearest_name("colour", names), "");
+    EXPECT_EQ(nearest_name("", names), "");
+    EXPECT_EQ(nearest_name("x", {}), "");
+}
+
+}  // namespace
+}  // namespace grainfield

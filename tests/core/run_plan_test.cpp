@@ -1,0 +1,31 @@
+#include "core/run_plan.h"
+
+#include <gtest/gtest.h>
+
+namespace grainfield {
+namespace {
+
+TEST(RunPlan, ListsStagesInOrderWithReasonAndSaving) {
+    RunPlan plan;
+    plan.run("detection", "dark discs of 8.9 px");
+    plan.skip("background fit", "illumination uniform to 0.3 %", "12 ms a frame");
+    plan.skip("linking", "one frame", "");
+    EXPECT_EQ(plan.text(),
+              "run  detection: dark discs of 8.9 px\n"
+              "skip background fit: illumination uniform to 0.3 % (saves 12 ms a frame)\n"
+              "skip linking: one frame\n");
+    ASSERT_EQ(plan.skipped().size(), 2U);
+    EXPECT_EQ(plan.skipped()[0].stage, "background fit");
+    EXPECT_EQ(plan.stages().size(), 3U);
+}
+
+TEST(RunPlan, KeepsEachWarningOnceInOrderOfFirstAppearance) {
+    RunPlan plan;
+    plan.warn("b");
+    plan.warn("a");
+    plan.warn("b");
+    EXPECT_EQ(plan.warnings(), (std::vector<std::string>{"b", "a"}));
+}
+
+}  // namespace
+}  // namespace grainfield
