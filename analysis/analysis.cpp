@@ -1,0 +1,279 @@
+#include "analysis/analysis.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "analysis/bond_statistics.h"
+#include "analysis/observable_set.h"
+#include "core/errors.h"
+#include "core/interrupt.h"
+#include "core/parallel.h"
+
+namespace grainfield::analysis {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Adds the time of a stage to `seconds` when it ends.
+class Stopwatch {
+ public:
+    explicit Stopwatch(double& seconds) : seconds_(seconds) {}
+    ~Stopwatch() { seconds_ += std::chrono::duration<double>(Clock::now() - start_).count(); }
+    Stopwatch(const Stopwatch&) = delete;
+    Stopwatch& operator=(const Stopwatch&) = delete;
+
+ private:
+    double& seconds_;
+    Clock::time_point start_ = Clock::now();
+};
+
+struct Seconds {
+    double q4 = 0, phase = 0, msd = 0, sk = 0, variance = 0;
+
+    Seconds& operator+=(const Seconds& o) {
+        q4 += o.q4;
+        phase += o.phase;
+        msd += o.msd;
+        sk += o.sk;
+        variance += o.variance;
+        return *this;
+    }
+};
+
+// What the threads made of one snapshot.
+struct Measured {
+    Pattern pattern;
+    BondStatistics::Sample bonds;
+    StructureFactor::Sample modes;
+    NumberVariance::Sample windows;
+    Seconds seconds;
+};
+
+PhaseHistory::Sample phase_sample(const Pattern& pattern, const BondOrderField& field) {
+    PhaseHistory::Sample sample{pattern.frame, pattern.time, pattern.id, {}};
+    sample.abs_q.reserve(field.q.size());
+    for (const auto& q : field.q) sample.abs_q.push_back(static_cast<float>(std::abs(q)));
+    return sample;
+}
+
+// The accumulators of one run.
+class Run {
+ public:
+    Run(const AnalysisOptions& options, const TrajectoryInfo& info, const Box& box,
+        std::int64_t frames, int threads)
+        : options_(options),
+          wanted_(ObservableSet::parse(options.observables)),
+          bonds_(options.q4) {
+        // Phases are classes of |Q4|, whatever symmetry the q4 observable is asked for.
+        phase_order_ = options.q4;
+        phase_order_.symmetry = 4;
+        if (wanted_.phase || wanted_.msd) phase_.emplace(options.phase, info, frames);
+        if (wanted_.msd) msd_.emplace(options.msd, frames, threads);
+        if (wanted_.sk) sk_.emplace(options.sk, box, frames);
+        if (wanted_.variance) variance_.emplace(options.variance, box, frames, threads);
+    }
+
+    Measured measure(Pattern pattern) const {
+        Measured m;
+        m.pattern = std::move(pattern);
+        if (wanted_.q4 || phase_) {
+            const Stopwatch watch(m.seconds.q4);
+            m.bonds = BondStatistics::measure(m.pattern, options_.q4);
+        }
+        if (sk_) {
+            const Stopwatch watch(m.seconds.sk);
+            m.modes = sk_->measure(m.pattern);
+        }
+        if (variance_) {
+            const Stopwatch watch(m.seconds.variance);
+            m.windows = variance_->measure(m.pattern);
+        }
+        return m;
+    }
+
+    void add(Measured m) {
+        seconds_ += m.seconds;
+        dropped_ += m.pattern.dropped;
+        if (phase_) {
+            const Stopwatch watch(seconds_.phase);
+            const bool same = options_.q4.symmetry == phase_order_.symmetry;
+            phase_->add(phase_sample(m.pattern,
+                                     same ? m.bonds.field : bond_order(m.pattern, phase_order_)));
+        }
+        if (wanted_.q4) {
+            const Stopwatch watch(seconds_.q4);
+            bonds_.add(std::move(m.bonds));
+        }
+        if (sk_) {
+            const Stopwatch watch(seconds_.sk);
+            sk_->add(std::move(m.modes));
+        }
+        if (variance_) {
+            const Stopwatch watch(seconds_.variance);
+            variance_->add(std::move(m.windows));
+        }
+        if (msd_) {
+            const Stopwatch watch(seconds_.msd);
+            msd_->add(std::move(m.pattern));
+        }
+    }
+
+    std::vector<ObservableResult> results() {
+        std::vector<ObservableResult> results;
+        const auto push = [&](double seconds, auto&& make) {
+            {
+                const Stopwatch watch(seconds);
+                results.push_back(make());
+            }
+            results.back().seconds = seconds;
+        };
+        if (phase_) phase_->close_window();
+        if (wanted_.q4) push(seconds_.q4, [&] { return bonds_.result(); });
+        if (wanted_.phase) push(seconds_.phase, [&] { return phase_->result(); });
+        if (msd_) {
+            push(seconds_.msd,
+                 [&] { return msd_->result(phase_ && phase_->follows() ? &*phase_ : nullptr); });
+        }
+        if (sk_) push(seconds_.sk, [&] { return sk_->result(); });
+        if (variance_) push(seconds_.variance, [&] { return variance_->result(); });
+        return results;
+    }
+
+    std::int64_t dropped() const { return dropped_; }
+
+ private:
+    const AnalysisOptions& options_;
+    ObservableSet wanted_;
+    BondOrderOptions phase_order_;
+    BondStatistics bonds_;
+    std::optional<PhaseHistory> phase_;
+    std::optional<Displacement> msd_;
+    std::optional<StructureFactor> sk_;
+    std::optional<NumberVariance> variance_;
+    Seconds seconds_;
+    std::int64_t dropped_ = 0;
+};
+
+// A region that particles fill only partly makes S(k) and the number variance those of the
+// region's shape.
+void warn_if_unfilled(const Pattern& pattern, RunPlan& plan) {
+    if (pattern.size() < 100) return;
+    Vec2 low = pattern.position.front();
+    Vec2 high = low;
+    for (const Vec2& p : pattern.position) {
+        low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+        high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+    }
+    const Vec2 filled{(high.x - low.x) / pattern.box.length.x,
+                      (high.y - low.y) / pattern.box.length.y};
+    if (filled.x > 0.93 && filled.y > 0.93) return;
+    plan.warn(fmt::format(
+        "particles fill {:.0f} % x {:.0f} % of the box: S(k), its wavevectors and the number "
+        "variance refer to the whole box",
+        100 * filled.x, 100 * filled.y));
+}
+
+}  // namespace
+
+std::vector<OptionTable> describe(AnalysisOptions& options) {
+    OptionTable table("analysis");
+    table.text("observables", options.observables,
+               "comma list of q4, phase, msd, sk, variance; or all");
+    return {table,
+            describe(options.q4),
+            describe(options.phase),
+            describe(options.msd),
+            describe(options.sk),
+            describe(options.variance)};
+}
+
+void plan_analysis(SnapshotSource& source, const AnalysisOptions& options, RunPlan& plan) {
+    const ObservableSet wanted = ObservableSet::parse(options.observables);
+    const std::int64_t frames = source.count();
+    if (frames == 0) {
+        plan.skip("all observables", "no frames", "");
+        return;
+    }
+    const Pattern first = pattern_of(source.read(0), diameter_of(source.info()));
+    warn_if_unfilled(first, plan);
+    const bool linked = !first.id.empty();
+    if (wanted.q4) plan.run("q4", "bond-orientational order of every particle");
+    if (needs_triangulation(options.q4.rule) == false) {
+        plan.skip("triangulation", "the neighbour rule needs distances only",
+                  "about 1.5 us a particle and frame");
+    }
+    if (wanted.phase) {
+        const PhaseWindow window = PhaseWindow::of(options.phase, source.info());
+        const std::string why = frames == 1 ? "one frame" : !linked ? "not linked" : window.reason;
+        plan.run("phase", why.empty() ? fmt::format("average over {:.4g}", *window.length)
+                                      : "every frame alone: " + why);
+    }
+    if (wanted.msd) {
+        if (frames < 2 || !linked) {
+            plan.skip("msd", frames < 2 ? "one frame" : "particles are not linked",
+                      "16 B a particle and frame");
+        } else {
+            plan.run("msd", "displacements over pairs of frames");
+        }
+    }
+    if (wanted.sk) {
+        plan.run("sk", first.box.is_periodic() ? "periodic box: raw estimator"
+                       : frames < 2            ? "one frame: raw estimator"
+                                               : "walls: connected and cosine estimators");
+    }
+    if (wanted.variance) {
+        plan.run("variance", frames < 2 ? "one frame: over positions" : "temporal, per position");
+    }
+}
+
+std::vector<ObservableResult> analyze(SnapshotSource& source, const AnalysisOptions& options,
+                                      int threads, RunPlan& plan, Progress& progress) {
+    plan_analysis(source, options, plan);
+    const std::int64_t frames = source.count();
+    const double diameter = diameter_of(source.info());
+    const int workers = thread_count(threads);
+    Box box{{0, 0}, {1, 1}, {Boundary::walls, Boundary::walls}, 0};
+    if (frames > 0) box = pattern_of(source.read(0), diameter).box;
+    Run run(options, source.info(), box, frames, workers);
+
+    const std::int64_t batch = 2 * std::int64_t{workers};
+    for (std::int64_t first = 0; first < frames; first += batch) {
+        throw_if_interrupted("analysis");
+        const std::int64_t count = std::min(batch, frames - first);
+        std::vector<Pattern> patterns;
+        for (std::int64_t i = 0; i < count; ++i) {
+            patterns.push_back(pattern_of(source.read(first + i), diameter));
+        }
+        std::vector<Measured> measured(static_cast<std::size_t>(count));
+        parallel_for(count, workers, [&](std::int64_t i) {
+            const auto at = static_cast<std::size_t>(i);
+            measured[at] = run.measure(std::move(patterns[at]));
+        });
+        for (Measured& m : measured) run.add(std::move(m));
+        progress.advance(count);
+    }
+    if (run.dropped() > 0) {
+        plan.warn(fmt::format("{} positions that are not finite were left out", run.dropped()));
+    }
+    return run.results();
+}
+
+std::vector<double> abs_q4(const Snapshot& snapshot, double diameter,
+                           const BondOrderOptions& options) {
+    std::vector<double> result(snapshot.size(), std::numeric_limits<double>::quiet_NaN());
+    const BondOrderField field = bond_order(pattern_of(snapshot, diameter), options);
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < snapshot.size(); ++i) {
+        const Vec2 p = snapshot.position[i];
+        if (!is_finite({p.x / diameter, p.y / diameter})) continue;
+        result[i] = std::abs(field.q[next++]);
+    }
+    return result;
+}
+
+}  // namespace grainfield::analysis

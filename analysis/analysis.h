@@ -1,0 +1,53 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "analysis/bond_order.h"
+#include "analysis/displacement.h"
+#include "analysis/number_variance.h"
+#include "analysis/phase.h"
+#include "analysis/structure_factor.h"
+#include "core/progress.h"
+#include "core/results.h"
+#include "core/run_plan.h"
+#include "core/trajectory.h"
+
+namespace grainfield::analysis {
+
+struct AnalysisOptions {
+    std::string observables = "all";  ///< comma list of q4, phase, msd, sk, variance
+    BondOrderOptions q4;
+    PhaseOptions phase;
+    DisplacementOptions msd;
+    StructureFactorOptions sk;
+    NumberVarianceOptions variance;
+};
+
+/// One table per section: analysis, q4, phase, msd, sk, variance.
+std::vector<OptionTable> describe(AnalysisOptions& options);
+
+/// Says in `plan` what `analyze` will run and leave out, and why, from the source's properties and
+/// its first snapshot. Throws OptionError for an unknown observable.
+void plan_analysis(SnapshotSource& source, const AnalysisOptions& options, RunPlan& plan);
+
+/// Measures the chosen observables over all snapshots of the source.
+///
+/// Snapshots are read in order, a few at a time; each batch is measured by up to `threads` threads
+/// and added in order, so the results are the same bits for any number of threads. Lengths are
+/// turned into units of a (TrajectoryInfo::diameter); times keep the unit of the trajectory.
+/// An observable that cannot be measured comes back with a `reason`. Observables come in the order
+/// q4, phase, msd, sk, variance.
+///
+/// Memory: a few snapshots and the accumulators (see the classes); only msd grows with the number
+/// of frames, up to its bound. Throws OptionError (options), InputError (inconsistent snapshots,
+/// box that changes), Interrupted.
+std::vector<ObservableResult> analyze(SnapshotSource& source, const AnalysisOptions& options,
+                                      int threads, RunPlan& plan, Progress& progress);
+
+/// |Q_k| of each particle of one snapshot, NaN where it is undefined (no neighbour, or a position
+/// that is not finite). `diameter` [length unit of the snapshot].
+std::vector<double> abs_q4(const Snapshot& snapshot, double diameter,
+                           const BondOrderOptions& options);
+
+}  // namespace grainfield::analysis

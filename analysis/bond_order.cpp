@@ -1,0 +1,156 @@
+#include "analysis/bond_order.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "analysis/neighbours.h"
+#include "analysis/triangulation.h"
+
+namespace grainfield::analysis {
+namespace {
+
+constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
+
+/// z^k / |z|^k without trigonometry; a square root only for odd k.
+struct UnitPower {
+    int k;
+
+    std::complex<double> operator()(const Neighbour& neighbour) const {
+        double re = neighbour.d.x;
+        double im = neighbour.d.y;
+        if (k == 4) {
+            const double a = re * re - im * im;
+            const double b = 2 * re * im;
+            const double scale = 1 / (neighbour.r2 * neighbour.r2);
+            return {(a * a - b * b) * scale, 2 * a * b * scale};
+        }
+        const double inverse = 1 / std::sqrt(neighbour.r2);
+        re *= inverse;
+        im *= inverse;
+        double power_re = 1;
+        double power_im = 0;
+        for (int left = k; left > 0; left /= 2) {
+            if (left % 2 == 1) {
+                const double next = power_re * re - power_im * im;
+                power_im = power_re * im + power_im * re;
+                power_re = next;
+            }
+            const double squared = re * re - im * im;
+            im = 2 * re * im;
+            re = squared;
+        }
+        return {power_re, power_im};
+    }
+};
+
+BondOrderField empty_field(std::size_t n) {
+    BondOrderField field;
+    field.q.assign(n, {undefined, undefined});
+    field.neighbours.assign(n, 0);
+    field.nearest.assign(n, undefined);
+    field.mean_four.assign(n, undefined);
+    return field;
+}
+
+template <class Range>
+void set_order(BondOrderField& field, std::size_t i, const Range& neighbours, double limit2,
+               const UnitPower& power) {
+    double re = 0;
+    double im = 0;
+    int count = 0;
+    for (const Neighbour& neighbour : neighbours) {
+        if (neighbour.r2 >= limit2 || neighbour.r2 <= 0) continue;
+        const std::complex<double> u = power(neighbour);
+        re += u.real();
+        im += u.imag();
+        ++count;
+    }
+    field.neighbours[i] = count;
+    if (count > 0) field.q[i] = {re / count, im / count};
+}
+
+constexpr double no_limit = std::numeric_limits<double>::infinity();
+
+BondOrderField by_cell_list(const Pattern& pattern, const BondOrderOptions& options) {
+    BondOrderField field = empty_field(pattern.size());
+    const CellList cells(pattern.position, pattern.box);
+    const UnitPower power{options.symmetry};
+    const double factor = options.rule == NeighbourRule::near_four ? options.factor : 0;
+    std::vector<Neighbour> found;
+    found.reserve(64);
+    for (int i : cells.order()) {
+        const auto at = static_cast<std::size_t>(i);
+        const CellList::Reach reach = cells.near(i, 4, factor, found);
+        if (reach.count > 0) field.nearest[at] = reach.nearest;
+        if (reach.count == 4) field.mean_four[at] = reach.mean_first;
+        if (options.rule == NeighbourRule::fixed_cutoff) {
+            cells.within(i, options.cutoff, found);
+        } else if (options.rule == NeighbourRule::near_four && reach.count > 0) {
+            const double limit = factor * reach.mean_first;
+            std::erase_if(found, [limit](const Neighbour& n) { return n.r2 >= limit * limit; });
+        }
+        set_order(field, at, found, no_limit, power);
+    }
+    return field;
+}
+
+BondOrderField by_triangulation(const Pattern& pattern, const BondOrderOptions& options) {
+    BondOrderField field = empty_field(pattern.size());
+    const Triangulation triangulation(pattern.position, pattern.box);
+    const UnitPower power{options.symmetry};
+    for (std::size_t i = 0; i < pattern.size(); ++i) {
+        const auto neighbours = triangulation.neighbours(i);
+        std::array<double, 4> smallest;
+        smallest.fill(no_limit);
+        for (const Neighbour& neighbour : neighbours) {
+            double r2 = neighbour.r2;
+            for (double& s : smallest) {
+                const double low = std::min(s, r2);
+                r2 = std::max(s, r2);
+                s = low;
+            }
+        }
+        const std::size_t have = std::min<std::size_t>(4, neighbours.size());
+        if (have == 0) continue;
+        double mean = 0;
+        for (std::size_t j = 0; j < have; ++j) mean += std::sqrt(smallest[j]);
+        mean /= static_cast<double>(have);
+        field.nearest[i] = std::sqrt(smallest[0]);
+        if (have == 4) field.mean_four[i] = mean;
+        const double limit = options.factor * mean;
+        const bool near = options.rule == NeighbourRule::near_delaunay;
+        set_order(field, i, neighbours, near ? limit * limit : no_limit, power);
+    }
+    return field;
+}
+
+}  // namespace
+
+OptionTable describe(BondOrderOptions& options) {
+    OptionTable table("q4");
+    table.choice("neighbours", options.rule,
+                 {{"near-four", NeighbourRule::near_four},
+                  {"near-delaunay", NeighbourRule::near_delaunay},
+                  {"four-nearest", NeighbourRule::four_nearest},
+                  {"delaunay", NeighbourRule::delaunay},
+                  {"fixed-cutoff", NeighbourRule::fixed_cutoff}},
+                 "which particles count as neighbours");
+    table.integer("symmetry", options.symmetry, "-", {1, 24}, "k of the k-fold order");
+    table.number("factor", options.factor, "-", {1, 3},
+                 "largest distance of a neighbour over the mean of the four nearest");
+    table.number("cutoff", options.cutoff, "a", {0.01, 100}, "radius of fixed-cutoff");
+    return table;
+}
+
+bool needs_triangulation(NeighbourRule rule) {
+    return rule == NeighbourRule::delaunay || rule == NeighbourRule::near_delaunay;
+}
+
+BondOrderField bond_order(const Pattern& pattern, const BondOrderOptions& options) {
+    return needs_triangulation(options.rule) ? by_triangulation(pattern, options)
+                                             : by_cell_list(pattern, options);
+}
+
+}  // namespace grainfield::analysis

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <complex>
+#include <cstddef>
+#include <vector>
+
+#include "analysis/pattern.h"
+#include "core/option_table.h"
+
+namespace grainfield::analysis {
+
+/// Which particles count as neighbours of a particle; r̄4 is the mean distance of its four nearest.
+enum class NeighbourRule {
+    near_four,      ///< all with r < factor · r̄4 (cell list)
+    near_delaunay,  ///< Delaunay neighbours with r < factor · r̄4
+    four_nearest,   ///< the four nearest
+    delaunay,       ///< all Delaunay neighbours; blind to a square lattice (physics.md §2)
+    fixed_cutoff    ///< all with r < cutoff
+};
+
+struct BondOrderOptions {
+    NeighbourRule rule = NeighbourRule::near_four;
+    int symmetry = 4;     ///< k of Q_k [-]: 4 square, 6 hexagonal
+    double factor = 1.2;  ///< of near_four and near_delaunay [r̄4]
+    double cutoff = 1.2;  ///< of fixed_cutoff [a]
+};
+
+OptionTable describe(BondOrderOptions& options);
+
+/// Bond-orientational order of one pattern, particle by particle.
+struct BondOrderField {
+    std::vector<std::complex<double>> q;  ///< Q_k [-]; NaN where a particle has no neighbour
+    std::vector<int> neighbours;          ///< N_j
+    std::vector<double> nearest;          ///< distance of the nearest particle [a]; NaN if none
+    std::vector<double> mean_four;        ///< r̄4 [a]; NaN with fewer than four others
+};
+
+/// Bond-orientational order parameter:
+///
+///   Q_k^j = (1/N_j) Σ_s exp(i k θ_s),
+///
+/// θ_s the direction from particle j to its neighbour s, N_j their number (`nelson1979`). |Q4| = 1
+/// in a square lattice, its phase / 4 is the lattice direction. Powers of (x + iy)/r, no
+/// trigonometry.
+///
+/// Without periodic boundaries particles at the edge have neighbours on one side only and are kept.
+/// Particles that coincide are no neighbours. Cost O(N) with a cell list, O(N log N) with Delaunay.
+/// Thread-safe.
+BondOrderField bond_order(const Pattern& pattern, const BondOrderOptions& options);
+
+/// Whether the rule needs the triangulation.
+bool needs_triangulation(NeighbourRule rule);
+
+}  // namespace grainfield::analysis

@@ -1,0 +1,200 @@
+#include "analysis/bond_statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "analysis/histogram_modes.h"
+
+namespace grainfield::analysis {
+namespace {
+
+constexpr int bins = 50;
+constexpr double ordered = 0.7;  // |Q4| of a solid particle, physics.md §1
+
+struct Mean {
+    double sum = 0;
+    double squares = 0;
+    double count = 0;
+
+    void add(double x) {
+        sum += x;
+        squares += x * x;
+        count += 1;
+    }
+    double mean() const { return sum / count; }
+    double error() const {
+        if (count < 2) return 0;
+        return std::sqrt(std::max(0.0, squares / count - mean() * mean()) / (count - 1));
+    }
+};
+
+double median(std::vector<double>& values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+std::optional<double> positive(double error) {
+    return error > 0 ? std::optional<double>(error) : std::nullopt;
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, OptionValue>> recorded(const OptionTable& table) {
+    std::vector<std::pair<std::string, OptionValue>> values;
+    for (const Option& option : table.rows()) values.emplace_back(option.name, option.get());
+    return values;
+}
+
+BondStatistics::BondStatistics(const BondOrderOptions& options)
+    : options_(options), histogram_(bins, 0.0) {}
+
+BondStatistics::Sample BondStatistics::measure(const Pattern& pattern,
+                                               const BondOrderOptions& options) {
+    return {pattern.frame, pattern.id, bond_order(pattern, options)};
+}
+
+void BondStatistics::add(Sample sample) {
+    Mean order;
+    Mean nearest;
+    std::vector<double> spacing;
+    for (std::size_t i = 0; i < sample.field.q.size(); ++i) {
+        const double q = std::abs(sample.field.q[i]);
+        if (std::isfinite(sample.field.nearest[i])) nearest.add(sample.field.nearest[i]);
+        if (!std::isfinite(q)) continue;
+        order.add(q);
+        const int bin = std::min(static_cast<int>(q * bins), bins - 1);
+        histogram_[static_cast<std::size_t>(bin)] += 1;
+        if (q >= ordered && std::isfinite(sample.field.mean_four[i])) {
+            spacing.push_back(sample.field.mean_four[i]);
+        }
+    }
+    ++frames_;
+    defined_ += order.count;
+    if (order.count > 0) {
+        mean_.add(order.mean());
+        single_spread_ = order.error();
+    }
+    if (nearest.count > 0) {
+        nearest_.add(nearest.mean());
+        single_nearest_ = nearest.error();
+    }
+    if (!spacing.empty()) {
+        Mean spread;
+        for (double s : spacing) spread.add(s);
+        spacing_.add(median(spacing));
+        // The median of a normal sample is sqrt(pi/2) times less precise than its mean.
+        single_spacing_ = 1.2533 * spread.error();
+    }
+    last_ = std::move(sample);
+}
+
+void BondStatistics::merge(const BondStatistics& later) {
+    for (std::size_t b = 0; b < histogram_.size(); ++b) histogram_[b] += later.histogram_[b];
+    mean_.append(later.mean_);
+    nearest_.append(later.nearest_);
+    spacing_.append(later.spacing_);
+    frames_ += later.frames_;
+    defined_ += later.defined_;
+    if (later.frames_ > 0) {
+        single_spread_ = later.single_spread_;
+        single_nearest_ = later.single_nearest_;
+        single_spacing_ = later.single_spacing_;
+        last_ = later.last_;
+    }
+}
+
+Curve BondStatistics::histogram_curve() const {
+    Curve curve;
+    curve.name = "q4_histogram";
+    curve.title = fmt::format("Distribution of |Q{}|", options_.symmetry);
+    Column q{"q4", "-", fmt::format("|Q{}|", options_.symmetry), {}};
+    Column density{"density", "-", "Probability density", {}};
+    Column count{"count", "-", "Particles", {}};
+    for (int b = 0; b < bins; ++b) {
+        const double particles = histogram_[static_cast<std::size_t>(b)];
+        q.values.push_back((b + 0.5) / bins);
+        density.values.push_back(defined_ > 0 ? particles * bins / defined_ : 0);
+        count.values.push_back(particles);
+    }
+    curve.columns = {q, density, count};
+    return curve;
+}
+
+Curve BondStatistics::field_curve() const {
+    Curve curve;
+    curve.name = "q4";
+    curve.title = fmt::format("Q{} of each particle in the last frame", options_.symmetry);
+    Column frame{"frame", "-", "Frame", {}};
+    Column particle{"particle", "-", "Particle", {}};
+    Column re{"q4_re", "-", "Real part", {}};
+    Column im{"q4_im", "-", "Imaginary part", {}};
+    Column neighbours{"n_neighbours", "-", "Neighbours", {}};
+    for (std::size_t i = 0; i < last_.field.q.size(); ++i) {
+        frame.values.push_back(static_cast<double>(last_.frame));
+        particle.values.push_back(
+            static_cast<double>(last_.id.empty() ? static_cast<std::int64_t>(i) : last_.id[i]));
+        re.values.push_back(last_.field.q[i].real());
+        im.values.push_back(last_.field.q[i].imag());
+        neighbours.values.push_back(last_.field.neighbours[i]);
+    }
+    curve.columns = {frame, particle, re, im, neighbours};
+    return curve;
+}
+
+void BondStatistics::add_measurements(ObservableResult& result) const {
+    const std::string one = frames_ == 1 ? "one frame: error takes particles as independent" : "";
+    result.measurements.push_back(mean_.measurement("q4_mean", "-", positive(single_spread_), one));
+
+    const HistogramModes modes = find_modes(histogram_);
+    const auto mode = [&](const char* name, const std::optional<double>& value,
+                          const std::optional<double>& error) {
+        Measurement m{name, "-", value, error, defined_, ""};
+        if (!value) {
+            m.samples = 0;
+            m.reason = modes.reason;
+        } else if (!error) {
+            m.reason =
+                modes.reason.empty() ? "position of a bin: no error estimated" : modes.reason;
+        }
+        result.measurements.push_back(m);
+    };
+    mode("q4_low_mode", modes.low_mode, 0.5 / bins);
+    mode("q4_high_mode", modes.high_mode, 0.5 / bins);
+    mode("q4_minimum", modes.minimum, modes.minimum_error);
+    for (Measurement& m : result.measurements) {
+        if (!m.value) m.error.reset();
+    }
+
+    result.measurements.push_back(
+        nearest_.measurement("nearest_distance", "a", positive(single_nearest_), one));
+    if (spacing_.value.empty()) {
+        result.measurements.push_back(missing(
+            "lattice_spacing", "a",
+            fmt::format("no particle has |Q{}| of {} or more", options_.symmetry, ordered)));
+    } else {
+        const bool single = spacing_.value.size() == 1;
+        result.measurements.push_back(
+            spacing_.measurement("lattice_spacing", "a", positive(single_spacing_),
+                                 single ? "one frame: error takes particles as independent" : ""));
+    }
+}
+
+ObservableResult BondStatistics::result() const {
+    ObservableResult result;
+    result.name = "q4";
+    BondOrderOptions options = options_;
+    result.options = recorded(describe(options));
+    if (defined_ <= 0) {
+        result.reason = frames_ == 0 ? "no frames" : "no particle has a neighbour in any frame";
+        return result;
+    }
+    add_measurements(result);
+    result.curves = {histogram_curve(), field_curve()};
+    return result;
+}
+
+}  // namespace grainfield::analysis

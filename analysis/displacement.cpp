@@ -1,0 +1,286 @@
+#include "analysis/displacement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "analysis/blocks.h"
+#include "analysis/bond_statistics.h"
+#include "analysis/msd_result.h"
+#include "analysis/pair_sums.h"
+#include "core/parallel.h"
+
+namespace grainfield::analysis {
+namespace {
+
+constexpr double absent = std::numeric_limits<double>::quiet_NaN();
+
+// The finaliser of SplitMix64: spreads consecutive identities evenly.
+std::uint64_t hash(std::int64_t id) {
+    auto z = static_cast<std::uint64_t>(id) + 0x9e3779b97f4a7c15U;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
+    return z ^ (z >> 31);
+}
+
+}  // namespace
+
+OptionTable describe(DisplacementOptions& options) {
+    OptionTable table("msd");
+    table.choice("lags", options.lags, {{"log", LagSpacing::logarithmic}, {"all", LagSpacing::all}},
+                 "spacing of the lag times");
+    table.integer("per-decade", options.per_decade, "-", {1, 1000},
+                  "lag times a decade when spaced logarithmically");
+    table.integer("longest", options.longest, "frames", {0, 1e12},
+                  "longest lag time; 0: half the duration");
+    table.number("memory", options.memory_mb, "MB", {1, 1e6},
+                 "bound of the stored tracks; particles are left out beyond it");
+    return table;
+}
+
+Displacement::Displacement(const DisplacementOptions& options, std::int64_t frames, int threads)
+    : options_(options), expected_frames_(frames), threads_(threads) {}
+
+void Displacement::place(Track& track, std::size_t ordinal, Vec2 step) {
+    const std::size_t at = ordinal - track.first;
+    if (at >= track.step.capacity()) {
+        // Doubling, but never beyond the last frame that can come.
+        const auto expected = static_cast<std::size_t>(std::max<std::int64_t>(expected_frames_, 0));
+        const std::size_t most = expected > track.first ? expected - track.first : 0;
+        const std::size_t doubled = std::max<std::size_t>(8, 2 * track.step.capacity());
+        const std::size_t wanted = std::max(at + 1, std::min(doubled, std::max(most, at + 1)));
+        stored_ -= track.step.capacity();
+        track.step.reserve(wanted);
+        stored_ += track.step.capacity();
+    }
+    track.step.resize(at, {absent, absent});
+    track.step.push_back(step);
+}
+
+void Displacement::add(Sample pattern) {
+    const std::size_t ordinal = frame_.size();
+    frame_.push_back(pattern.frame);
+    time_.push_back(pattern.time);
+    box_ = pattern.box;
+    if (pattern.id.empty() && pattern.size() > 0) linked_ = false;
+    for (std::size_t i = 0; i < pattern.id.size(); ++i) {
+        const std::int64_t id = pattern.id[i];
+        if (id < 0 || (hash(id) & thinning_) != 0) continue;
+        const Vec2 p = pattern.position[i];
+        const auto [at, is_new] = index_.try_emplace(id, tracks_.size());
+        if (is_new) tracks_.push_back({id, ordinal, p, {0, 0}, p, {}});
+        Track& track = tracks_[at->second];
+        if (track.first + track.step.size() > ordinal)
+            continue;  // identity given twice: first wins
+        track.moved += box_.minimum_image(p - track.last);
+        track.last = p;
+        place(track, ordinal, track.moved);
+    }
+    if (static_cast<double>(stored_) * sizeof(Vec2) > options_.memory_mb * 1e6) thin_out();
+}
+
+void Displacement::thin_out() {
+    thinning_ = 2 * thinning_ + 1;
+    std::erase_if(tracks_, [this](const Track& t) { return (hash(t.id) & thinning_) != 0; });
+    index_.clear();
+    stored_ = 0;
+    for (std::size_t t = 0; t < tracks_.size(); ++t) {
+        index_.emplace(tracks_[t].id, t);
+        stored_ += tracks_[t].step.capacity();
+    }
+}
+
+void Displacement::merge(const Displacement& later) {
+    const std::size_t offset = frame_.size();
+    frame_.insert(frame_.end(), later.frame_.begin(), later.frame_.end());
+    time_.insert(time_.end(), later.time_.begin(), later.time_.end());
+    linked_ = linked_ && later.linked_;
+    box_ = later.box_;
+    expected_frames_ = std::max(expected_frames_, static_cast<std::int64_t>(frame_.size()));
+    thinning_ = std::max(thinning_, later.thinning_);
+    for (const Track& from : later.tracks_) {
+        if ((hash(from.id) & thinning_) != 0) continue;
+        const std::size_t ordinal = offset + from.first;
+        const auto [at, is_new] = index_.try_emplace(from.id, tracks_.size());
+        if (is_new) tracks_.push_back({from.id, ordinal, from.origin, {0, 0}, from.origin, {}});
+        Track& track = tracks_[at->second];
+        const Vec2 start = track.moved + box_.minimum_image(from.origin - track.last);
+        for (std::size_t i = 0; i < from.step.size(); ++i) {
+            if (is_finite(from.step[i])) place(track, ordinal + i, start + from.step[i]);
+        }
+        track.moved = start + from.moved;
+        track.last = from.last;
+    }
+    thinning_ /= 2;
+    thin_out();
+}
+
+// Lags count steps of the largest stride that hits all frames: frames 0, 10, 20, 40 have stride 10
+// and one empty slot. Empty if the slots would outnumber the frames tenfold.
+std::optional<Displacement::Clock> Displacement::clock() const {
+    Clock clock;
+    clock.stride = 0;
+    for (std::size_t i = 1; i < frame_.size(); ++i) {
+        if (frame_[i] <= frame_[i - 1]) return std::nullopt;
+        clock.stride = std::gcd(clock.stride, frame_[i] - frame_[i - 1]);
+    }
+    clock.stride = std::max<std::int64_t>(clock.stride, 1);
+    for (std::int64_t frame : frame_) {
+        clock.slot.push_back(static_cast<std::size_t>((frame - frame_.front()) / clock.stride));
+    }
+    clock.slots = clock.slot.back() + 1;
+    if (clock.slots > 10 * frame_.size() + 100) return std::nullopt;
+    return clock;
+}
+
+std::vector<std::size_t> Displacement::lags(const Clock& clock) const {
+    std::size_t longest = std::max<std::size_t>(1, (clock.slots - 1) / 2);
+    if (options_.longest > 0) {
+        const std::int64_t asked = options_.longest / clock.stride;
+        longest = static_cast<std::size_t>(
+            std::clamp<std::int64_t>(asked, 1, static_cast<std::int64_t>(clock.slots) - 1));
+    }
+    std::vector<std::size_t> lags;
+    if (options_.lags == LagSpacing::all) {
+        lags.resize(longest);
+        std::iota(lags.begin(), lags.end(), std::size_t{1});
+        return lags;
+    }
+    for (int step = 0;; ++step) {
+        const double wanted = std::pow(10.0, static_cast<double>(step) / options_.per_decade);
+        const auto lag = static_cast<std::size_t>(std::lround(wanted));
+        if (lag >= longest) break;
+        if (lags.empty() || lag > lags.back()) lags.push_back(lag);
+    }
+    lags.push_back(longest);
+    return lags;
+}
+
+std::vector<double> Displacement::lag_times(const Clock& clock,
+                                            const std::vector<std::size_t>& lags) const {
+    std::vector<double> at(clock.slots, absent);
+    for (std::size_t i = 0; i < time_.size(); ++i) at[clock.slot[i]] = time_[i];
+    std::vector<double> times;
+    for (std::size_t lag : lags) {
+        double sum = 0;
+        double count = 0;
+        for (std::size_t s = 0; s + lag < clock.slots; ++s) {
+            const double difference = at[s + lag] - at[s];
+            if (!std::isfinite(difference)) continue;
+            sum += difference;
+            count += 1;
+        }
+        times.push_back(count > 0 ? sum / count : absent);
+    }
+    return times;
+}
+
+void Displacement::add_track(const Track& track, const Clock& clock,
+                             const std::vector<std::size_t>& lags, const PhaseHistory* phases,
+                             std::vector<LagSums>& sums) const {
+    if (track.step.size() < 2) return;
+    const std::size_t start = clock.slot[track.first];
+    const std::size_t length = clock.slot[track.first + track.step.size() - 1] - start + 1;
+    std::vector<double> x(length, 0.0);
+    std::vector<double> y(length, 0.0);
+    std::vector<double> seen(length, 0.0);
+    std::vector<Phase> phase(length, Phase::unknown);
+    std::int64_t first_window = 0;
+    const std::span<const Phase> history =
+        phases != nullptr ? phases->classes(track.id, first_window) : std::span<const Phase>();
+    bool gaps = false;
+    for (std::size_t i = 0; i < track.step.size(); ++i) {
+        if (!is_finite(track.step[i])) continue;
+        const std::size_t slot = clock.slot[track.first + i] - start;
+        x[slot] = track.step[i].x;
+        y[slot] = track.step[i].y;
+        seen[slot] = 1;
+        if (history.empty()) continue;
+        const std::int64_t window = phases->window_of(time_[track.first + i]) - first_window;
+        if (window >= 0 && window < static_cast<std::int64_t>(history.size())) {
+            phase[slot] = history[static_cast<std::size_t>(window)];
+        }
+    }
+    for (std::size_t s = 0; s < length; ++s) {
+        if (seen[s] > 0) continue;
+        gaps = true;
+        if (s > 0) phase[s] = phase[s - 1];  // carries no weight; keeps the runs long
+    }
+
+    for (std::size_t l = 0; l < lags.size(); ++l) {
+        const std::size_t lag = lags[l];
+        if (lag >= length) break;
+        for (std::size_t from = 0; from + lag < length;) {
+            std::size_t to = from + 1;
+            while (to + lag < length && phase[to] == phase[from]) ++to;
+            double pairs = gaps ? 0 : static_cast<double>(to - from);
+            const double sum = gaps ? sum_squared_steps_masked(x.data(), y.data(), seen.data(),
+                                                               from, to, lag, pairs)
+                                    : sum_squared_steps(x.data(), y.data(), from, to, lag);
+            const auto add_to = [&](std::size_t which) {
+                sums[l].sum[which] += sum;
+                sums[l].pairs[which] += pairs;
+            };
+            add_to(0);
+            if (phase[from] == Phase::liquid) add_to(1);
+            if (phase[from] == Phase::solid) add_to(2);
+            from = to;
+        }
+    }
+}
+
+ObservableResult Displacement::result(const PhaseHistory* phases) const {
+    ObservableResult result;
+    result.name = "msd";
+    DisplacementOptions options = options_;
+    result.options = recorded(describe(options));
+    if (frame_.size() < 2) {
+        result.reason = frame_.empty() ? "no frames" : "one frame: nothing has moved yet";
+        return result;
+    }
+    if (!linked_) {
+        result.reason = "the particles are not linked from frame to frame";
+        return result;
+    }
+    const std::optional<Clock> clock = this->clock();
+    if (!clock) {
+        result.reason = "the frame indices do not increase or lie too unevenly for lag times";
+        return result;
+    }
+    const std::vector<std::size_t> lags = this->lags(*clock);
+    std::vector<std::vector<LagSums>> sums(groups, std::vector<LagSums>(lags.size()));
+    parallel_for(groups, threads_, [&](std::int64_t group) {
+        const auto g = static_cast<std::size_t>(group);
+        for (const Track& track : tracks_) {
+            if ((hash(track.id) >> 56) % groups != g) continue;
+            add_track(track, *clock, lags, phases, sums[g]);
+        }
+    });
+
+    MsdTable table;
+    table.time = lag_times(*clock, lags);
+    for (std::size_t c = 0; c < classes; ++c) {
+        MsdTable::Series& series = table.series[c];
+        for (std::size_t g = 0; g < groups; ++g) {
+            series.sum.emplace_back();
+            series.pairs.emplace_back();
+            for (const LagSums& lag : sums[g]) {
+                series.sum.back().push_back(lag.sum[c]);
+                series.pairs.back().push_back(lag.pairs[c]);
+            }
+        }
+    }
+    table.has_phases = phases != nullptr;
+    if (thinning_ != 0) {
+        table.note = fmt::format("one particle in {} kept to stay within {:.0f} MB", thinning_ + 1,
+                                 options_.memory_mb);
+    }
+    add_msd(table, result);
+    return result;
+}
+
+}  // namespace grainfield::analysis

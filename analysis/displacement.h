@@ -1,0 +1,102 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "analysis/accumulator.h"
+#include "analysis/pattern.h"
+#include "analysis/phase.h"
+#include "core/option_table.h"
+
+namespace grainfield::analysis {
+
+enum class LagSpacing { logarithmic, all };
+
+struct DisplacementOptions {
+    LagSpacing lags = LagSpacing::logarithmic;
+    int per_decade = 8;        ///< lags a decade when logarithmic [-]
+    std::int64_t longest = 0;  ///< longest lag [frames]; 0: half the duration
+    double memory_mb = 1024;   ///< bound of the stored tracks [MB]
+};
+
+OptionTable describe(DisplacementOptions& options);
+
+/// The observable "msd": mean squared displacement, of all particles and by phase,
+///
+///   MSD(τ) = ⟨|r_j(t + τ) − r_j(t)|²⟩ over particles j and start times t,
+///
+/// taken over every pair of frames τ apart in which particle j was seen (a gap in a track removes
+/// its pairs, nothing is interpolated). The phase is that of the particle at the start, in the
+/// window of the phase history that contains t. Lags count frames of the source; t in the curve is
+/// the mean difference of the time stamps. Positions are unwrapped by minimum images (a particle
+/// must move less than half a periodic box between two sightings) and stored relative to the
+/// track's first one, so nothing is lost far from the origin.
+///
+/// Errors: jackknife over 16 groups of particles (particles as independent; overlapping start
+/// times are thereby allowed for). D = slope/4 over the last decade of lags with free offset, so
+/// that localisation noise (4σ²) does not enter; exponent = d ln MSD/d ln τ there.
+///
+/// Cost O(observations × lags). Memory 16 B an observation, 120 B a track; when it would pass
+/// `memory_mb` half of the particles, chosen by a hash of their identity, are left out (and said).
+class Displacement {
+ public:
+    using Sample = Pattern;
+
+    Displacement(const DisplacementOptions& options, std::int64_t frames, int threads = 1);
+
+    void add(Sample pattern);
+    void merge(const Displacement& later);
+    ObservableResult result() const { return result(nullptr); }
+
+    /// With phases, if there is a history of them (its last window closed).
+    ObservableResult result(const PhaseHistory* phases) const;
+
+ private:
+    static constexpr std::size_t groups = 16;
+    static constexpr std::size_t classes = 3;  // all, liquid, solid
+
+    struct Track {
+        std::int64_t id = 0;
+        std::size_t first = 0;   // ordinal of the first frame
+        Vec2 last;               // as read
+        Vec2 moved;              // unwrapped displacement since the first sighting
+        Vec2 origin;             // first sighting
+        std::vector<Vec2> step;  // unwrapped displacement per ordinal; NaN: not seen
+    };
+    struct Clock {  // the frames on an even grid of source indices
+        std::int64_t stride = 1;
+        std::vector<std::size_t> slot;  // of each ordinal
+        std::size_t slots = 0;
+    };
+    struct LagSums {
+        std::array<double, classes> sum{};
+        std::array<double, classes> pairs{};
+    };
+    void place(Track& track, std::size_t ordinal, Vec2 step);
+    void thin_out();
+    std::optional<Clock> clock() const;
+    std::vector<std::size_t> lags(const Clock& clock) const;
+    std::vector<double> lag_times(const Clock& clock, const std::vector<std::size_t>& lags) const;
+    void add_track(const Track& track, const Clock& clock, const std::vector<std::size_t>& lags,
+                   const PhaseHistory* phases, std::vector<LagSums>& sums) const;
+
+    DisplacementOptions options_;
+    std::int64_t expected_frames_;
+    int threads_;
+    std::vector<std::int64_t> frame_;
+    std::vector<double> time_;
+    std::unordered_map<std::int64_t, std::size_t> index_;
+    std::vector<Track> tracks_;
+    Box box_;
+    std::size_t stored_ = 0;      // capacity of all steps
+    std::uint64_t thinning_ = 0;  // identities with hash & thinning_ != 0 are left out
+    bool linked_ = true;
+};
+
+static_assert(Accumulator<Displacement>);
+
+}  // namespace grainfield::analysis

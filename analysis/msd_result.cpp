@@ -1,0 +1,171 @@
+#include "analysis/msd_result.h"
+
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <limits>
+#include <utility>
+
+#include "analysis/blocks.h"
+
+namespace grainfield::analysis {
+namespace {
+
+constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
+constexpr std::array<const char*, 3> names{"all", "liquid", "solid"};
+
+// The mean of each lag, with group `without` left out (none if beyond the last).
+std::vector<double> mean_without(const MsdTable::Series& series, std::size_t without) {
+    const std::size_t lags = series.sum.empty() ? 0 : series.sum.front().size();
+    std::vector<double> mean(lags, undefined);
+    for (std::size_t l = 0; l < lags; ++l) {
+        double sum = 0;
+        double pairs = 0;
+        for (std::size_t g = 0; g < series.sum.size(); ++g) {
+            if (g == without) continue;
+            sum += series.sum[g][l];
+            pairs += series.pairs[g][l];
+        }
+        if (pairs > 0) mean[l] = sum / pairs;
+    }
+    return mean;
+}
+
+std::size_t groups_with_pairs(const MsdTable::Series& series, std::size_t lag) {
+    std::size_t count = 0;
+    for (const auto& group : series.pairs) count += group[lag] > 0;
+    return count;
+}
+
+struct Line {
+    double slope = undefined;
+    int points = 0;
+};
+
+Line fit_line(const std::vector<double>& x, const std::vector<double>& y,
+              const std::vector<double>& weight) {
+    double sw = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+    Line line;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        if (!std::isfinite(y[i]) || !std::isfinite(x[i])) continue;
+        sw += weight[i];
+        sx += weight[i] * x[i];
+        sy += weight[i] * y[i];
+        ++line.points;
+    }
+    if (line.points < 3) return line;
+    const double mx = sx / sw;
+    const double my = sy / sw;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        if (!std::isfinite(y[i]) || !std::isfinite(x[i])) continue;
+        sxx += weight[i] * (x[i] - mx) * (x[i] - mx);
+        sxy += weight[i] * (x[i] - mx) * (y[i] - my);
+    }
+    if (sxx > 0) line.slope = sxy / sxx;
+    return line;
+}
+
+struct Fits {
+    double diffusion = undefined;
+    double exponent = undefined;
+};
+
+Fits fit_last_decade(const std::vector<double>& time, const std::vector<double>& msd) {
+    double last = 0;
+    for (std::size_t i = 0; i < time.size(); ++i) {
+        if (std::isfinite(msd[i]) && std::isfinite(time[i])) last = std::max(last, time[i]);
+    }
+    std::vector<double> t, m, relative, log_t, log_m, one;
+    for (std::size_t i = 0; i < time.size(); ++i) {
+        if (!std::isfinite(msd[i]) || !(time[i] >= 0.1 * last) || time[i] <= 0) continue;
+        t.push_back(time[i]);
+        m.push_back(msd[i]);
+        relative.push_back(1 / (time[i] * time[i]));
+        log_t.push_back(std::log(time[i]));
+        log_m.push_back(msd[i] > 0 ? std::log(msd[i]) : undefined);
+        one.push_back(1);
+    }
+    return {fit_line(t, m, relative).slope / 4, fit_line(log_t, log_m, one).slope};
+}
+
+Measurement fitted(const char* what, const char* unit, const std::string& phase, double value,
+                   const std::vector<double>& left_out, double samples, const std::string& note) {
+    Measurement m{std::string(what) + "_" + phase, unit, std::nullopt, std::nullopt, 0, note};
+    if (!std::isfinite(value)) {
+        m.reason = "fewer than three lags with data in the last decade of lag times";
+        return m;
+    }
+    m.value = value;
+    m.error = jackknife_error(left_out);
+    m.samples = samples;
+    if (!m.error) m.reason = "too few particles for an error";
+    return m;
+}
+
+}  // namespace
+
+void add_msd(const MsdTable& table, ObservableResult& result) {
+    Curve curve;
+    curve.name = "msd";
+    curve.title = "Mean squared displacement";
+    Column t{"t", "time unit", "Lag time", {}};
+    Column msd{"msd", "a^2", "Mean squared displacement", {}};
+    Column err{"err", "a^2", "Standard error", {}};
+    Column n{"n", "-", "Pairs of sightings", {}};
+    std::vector<std::string> phase;
+
+    const std::size_t none = std::numeric_limits<std::size_t>::max();
+    for (std::size_t c = 0; c < names.size(); ++c) {
+        const MsdTable::Series& series = table.series[c];
+        const std::string name = names[c];
+        if (c > 0 && !table.has_phases) {
+            for (const char* what : {"d", "exponent"}) {
+                result.measurements.push_back(
+                    missing(std::string(what) + "_" + name, what[0] == 'd' ? "a^2/time unit" : "-",
+                            "the phases of the particles were not followed"));
+            }
+            continue;
+        }
+        const std::vector<double> mean = mean_without(series, none);
+        std::vector<std::vector<double>> left(series.sum.size());
+        std::vector<double> d_left, exponent_left;
+        for (std::size_t g = 0; g < left.size(); ++g) {
+            left[g] = mean_without(series, g);
+            const Fits fits = fit_last_decade(table.time, left[g]);
+            d_left.push_back(fits.diffusion);
+            exponent_left.push_back(fits.exponent);
+        }
+        double pairs_first = 0;
+        for (std::size_t l = 0; l < mean.size(); ++l) {
+            if (!std::isfinite(mean[l])) continue;
+            double pairs = 0;
+            std::vector<double> values;
+            for (std::size_t g = 0; g < left.size(); ++g) {
+                pairs += series.pairs[g][l];
+                values.push_back(left[g][l]);
+            }
+            if (l == 0) pairs_first = pairs;
+            t.values.push_back(table.time[l]);
+            msd.values.push_back(mean[l]);
+            const bool enough = groups_with_pairs(series, l) >= 3;
+            err.values.push_back(enough ? jackknife_error(values).value_or(undefined) : undefined);
+            n.values.push_back(pairs);
+            phase.push_back(name);
+        }
+        const Fits fits = fit_last_decade(table.time, mean);
+        result.measurements.push_back(
+            fitted("d", "a^2/time unit", name, fits.diffusion, d_left, pairs_first, table.note));
+        result.measurements.push_back(
+            fitted("exponent", "-", name, fits.exponent, exponent_left, pairs_first, table.note));
+    }
+    if (t.values.empty()) {
+        result.measurements.clear();
+        result.reason = "no particle is seen in two frames";
+        return;
+    }
+    curve.columns = {t, msd, err, n};
+    curve.text_columns["phase"] = phase;
+    result.curves.push_back(curve);
+}
+
+}  // namespace grainfield::analysis

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "analysis/accumulator.h"
+#include "core/option_table.h"
+#include "core/trajectory.h"
+
+namespace grainfield::analysis {
+
+struct PhaseOptions {
+    double liquid_below = 0.4;     ///< largest mean |Q4| of a liquid particle [-]
+    double solid_above = 0.7;      ///< least mean |Q4| of a solid particle [-]
+    std::optional<double> window;  ///< averaging time T_o [time unit]; auto: see PhaseWindow
+};
+
+OptionTable describe(PhaseOptions& options);
+
+enum class Phase : std::int8_t { unknown = -1, liquid = 0, between = 1, solid = 2 };
+
+/// The averaging time T_o: 32 vibration periods if the vibration frequency is known, else 0.4 s if
+/// times are in seconds, else none: every frame stands alone.
+struct PhaseWindow {
+    std::optional<double> length;  ///< [time unit]
+    std::string reason;            ///< why there is none
+    static PhaseWindow of(const PhaseOptions& options, const TrajectoryInfo& info);
+};
+
+/// The observable "phase": each particle is liquid, solid or between by its time average
+///
+///   m_j = ⟨|Q4^j|⟩ over T_o;  liquid: m_j ≤ 0.4, solid: m_j ≥ 0.7
+///
+/// (physics.md §1). Windows of length T_o lie on a fixed grid of time, n T_o ≤ t < (n+1) T_o; a
+/// particle is classified in a window in which it is seen in at least half of the frames. Without
+/// identities, with one frame or without T_o every frame is its own window, and `reason` says so.
+///
+/// Memory: 1 B a particle and window, 24 B a window, 64 B an identity.
+class PhaseHistory {
+ public:
+    struct Sample {
+        std::int64_t frame = 0;
+        double time = 0;
+        std::vector<std::int64_t> id;
+        std::vector<float> abs_q;  ///< NaN: undefined
+    };
+
+    PhaseHistory(const PhaseOptions& options, const TrajectoryInfo& info, std::int64_t frames);
+
+    void add(Sample sample);
+    void merge(const PhaseHistory& later);
+    ObservableResult result() const;
+
+    /// Classes can be asked for once the last window is closed; `add` may go on after that.
+    void close_window();
+
+    /// The class of each window that particle `id` was followed through, from window
+    /// `first_window`; empty if unknown. Window of a time: `window_of`.
+    std::span<const Phase> classes(std::int64_t id, std::int64_t& first_window) const;
+    std::int64_t window_of(double time) const;
+
+    /// Whether particles are followed through windows of more than one frame.
+    bool follows() const { return window_.length.has_value(); }
+
+ private:
+    struct Track {
+        double sum = 0;
+        int count = 0;
+        std::int64_t first_window = 0;
+        std::vector<Phase> classes;
+    };
+    struct Row {
+        std::int64_t frame = 0;
+        double solid = 0;  // particles
+        double liquid = 0;
+        double all = 0;
+    };
+    Phase classify(double mean) const;
+    void count(Row& row, Phase phase) const;
+    void add_alone(const Sample& sample);
+
+    PhaseOptions options_;
+    PhaseWindow window_;
+    std::int64_t frames_ = 0;
+    std::unordered_map<std::int64_t, std::size_t> index_;
+    std::vector<Track> tracks_;
+    std::vector<std::size_t> touched_;
+    std::int64_t open_window_ = 0;
+    std::int64_t open_frame_ = 0;
+    int open_frames_ = 0;
+    std::vector<Row> rows_;
+};
+
+static_assert(Accumulator<PhaseHistory>);
+
+}  // namespace grainfield::analysis

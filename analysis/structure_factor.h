@@ -1,0 +1,109 @@
+#pragma once
+
+#include <complex>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/accumulator.h"
+#include "analysis/blocks.h"
+#include "analysis/density_modes.h"
+#include "analysis/pattern.h"
+#include "core/option_table.h"
+
+namespace grainfield::analysis {
+
+/// Which multiples make the wavevector grid.
+enum class WaveGrid {
+    automatic,  ///< 2π/L on periodic axes, π/L on walled ones
+    two_pi,     ///< 2π n/L
+    pi          ///< π n/L
+};
+
+struct StructureFactorOptions {
+    double k_max = 2;  ///< largest |k| [1/a]
+    WaveGrid grid = WaveGrid::automatic;
+    std::optional<double> shell_width;  ///< width of the isotropic average [1/a]; auto: grid step
+};
+
+OptionTable describe(StructureFactorOptions& options);
+
+/// The observable "sk": static structure factor at small wavevectors, from density modes ρ_k of
+/// particles or fields (physics.md §1, §9; methods.md, "Analysis").
+///
+///   raw        S(k) = ⟨|ρ_k|²⟩ / ⟨N⟩                                  (curve `sk_raw`)
+///   connected  S(k) = M/(M − 1) · (⟨|ρ_k|²⟩ − |⟨ρ_k⟩|²) / ⟨N⟩         removes walls and gradients
+///   Neumann    S(k) = 4 M/(M − 1) · var(c_k) / ⟨N⟩,  c_k = Σ cos(k_x x) cos(k_y y), n_x, n_y > 0
+///                                                                     (curve `sk_neumann`, walls)
+///
+/// Curve `sk` is the connected one for two or more frames with walls, the raw one for periodic
+/// boxes (where ⟨ρ_k⟩ = 0) and, with a stated reason, for one frame. M is the number of
+/// independent frames behind a shell, estimated from the scatter of block means (at most the number
+/// of frames; equal to it below 17 frames) and given in the curve `sk_samples`.
+///
+/// Isotropic average over shells of |k| (half plane): k is the mean |k| of the modes, n their
+/// number. Error: jackknife over at most 16 blocks of time; below four frames the scatter among
+/// the modes of a shell. In a walled box plane waves on the π/L grid are correlated and leak
+/// (methods.md): use `sk_neumann` for the limit k → 0.
+///
+/// Memory: 16 blocks × 56 B × modes, whatever the number of frames.
+class StructureFactor {
+ public:
+    struct Sample {
+        double particles = 0;
+        std::vector<std::complex<double>> rho;
+    };
+
+    /// The grid is that of `box` [a]; all later patterns must have the same one.
+    StructureFactor(const StructureFactorOptions& options, const Box& box, std::int64_t frames);
+
+    /// Thread-safe. Throws InputError if the pattern's box is another one.
+    Sample measure(const Pattern& pattern) const;
+    void add(Sample sample);
+    void merge(const StructureFactor& later);
+    ObservableResult result() const;
+
+    const ModeGrid& grid() const { return grid_; }
+
+ private:
+    struct Block {
+        double frames = 0;
+        double particles = 0;
+        std::vector<std::complex<double>> rho;  // Σ ρ
+        std::vector<double> power;              // Σ |ρ|²
+        std::vector<double> cosine;             // Σ c
+        std::vector<double> cosine2;            // Σ c²
+    };
+    enum class Estimator { raw, connected, neumann };
+
+    struct Shells {
+        std::vector<double> k;
+        std::vector<double> modes;
+        std::vector<std::vector<std::size_t>> members;
+    };
+    bool has_neumann() const;
+    Shells shells(Estimator estimator) const;
+    double mode_value(const Block& sums, Estimator estimator, std::size_t mode) const;
+    std::vector<double> samples(const Shells& shells, Estimator estimator) const;
+    std::vector<double> averages(const Shells& shells, const Block& sums, Estimator estimator,
+                                 const std::vector<double>& samples) const;
+    Curve curve(const char* name, const char* title, Estimator estimator) const;
+    Curve samples_curve(Estimator estimator) const;
+    void add_measurements(ObservableResult& result, const std::string& reason) const;
+    Block total(std::optional<std::size_t> without) const;
+    Block empty_block() const;
+
+    StructureFactorOptions options_;
+    Box box_;
+    BlockPlan plan_;
+    ModeGrid grid_;
+    std::int64_t added_ = 0;
+    std::vector<Block> blocks_;
+    std::vector<std::size_t> neumann_index_;  // of each mode in `cosine`; npos where undefined
+    std::vector<std::size_t> neumann_modes_;
+};
+
+static_assert(Accumulator<StructureFactor>);
+
+}  // namespace grainfield::analysis

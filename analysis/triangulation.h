@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "analysis/neighbours.h"
+#include "core/box.h"
+
+namespace grainfield::analysis {
+
+/// The Delaunay neighbours of every point: pairs whose Voronoi cells share an edge.
+///
+/// Voronoi diagram by Fortune's sweep with exact predicates (Boost.Polygon, `boostpolygon`) on
+/// coordinates rounded to 2^-30 of the pattern's extent; cocircular points give no diagonal or one
+/// of them. Periodic axes are continued by copies of the points, wide enough that every Voronoi
+/// vertex of a real cell is certain. Points that round to the same place share their neighbours
+/// and are not neighbours of each other; collinear points have their neighbours on the line.
+///
+/// Neighbours of point i come in order of direction. Cost O(N log N).
+class Triangulation {
+ public:
+    Triangulation(std::span<const Vec2> points, const Box& box);
+
+    std::size_t size() const { return first_.empty() ? 0 : first_.size() - 1; }
+    std::span<const Neighbour> neighbours(std::size_t i) const {
+        return {neighbour_.data() + first_[i], neighbour_.data() + first_[i + 1]};
+    }
+
+ private:
+    std::vector<std::size_t> first_;
+    std::vector<Neighbour> neighbour_;
+};
+
+}  // namespace grainfield::analysis
