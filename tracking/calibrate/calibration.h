@@ -1,0 +1,43 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/frame.h"
+#include "core/option_table.h"
+#include "core/run_plan.h"
+#include "tracking/image_model.h"
+#include "tracking/locate.h"
+
+namespace grainfield::tracking {
+
+enum class PolarityChoice { automatic, dark, bright };
+
+struct CalibrationOptions {
+    std::optional<double> diameter;    ///< apparent diameter D [px]; empty: estimated
+    std::optional<double> edge_width;  ///< w [px]; empty: estimated
+    PolarityChoice polarity = PolarityChoice::automatic;
+    double uniform_tolerance = 0.003;  ///< background counts as uniform below this variation [-]
+};
+
+OptionTable describe(CalibrationOptions& options);
+
+struct Calibration {
+    ImageModel model;
+    std::vector<Vec2> positions;  ///< rough positions in the frame used, to start from [px]
+};
+
+/// Estimates the image model from one frame: polarity and rough size from the shape of the
+/// thresholded image, background from the upper envelope, D, w and the dark level on the exposed
+/// edges of the most dilute patch, then the background on the clear pixels of the whole frame. What
+/// was estimated, given or skipped goes into the plan.
+///
+/// Empty, with a warning in the plan, when the frame holds nothing to calibrate on: no contrast
+/// (all black or saturated), nothing above the noise, or no discs of one size and no diameter
+/// given.
+std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptions& options,
+                                     const DetectionOptions& detection,
+                                     const RefinementOptions& refinement, int threads,
+                                     RunPlan& plan);
+
+}  // namespace grainfield::tracking

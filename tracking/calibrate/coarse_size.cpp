@@ -1,0 +1,148 @@
+#include "tracking/calibrate/coarse_size.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace grainfield::tracking {
+namespace {
+
+/// Lower envelope of the parabolas f(q) + (p − q)², in place, stride 1.
+class ParabolaEnvelope {
+ public:
+    explicit ParabolaEnvelope(int longest)
+        : vertex_(static_cast<std::size_t>(longest)),
+          border_(static_cast<std::size_t>(longest) + 1),
+          copy_(static_cast<std::size_t>(longest)) {}
+
+    void apply(float* f, int n) {
+        int k = 0;
+        vertex_[0] = 0;
+        border_[0] = -1e20F;
+        border_[1] = 1e20F;
+        for (int q = 1; q < n; ++q) {
+            float s = crossing(f, q, vertex_[static_cast<std::size_t>(k)]);
+            while (s <= border_[static_cast<std::size_t>(k)]) {
+                --k;
+                s = crossing(f, q, vertex_[static_cast<std::size_t>(k)]);
+            }
+            ++k;
+            vertex_[static_cast<std::size_t>(k)] = q;
+            border_[static_cast<std::size_t>(k)] = s;
+            border_[static_cast<std::size_t>(k) + 1] = 1e20F;
+        }
+        k = 0;
+        for (int p = 0; p < n; ++p) {
+            while (border_[static_cast<std::size_t>(k) + 1] < static_cast<float>(p)) ++k;
+            const int q = vertex_[static_cast<std::size_t>(k)];
+            const auto d = static_cast<float>(p - q);
+            copy_[static_cast<std::size_t>(p)] = d * d + f[q];
+        }
+        std::copy_n(copy_.begin(), n, f);
+    }
+
+ private:
+    static float crossing(const float* f, int q, int v) {
+        const auto fq = static_cast<float>(q);
+        const auto fv = static_cast<float>(v);
+        return ((f[q] + fq * fq) - (f[v] + fv * fv)) / (2 * (fq - fv));
+    }
+
+    std::vector<int> vertex_;
+    std::vector<float> border_;
+    std::vector<float> copy_;
+};
+
+/// Centre of the window of ±15 % (in log radius) that holds the most disc area.
+double most_frequent_radius(const std::vector<float>& radii) {
+    constexpr double kStep = 0.02;
+    const double lowest = std::log(1.4);
+    std::vector<double> area(400, 0.0);
+    for (const float r : radii) {
+        const double bin = (std::log(static_cast<double>(r)) - lowest) / kStep;
+        if (bin >= 0 && bin < static_cast<double>(area.size())) {
+            area[static_cast<std::size_t>(bin)] += static_cast<double>(r) * static_cast<double>(r);
+        }
+    }
+    constexpr int kHalf = 4;
+    double best = 0;
+    int best_bin = -1;
+    for (int i = 0; i < static_cast<int>(area.size()); ++i) {
+        double sum = 0;
+        for (int j = std::max(0, i - kHalf);
+             j <= std::min(static_cast<int>(area.size()) - 1, i + kHalf); ++j) {
+            sum += area[static_cast<std::size_t>(j)] * (1.0 - std::abs(i - j) / (kHalf + 1.0));
+        }
+        if (sum > best) {
+            best = sum;
+            best_bin = i;
+        }
+    }
+    return best_bin < 0 ? 0.0 : std::exp(lowest + (best_bin + 0.5) * kStep);
+}
+
+}  // namespace
+
+Image squared_distance_transform(const Image& mask) {
+    const int w = mask.width();
+    const int h = mask.height();
+    const float far = static_cast<float>(w + h) * static_cast<float>(w + h);
+    Image distance(w, h);
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+        distance.pixels()[i] = mask.pixels()[i] > 0.5F ? far : 0.0F;
+    }
+    ParabolaEnvelope envelope(std::max(w, h));
+    for (int y = 0; y < h; ++y) envelope.apply(distance.row(y), w);
+    std::vector<float> column(static_cast<std::size_t>(h));
+    for (int x = 0; x < w; ++x) {
+        for (int y = 0; y < h; ++y) column[static_cast<std::size_t>(y)] = distance(x, y);
+        envelope.apply(column.data(), h);
+        for (int y = 0; y < h; ++y) distance(x, y) = column[static_cast<std::size_t>(y)];
+    }
+    for (float& d : distance.pixels()) d = std::min(d, far);
+    return distance;
+}
+
+CoarseSize coarse_size(const Image& mask) {
+    const Image distance = squared_distance_transform(mask);
+    const int w = mask.width();
+    const int h = mask.height();
+    std::vector<float> radii;
+    double mask_area = 0;
+    for (int y = 0; y < h; ++y) {
+        for (int x = 0; x < w; ++x) {
+            const float d = distance(x, y);
+            if (d <= 0) continue;
+            ++mask_area;
+            if (d < 2 || x == 0 || y == 0 || x == w - 1 || y == h - 1) continue;
+            bool highest = true;
+            for (int dy = -1; dy <= 1 && highest; ++dy) {
+                for (int dx = -1; dx <= 1; ++dx) {
+                    const float other = distance(x + dx, y + dy);
+                    // On plateaus the first pixel in reading order counts.
+                    const bool before = dy < 0 || (dy == 0 && dx < 0);
+                    if (other > d || (before && other == d)) {
+                        highest = false;
+                        break;
+                    }
+                }
+            }
+            // The nearest outside pixel centre lies half a pixel beyond the edge on average.
+            if (highest) radii.push_back(std::sqrt(d) - 0.5F);
+        }
+    }
+    CoarseSize size;
+    size.radius = most_frequent_radius(radii);
+    if (size.radius <= 0) return size;
+    double area = 0;
+    for (const float r : radii) {
+        if (std::abs(static_cast<double>(r) / size.radius - 1) > 0.15) continue;
+        ++size.discs;
+        area += std::numbers::pi * static_cast<double>(r) * static_cast<double>(r);
+    }
+    size.coverage = std::min(1.0, area / mask_area);
+    return size;
+}
+
+}  // namespace grainfield::tracking

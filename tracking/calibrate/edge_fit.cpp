@@ -1,0 +1,124 @@
+#include "tracking/calibrate/edge_fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Dense>
+
+namespace grainfield::tracking {
+namespace {
+
+/// Mean darkness of the exposed pixels at one distance from their centre.
+struct RadialBin {
+    double r = 0;
+    double darkness = 0;
+    double squares = 0;  ///< Σ darkness²
+    double count = 0;
+};
+
+constexpr double kBinWidth = 0.02;  ///< [px], far below any edge width
+
+/// The radial profile over pixels that only one disc reaches. `owners` counts discs per pixel, each
+/// out to where its P falls below 0.01 (u = 2.3).
+std::vector<RadialBin> exposed_profile(const Image& darkness, const std::vector<Vec2>& positions,
+                                       const DiscProfile& disc) {
+    const double influence = disc.radius() + 2.3 * disc.edge_width;
+    Image owners(darkness.width(), darkness.height());
+    const auto visit = [&](Vec2 c, double reach, auto&& action) {
+        const int y1 = std::min(darkness.height() - 1, static_cast<int>(c.y + reach));
+        const int x1 = std::min(darkness.width() - 1, static_cast<int>(c.x + reach));
+        for (int y = std::max(0, static_cast<int>(std::ceil(c.y - reach))); y <= y1; ++y) {
+            for (int x = std::max(0, static_cast<int>(std::ceil(c.x - reach))); x <= x1; ++x) {
+                const Vec2 d{x - c.x, y - c.y};
+                const double r = std::sqrt(squared_norm(d));
+                if (r < reach) action(x, y, r);
+            }
+        }
+    };
+    for (const Vec2 c : positions) {
+        visit(c, influence, [&](int x, int y, double) { owners(x, y) += 1; });
+    }
+    std::vector<RadialBin> bins(static_cast<std::size_t>(disc.reach() / kBinWidth) + 1);
+    for (const Vec2 c : positions) {
+        visit(c, disc.reach(), [&](int x, int y, double r) {
+            const float others = owners(x, y) - (r < influence ? 1.0F : 0.0F);
+            if (others != 0) return;
+            RadialBin& bin = bins[static_cast<std::size_t>(r / kBinWidth)];
+            const auto value = static_cast<double>(darkness(x, y));
+            bin.r += r;
+            bin.darkness += value;
+            bin.squares += value * value;
+            bin.count += 1;
+        });
+    }
+    std::erase_if(bins, [](const RadialBin& bin) { return bin.count == 0; });
+    for (RadialBin& bin : bins) {
+        bin.r /= bin.count;
+        bin.darkness /= bin.count;
+    }
+    return bins;
+}
+
+}  // namespace
+
+EdgeFit fit_exposed_edges(const Image& darkness, const std::vector<Vec2>& positions,
+                          const DiscProfile& start) {
+    EdgeFit fit;
+    fit.disc = start;
+    const std::vector<RadialBin> bins = exposed_profile(darkness, positions, start);
+    double count = 0;
+    double scatter = 0;  // within bins: no fit can remove it
+    for (const RadialBin& bin : bins) {
+        count += bin.count;
+        scatter += bin.squares - bin.count * bin.darkness * bin.darkness;
+    }
+    if (bins.size() < 30) return fit;
+    double damping = 1e-3;
+    double best = -1;
+    DiscProfile disc = start;
+    double amplitude = 1;
+    for (int iteration = 0; iteration < 40; ++iteration) {
+        Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
+        Eigen::Vector3d b = Eigen::Vector3d::Zero();
+        double misfit = 0;
+        for (const RadialBin& bin : bins) {
+            const double r = bin.r;
+            const double p = disc.darkness(r);
+            const double slope = disc.slope(r);
+            const double residual = bin.darkness - amplitude * p;
+            const Eigen::Vector3d j(amplitude * slope / 2,
+                                    amplitude * slope * (r - disc.radius()) / disc.edge_width, p);
+            a += bin.count * j * j.transpose();
+            b += bin.count * residual * j;
+            misfit += bin.count * residual * residual;
+        }
+        if (best >= 0 && misfit > best * (1 + 1e-12)) {
+            damping *= 10;
+            disc = fit.disc;
+            amplitude = fit.amplitude;
+            if (damping > 1e6) break;
+        } else {
+            const bool settled = best >= 0 && best - misfit < 1e-9 * best;
+            best = misfit;
+            fit.disc = disc;
+            fit.amplitude = amplitude;
+            damping *= 0.3;
+            if (settled) {
+                fit.converged = true;
+                break;
+            }
+        }
+        a.diagonal() *= 1 + damping;
+        const Eigen::Vector3d d = a.ldlt().solve(b);
+        if (!d.allFinite()) break;
+        disc.diameter = std::clamp(disc.diameter + d(0), 0.5 * start.diameter, 2 * start.diameter);
+        disc.edge_width =
+            std::clamp(disc.edge_width + d(1), 0.2 * start.edge_width, 5 * start.edge_width);
+        amplitude = std::clamp(amplitude + d(2), 0.2, 5.0);
+    }
+    fit.pixels = static_cast<std::int64_t>(count);
+    fit.rms = std::sqrt((best + scatter) / count);
+    return fit;
+}
+
+}  // namespace grainfield::tracking

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cmath>
+
+#include "core/vec2.h"
+
+namespace grainfield::tracking {
+
+/// The image of one opaque sphere: a disc with a soft edge (Shattuck, `shattuck_chitrack`).
+///
+///   P(r) = [1 − tanh((r − D/2)/w)] / 2 = 1 / (1 + exp(2 (r − D/2)/w))
+///
+/// P is the darkness in units of the contrast, 1 inside and 0 outside; D the apparent diameter and
+/// w the edge width, both in pixels. 76 % of the change lies within ±w of the edge.
+struct DiscProfile {
+    double diameter = 0;    ///< D [px]
+    double edge_width = 0;  ///< w [px]
+
+    double radius() const { return diameter / 2; }
+    double darkness(double r) const { return 1 / (1 + std::exp(2 * (r - radius()) / edge_width)); }
+    /// −dP/dr = sech²((r − D/2)/w) / (2w) [1/px].
+    double slope(double r) const {
+        const double p = darkness(r);
+        return 2 / edge_width * p * (1 - p);
+    }
+    /// Beyond this distance from the centre P < 1e-3 and counts as zero [px].
+    double reach() const { return radius() + kReachInWidths * edge_width; }
+
+    static constexpr double kReachInWidths = 3.5;
+};
+
+}  // namespace grainfield::tracking

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/frame_source.h"
+#include "core/option_table.h"
+#include "core/progress.h"
+#include "core/run_plan.h"
+#include "core/trajectory.h"
+#include "tracking/calibrate/calibration.h"
+#include "tracking/image_model.h"
+#include "tracking/link/linker.h"
+#include "tracking/locate.h"
+
+namespace grainfield::tracking {
+
+struct TrackOptions {
+    CalibrationOptions calibration;
+    DetectionOptions detection;
+    RefinementOptions refinement;
+    LinkOptions link;
+    std::optional<double> sphere_diameter;  ///< true diameter a [px]; empty: the apparent D
+    int threads = 0;                        ///< 0: all
+};
+
+/// Every option of tracking, one table a stage ("calibrate", "detect", "refine", "link", "track").
+std::vector<OptionTable> describe(TrackOptions& options);
+
+/// Where the time of a run went, per frame.
+struct FrameTimes {
+    double read = 0, detect = 0, refine = 0, link = 0, write = 0;  ///< [ms]
+};
+
+struct TrackSummary {
+    std::int64_t frames = 0;  ///< tracked
+    std::int64_t frames_corrupt = 0, frames_missing = 0;
+    double particles_mean = 0;
+    double residual_rms = 0;  ///< of image − model, mean over frames [contrast]
+    double step_rms = 0;      ///< RMS displacement between consecutive frames [px]; 0: one frame
+    FrameTimes ms_per_frame;
+};
+
+/// Frames in, linked snapshots out: calibrates the image model on the first usable frame, then
+/// locates every sphere of every frame and gives it its identity through time.
+///
+/// Positions are in pixels of the source. One frame is in memory at a time. Results do not depend
+/// on the number of threads.
+class Tracker {
+ public:
+    /// Calibrates; what was decided goes into `plan`. The source must outlive the tracker. A source
+    /// without any usable frame gives a tracker that writes empty snapshots, with warnings.
+    Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan);
+
+    bool is_calibrated() const { return calibration_.has_value(); }
+    /// Call only if is_calibrated().
+    const ImageModel& model() const { return calibration_->model; }
+    TrajectoryInfo info() const;
+
+    /// Tracks all frames. Corrupt and missing frames leave a gap. Stops early, keeping what was
+    /// done, when an interrupt was caught (core/interrupt.h).
+    TrackSummary run(SnapshotSink& sink, Progress& progress,
+                     const std::function<void(const Frame&, const Snapshot&)>& each_frame = {});
+
+ private:
+    Snapshot track(const Frame& frame, Linker& linker, TrackSummary& summary);
+
+    FrameSource& source_;
+    TrackOptions options_;
+    RunPlan& plan_;
+    int threads_;
+    std::optional<Calibration> calibration_;
+    std::int64_t calibration_frame_ = -1;
+    std::unique_ptr<Locator> locator_;
+};
+
+}  // namespace grainfield::tracking
