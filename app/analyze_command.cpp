@@ -1,0 +1,169 @@
+#include "app/analyze_command.h"
+
+#include <fmt/format.h>
+
+#include "io/open_snapshots.h"
+#include "io/output_file.h"
+#include "io/points_csv.h"
+#include "io/results_file.h"
+#include "io/trajectory_file.h"
+
+namespace grainfield::app {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json to_json(const Measurement& m) {
+    ordered_json object;
+    object["name"] = m.name;
+    object["unit"] = m.unit;
+    if (m.value) object["value"] = *m.value;
+    if (m.error) object["error"] = *m.error;
+    object["samples"] = m.samples;
+    if (!m.reason.empty()) object["reason"] = m.reason;
+    return object;
+}
+
+// The first measurement stands for the observable; all of them are under "measurements".
+ordered_json to_json(const ObservableResult& observable) {
+    ordered_json object;
+    if (!observable.measurements.empty()) object = to_json(observable.measurements.front());
+    if (!observable.reason.empty()) object["reason"] = observable.reason;
+    object["seconds"] = observable.seconds;
+    object["measurements"] = ordered_json::array();
+    for (const Measurement& m : observable.measurements) {
+        object["measurements"].push_back(to_json(m));
+    }
+    return object;
+}
+
+std::string words(const Measurement& m) {
+    const std::string unit = m.unit.empty() || m.unit == "-" ? "" : " " + m.unit;
+    std::string text = fmt::format("    {:<18} ", m.name);
+    if (m.value) text += fmt::format("{:.5g}", *m.value);
+    if (m.value && m.error) text += fmt::format(" ± {:.2g}", *m.error);
+    if (m.value) text += unit;
+    if (!m.reason.empty()) text += fmt::format("{}({})", m.value ? " " : "- ", m.reason);
+    return text + "\n";
+}
+
+std::string words(const Session& session, const Results& results) {
+    std::string text =
+        fmt::format("{}: {} frames, {:.1f} particles per frame\n", session.outputs.front().string(),
+                    results.frames, results.particles_mean);
+    for (const ObservableResult& observable : results.observables) {
+        text += fmt::format("  {} ({})\n", observable.name, format_duration(observable.seconds));
+        if (!observable.reason.empty()) text += fmt::format("    - ({})\n", observable.reason);
+        for (const Measurement& m : observable.measurements) text += words(m);
+    }
+    for (const PlannedStage& stage : session.plan.skipped()) {
+        text += fmt::format("  skipped    {}: {}\n", stage.stage, stage.reason);
+    }
+    return text;
+}
+
+ordered_json facts(const Results& results) {
+    ordered_json facts;
+    facts["frames"] = results.frames;
+    facts["particles_mean"] = results.particles_mean;
+    for (const ObservableResult& observable : results.observables) {
+        facts[observable.name] = to_json(observable);
+    }
+    return facts;
+}
+
+// The frames that the tracker kept; where there are none, the last snapshot alone.
+std::vector<Preview> previews(SnapshotSource& file, AdjustedSnapshots& snapshots) {
+    if (const auto* trajectory = dynamic_cast<const io::TrajectoryFile*>(&file)) {
+        if (!trajectory->previews().empty()) return trajectory->previews();
+    }
+    if (snapshots.count() == 0) return {};
+    Preview last;
+    last.snapshot = snapshots.read(snapshots.count() - 1);
+    last.frame.index = last.snapshot.frame;
+    last.frame.time = last.snapshot.time;
+    return {last};
+}
+
+}  // namespace
+
+std::string AnalyzeCommand::purpose() const {
+    return "measure order, phases, motion and density fluctuations";
+}
+
+Command::Inputs AnalyzeCommand::inputs() const {
+    return {.placeholder = "TRACKS.h5|POINTS.csv",
+            .meaning = "a trajectory, or a table of points of any tracker",
+            .most = 1};
+}
+
+std::vector<OptionTable> AnalyzeCommand::options() {
+    OptionTable own("");
+    own.text("output", output_, "results file to write");
+    own.text("label", label_, "name in plots; by default the name of the input file");
+    own.text("box", box_, "box of the points as LX,LY in their length unit");
+    own.choice("boundary", boundary_,
+               {{"as-in-file", BoundaryChoice::as_in_file},
+                {"periodic", BoundaryChoice::periodic},
+                {"walls", BoundaryChoice::walls}},
+               "what the sides of the box are");
+    own.number("fps", fps_, "1/s", {1e-9, 1e9}, "frame rate; auto: as the file says");
+    own.number("diameter", diameter_, "length unit of the file", {1e-9, 1e9},
+               "particle diameter a, the unit of the results; auto: as the file says");
+    std::vector<OptionTable> tables{own};
+    for (OptionTable& table : analysis::describe(analysis_)) tables.push_back(std::move(table));
+    return tables;
+}
+
+Adjustment AnalyzeCommand::adjustment() const {
+    Adjustment adjustment;
+    if (!box_.empty()) adjustment.box_length = parse_box_length(box_);
+    if (boundary_ == BoundaryChoice::periodic) adjustment.boundary = Boundary::periodic;
+    if (boundary_ == BoundaryChoice::walls) adjustment.boundary = Boundary::walls;
+    adjustment.frame_rate = fps_;
+    adjustment.diameter = diameter_;
+    return adjustment;
+}
+
+Summary AnalyzeCommand::run(Session& session) {
+    require_output(session, output_);
+    const auto overwrite = session.common.force ? io::Overwrite::force : io::Overwrite::refuse;
+    const std::filesystem::path& input = session.inputs.front();
+    const Adjustment adjustment = this->adjustment();
+    TrajectoryInfo hints;
+    adjustment.apply_to(hints);
+    std::optional<Box> box;
+    if (adjustment.box_length) box = Box{.origin = {}, .length = *adjustment.box_length};
+    if (box && adjustment.boundary) box->boundary = {*adjustment.boundary, *adjustment.boundary};
+    const auto file = io::open_snapshots(input, box, hints);
+    AdjustedSnapshots snapshots(*file, adjustment);
+    if (session.common.explain) {
+        analysis::plan_analysis(snapshots, analysis_, session.plan);
+        return explanation(session.plan);
+    }
+
+    Progress progress("analysing", snapshots.count(), "frames", session.common.verbosity());
+    Results results;
+    results.observables =
+        analysis::analyze(snapshots, analysis_, session.threads(), session.plan, progress);
+    progress.finish();
+    results.source = snapshots.info();
+    results.label = label_.empty() ? input.stem().string() : label_;
+    results.frames = snapshots.count();
+    results.particles_mean = snapshots.particles_mean();
+    if (results.frames > 0) results.box = snapshots.read(0).box;
+    results.previews = previews(*file, snapshots);
+    for (Preview& preview : results.previews) {
+        preview.abs_q4 = analysis::abs_q4(preview.snapshot, results.source.diameter, analysis_.q4);
+    }
+    if (results.frames == 0 || results.particles_mean == 0) {
+        session.plan.warn(fmt::format("'{}' has no particles", input.string()));
+    }
+    results.record = session.record();
+    io::write_results(output_, results, overwrite);
+    session.outputs.push_back(output_);
+    return {.text = words(session, results), .facts = facts(results), .signal = 0};
+}
+
+}  // namespace grainfield::app

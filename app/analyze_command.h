@@ -1,0 +1,35 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "analysis/analysis.h"
+#include "app/adjusted_snapshots.h"
+#include "app/command.h"
+
+namespace grainfield::app {
+
+/// `grainfield analyze`: a trajectory or table of points to a results file.
+class AnalyzeCommand : public Command {
+ public:
+    std::string name() const override { return "analyze"; }
+    std::string purpose() const override;
+    Inputs inputs() const override;
+    std::vector<OptionTable> options() override;
+    Summary run(Session& session) override;
+
+ private:
+    enum class BoundaryChoice { as_in_file, periodic, walls };
+
+    Adjustment adjustment() const;
+
+    std::string output_;
+    std::string label_;
+    std::string box_;
+    BoundaryChoice boundary_ = BoundaryChoice::as_in_file;
+    std::optional<double> fps_;
+    std::optional<double> diameter_;
+    analysis::AnalysisOptions analysis_;
+};
+
+}  // namespace grainfield::app

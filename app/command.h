@@ -1,0 +1,73 @@
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "app/common_options.h"
+#include "core/option_table.h"
+#include "core/results.h"
+#include "core/run_plan.h"
+
+namespace grainfield::app {
+
+/// One invocation of a command: what it was asked for and what it gathers on the way.
+struct Session {
+    std::string command;
+    CommonOptions common;
+    std::vector<std::filesystem::path> inputs;
+    std::vector<std::pair<std::string, std::string>> configuration;
+    RunPlan plan;
+    std::vector<std::filesystem::path> outputs;
+    std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+
+    int threads() const;
+    double seconds() const;
+    /// How this run came to be, with the inputs and what was skipped so far.
+    RunRecord record() const;
+};
+
+/// What a command reports when it is done. Commands print nothing themselves.
+struct Summary {
+    std::string text;              ///< for people
+    nlohmann::ordered_json facts;  ///< the command's own keys of the `--json` object
+    int signal = 0;                ///< set if the work was cut short by a signal
+};
+
+/// A subcommand of `grainfield`.
+class Command {
+ public:
+    struct Inputs {
+        std::string placeholder;  ///< "VIDEO|IMAGES"
+        std::string meaning;
+        std::size_t most = 1;
+    };
+
+    virtual ~Command() = default;
+    virtual std::string name() const = 0;
+    virtual std::string purpose() const = 0;  ///< one line
+    virtual Inputs inputs() const = 0;
+
+    /// Tables bound to the command's own fields; called once.
+    virtual std::vector<OptionTable> options() = 0;
+    virtual Summary run(Session& session) = 0;
+};
+
+/// Every command, in the order of the help text.
+std::vector<std::unique_ptr<Command>> make_commands();
+
+/// The whole `--json` object.
+nlohmann::ordered_json json_summary(const Session& session, const Summary& summary);
+
+/// What `--explain` reports: the plan, in words and as `plan` in JSON.
+Summary explanation(const RunPlan& plan);
+
+/// Throws OptionError if `output` is empty or is one of the inputs.
+void require_output(const Session& session, const std::string& output);
+
+}  // namespace grainfield::app

@@ -1,0 +1,209 @@
+#include "app/command_line.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <new>
+#include <optional>
+#include <string_view>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "app/command.h"
+#include "app/config_file.h"
+#include "app/exit_code.h"
+#include "app/option_set.h"
+#include "core/errors.h"
+#include "core/version.h"
+
+namespace grainfield::app {
+
+namespace {
+
+constexpr const char* about =
+    "Tracking and analysis of vibrated granular layers: camera frames in, particles, order and "
+    "density fluctuations out.";
+
+// The short forms that the table does not know.
+std::string spelling(const OptionSet::Entry& entry) {
+    if (entry.flag == "output") return "-o,--output";
+    if (entry.flag == "verbose") return "-v,--verbose";
+    if (entry.option.default_value == OptionValue(true)) {
+        return fmt::format("--{0},!--no-{0}", entry.flag);
+    }
+    return "--" + entry.flag;
+}
+
+std::string group_name(const OptionSet::Entry& entry) {
+    return entry.section.empty() ? "Options" : fmt::format("Options of [{}]", entry.section);
+}
+
+std::string help_text(const Option& option) {
+    const std::string domain = option.domain_text();
+    return domain.empty() ? option.meaning : fmt::format("{} ({})", option.meaning, domain);
+}
+
+const char* value_name(OptionKind kind) {
+    switch (kind) {
+        case OptionKind::flag:
+            return "";
+        case OptionKind::integer:
+            return "N";
+        case OptionKind::number:
+            return "X";
+        case OptionKind::text:
+            return "TEXT";
+        case OptionKind::choice:
+            return "NAME";
+    }
+    return "";
+}
+
+/// A command together with its place in the command-line parser.
+class BoundCommand {
+ public:
+    BoundCommand(CLI::App& app, std::unique_ptr<Command> command)
+        : command_(std::move(command)), options_(command_->name(), tables()) {
+        parser_ = app.add_subcommand(command_->name(), command_->purpose());
+        parser_->allow_extras();  // refused below, with a suggestion
+        const Command::Inputs inputs = command_->inputs();
+        parser_->add_option("inputs", inputs_, inputs.meaning)
+            ->type_name(inputs.placeholder)
+            ->expected(1, static_cast<int>(inputs.most))
+            ->required();
+        parser_->add_option("-c,--config", config_, "read options from this TOML file")
+            ->type_name("FILE");
+        for (const OptionSet::Entry& entry : options_.entries()) add(entry);
+    }
+
+    bool was_called() const { return parser_->parsed(); }
+
+    Summary run(Session& session) {
+        refuse_unknown_words();
+        if (!config_.empty()) apply_config_file(config_, options_);
+        for (std::size_t i = 0; i < given_.size(); ++i) {
+            if (given_[i]->count() == 0) continue;
+            options_.entries()[i].option.set_from_text(given_[i]->results().back());
+        }
+        session.command = command_->name();
+        session.common = common_;
+        session.inputs.assign(inputs_.begin(), inputs_.end());
+        session.configuration = options_.configuration();
+        return command_->run(session);
+    }
+
+ private:
+    std::vector<OptionTable> tables() {
+        std::vector<OptionTable> tables = command_->options();
+        tables.push_back(describe(common_));
+        return tables;
+    }
+
+    void add(const OptionSet::Entry& entry) {
+        const Option& option = entry.option;
+        CLI::Option* added = option.kind == OptionKind::flag ? parser_->add_flag(spelling(entry))
+                                                             : parser_->add_option(spelling(entry));
+        if (option.kind != OptionKind::flag) added->type_name(value_name(option.kind));
+        added->description(help_text(option))->group(group_name(entry));
+        given_.push_back(added);
+    }
+
+    void refuse_unknown_words() const {
+        const std::vector<std::string> unknown = parser_->remaining();
+        if (unknown.empty()) return;
+        std::string_view word = unknown.front();
+        word = word.substr(std::min(word.size(), word.find_first_not_of('-')));
+        const std::string nearest = nearest_name(word.substr(0, word.find('=')), options_.flags());
+        throw OptionError(
+            {.problem = fmt::format("'{}' does not know '{}'", command_->name(), unknown.front()),
+             .actual = {},
+             .expected = {},
+             .suggestion = nearest.empty()
+                               ? fmt::format("see 'grainfield {} --help'", command_->name())
+                               : fmt::format("did you mean '--{}'?", nearest)});
+    }
+
+    std::unique_ptr<Command> command_;
+    CommonOptions common_;
+    OptionSet options_;
+    CLI::App* parser_ = nullptr;
+    std::vector<CLI::Option*> given_;  // parallel to the entries of options_
+    std::vector<std::string> inputs_;
+    std::string config_;
+};
+
+void print_warnings(const RunPlan& plan) {
+    for (const std::string& warning : plan.warnings()) fmt::print(stderr, "warning: {}\n", warning);
+}
+
+void print_summary(const Session& session, const Summary& summary) {
+    if (session.common.json) {
+        using Json = nlohmann::ordered_json;
+        fmt::print(
+            "{}\n",
+            json_summary(session, summary).dump(2, ' ', false, Json::error_handler_t::replace));
+    } else if (!session.common.quiet) {
+        if (session.common.verbose && !session.common.explain)
+            fmt::print("{}", session.plan.text());
+        fmt::print("{}", summary.text);
+    }
+    if (std::fflush(stdout) != 0) throw OutputError("cannot write to standard output.");
+}
+
+int run(BoundCommand& command) {
+    Session session;
+    int code = 0;
+    try {
+        const Summary summary = command.run(session);
+        print_summary(session, summary);
+        if (summary.signal != 0) code = exit_code(summary.signal);
+    } catch (const std::bad_alloc& error) {
+        fmt::print(stderr, "error: out of memory; use fewer threads or a smaller input.\n");
+        code = exit_code(error);
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "error: {}\n", error.what());
+        code = exit_code(error);
+    }
+    print_warnings(session.plan);
+    return code;
+}
+
+std::optional<std::string> unknown_command(int argc, const char* const* argv,
+                                           const std::vector<std::string>& names) {
+    if (argc < 2 || argv[1][0] == '-' || std::ranges::find(names, argv[1]) != names.end()) {
+        return std::nullopt;
+    }
+    const std::string nearest = nearest_name(argv[1], names);
+    return fmt::format("unknown command '{}'{}", argv[1],
+                       nearest.empty() ? "; see 'grainfield --help'."
+                                       : fmt::format("; did you mean '{}'?", nearest));
+}
+
+}  // namespace
+
+int run_command_line(int argc, const char* const* argv) {
+    CLI::App app(about, "grainfield");
+    app.set_version_flag("--version", std::string("grainfield ") + kVersion);
+    app.require_subcommand(1);
+    std::vector<std::unique_ptr<BoundCommand>> commands;
+    std::vector<std::string> names;
+    for (auto& command : make_commands()) {
+        names.push_back(command->name());
+        commands.push_back(std::make_unique<BoundCommand>(app, std::move(command)));
+    }
+    if (const auto problem = unknown_command(argc, argv, names)) {
+        fmt::print(stderr, "error: {}\n", *problem);
+        return static_cast<int>(ExitCode::wrong_usage);
+    }
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        const bool is_help = app.exit(error) == 0;
+        return static_cast<int>(is_help ? ExitCode::done : ExitCode::wrong_usage);
+    }
+    const auto called =
+        std::ranges::find_if(commands, [](const auto& command) { return command->was_called(); });
+    return run(**called);
+}
+
+}  // namespace grainfield::app

@@ -1,0 +1,10 @@
+#pragma once
+
+namespace grainfield::app {
+
+/// Reads the command line, runs the command, prints its summary, and returns the exit code of the
+/// process. The only place that prints: the summary on standard output, warnings and errors on
+/// standard error.
+int run_command_line(int argc, const char* const* argv);
+
+}  // namespace grainfield::app

@@ -1,0 +1,20 @@
+#include "app/analyze_command.h"
+#include "app/command.h"
+#include "app/compare_command.h"
+#include "app/export_command.h"
+#include "app/info_command.h"
+#include "app/track_command.h"
+
+namespace grainfield::app {
+
+std::vector<std::unique_ptr<Command>> make_commands() {
+    std::vector<std::unique_ptr<Command>> commands;
+    commands.push_back(std::make_unique<TrackCommand>());
+    commands.push_back(std::make_unique<AnalyzeCommand>());
+    commands.push_back(std::make_unique<CompareCommand>());
+    commands.push_back(std::make_unique<ExportCommand>());
+    commands.push_back(std::make_unique<InfoCommand>());
+    return commands;
+}
+
+}  // namespace grainfield::app

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+
+#include "app/command.h"
+#include "report/report.h"
+
+namespace grainfield::app {
+
+/// `grainfield compare`: one or more results files to one report.
+class CompareCommand : public Command {
+ public:
+    std::string name() const override { return "compare"; }
+    std::string purpose() const override;
+    Inputs inputs() const override;
+    std::vector<OptionTable> options() override;
+    Summary run(Session& session) override;
+
+ private:
+    std::string output_;
+    report::ReportOptions report_;
+};
+
+}  // namespace grainfield::app

@@ -1,0 +1,139 @@
+#include "app/config_file.h"
+
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include "core/errors.h"
+
+namespace grainfield::app {
+
+namespace {
+
+class ConfigReader {
+ public:
+    ConfigReader(std::string file, const OptionSet& options)
+        : file_(std::move(file)), options_(options) {}
+
+    void apply(const toml::table& root) const {
+        for (const auto& [key, node] : root) {
+            if (const toml::table* section = node.as_table()) {
+                apply_section(std::string(key.str()), *section);
+            } else {
+                set({}, std::string(key.str()), node);
+            }
+        }
+    }
+
+    std::string place(const toml::source_region& source) const {
+        return fmt::format("'{}' line {}", file_, source.begin.line);
+    }
+
+ private:
+    void apply_section(const std::string& section, const toml::table& table) const {
+        if (section.empty() || !options_.has_section(section)) {
+            refuse_unknown(fmt::format("section [{}]", section), section, options_.sections(),
+                           table.source());
+        }
+        for (const auto& [key, node] : table) set(section, std::string(key.str()), node);
+    }
+
+    void set(const std::string& section, const std::string& key, const toml::node& node) const {
+        const OptionSet::Entry* entry = options_.find(section, key);
+        if (entry == nullptr) {
+            const std::string what = section.empty()
+                                         ? fmt::format("key '{}'", key)
+                                         : fmt::format("key '{}' in [{}]", key, section);
+            refuse_unknown(what, key, options_.keys(section), node.source());
+        }
+        const auto value = to_value(node);
+        if (!value) {
+            throw OptionError(
+                {.problem = fmt::format("{}: '{}' has a wrong value", place(node.source()), key),
+                 .actual = "a list, table or date",
+                 .expected = "a single " + std::string(kind_name(entry->option.kind)),
+                 .suggestion = {}});
+        }
+        try {
+            entry->option.set(*value);
+        } catch (const OptionError& error) {
+            throw OptionError(fmt::format("{}: {}", place(node.source()), error.what()));
+        }
+    }
+
+    static std::optional<OptionValue> to_value(const toml::node& node) {
+        if (const auto* flag = node.as_boolean()) return flag->get();
+        if (const auto* whole = node.as_integer()) return whole->get();
+        if (const auto* real = node.as_floating_point()) return real->get();
+        if (const auto* text = node.as_string()) return text->get();
+        return std::nullopt;
+    }
+
+    static const char* kind_name(OptionKind kind) {
+        switch (kind) {
+            case OptionKind::flag:
+                return "true or false";
+            case OptionKind::integer:
+                return "integer";
+            case OptionKind::number:
+                return "number";
+            case OptionKind::text:
+            case OptionKind::choice:
+                return "text";
+        }
+        return "value";
+    }
+
+    [[noreturn]] void refuse_unknown(const std::string& what, const std::string& word,
+                                     const std::vector<std::string>& known,
+                                     const toml::source_region& source) const {
+        std::string suggestion;
+        if (const std::string nearest = nearest_name(word, known); !nearest.empty()) {
+            suggestion = fmt::format("did you mean '{}'?", nearest);
+        } else {
+            suggestion = fmt::format("see 'grainfield {} --help'", options_.command());
+        }
+        throw OptionError({.problem = fmt::format("{}: unknown {}", place(source), what),
+                           .actual = {},
+                           .expected = {},
+                           .suggestion = suggestion});
+    }
+
+    std::string file_;
+    const OptionSet& options_;
+};
+
+std::string read_text(const std::filesystem::path& path) {
+    std::error_code error;
+    std::ifstream file(path, std::ios::binary);
+    if (!file || std::filesystem::is_directory(path, error)) {
+        throw InputError({.problem = fmt::format("cannot read configuration '{}'", path.string()),
+                          .actual = {},
+                          .expected = "a readable TOML file",
+                          .suggestion = {}});
+    }
+    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+}  // namespace
+
+void apply_config_file(const std::filesystem::path& path, const OptionSet& options) {
+    const std::string text = read_text(path);
+    const ConfigReader reader(path.string(), options);
+    toml::table root;
+    try {
+        root = toml::parse(text);
+    } catch (const toml::parse_error& error) {
+        throw OptionError({.problem = reader.place(error.source()) + ": not valid TOML",
+                           .actual = std::string(error.description()),
+                           .expected = {},
+                           .suggestion = {}});
+    }
+    reader.apply(root);
+}
+
+}  // namespace grainfield::app

@@ -1,0 +1,85 @@
+#include "app/export_command.h"
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
+#include "io/export_files.h"
+#include "io/file_kind.h"
+#include "io/open_snapshots.h"
+#include "io/output_file.h"
+#include "io/results_file.h"
+
+namespace grainfield::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+enum class Form { csv, xyz, curves };
+
+bool is_folder_name(const fs::path& output) {
+    return output.extension().empty() || output.filename().empty();
+}
+
+Form form_for(const fs::path& input, io::FileKind kind, const fs::path& output) {
+    const std::string extension = output.extension().string();
+    const bool has_points = kind == io::FileKind::trajectory || kind == io::FileKind::points;
+    if (has_points && extension == ".csv") return Form::csv;
+    if (has_points && extension == ".xyz") return Form::xyz;
+    if (kind == io::FileKind::results && is_folder_name(output)) return Form::curves;
+    if (!has_points && kind != io::FileKind::results) {
+        throw InputError({.problem = fmt::format("cannot export '{}'", input.string()),
+                          .actual = "neither a trajectory, nor results, nor a table of points",
+                          .expected = {},
+                          .suggestion = fmt::format("see 'grainfield info {}'", input.string())});
+    }
+    throw OptionError(
+        {.problem = fmt::format("cannot tell what form '{}' is to have", output.string()),
+         .actual = {},
+         .expected = has_points ? "a name that ends in .csv or .xyz" : "the name of a folder",
+         .suggestion = {}});
+}
+
+}  // namespace
+
+std::string ExportCommand::purpose() const {
+    return "write a trajectory as CSV or XYZ, or the curves of results as CSV";
+}
+
+Command::Inputs ExportCommand::inputs() const {
+    return {.placeholder = "FILE", .meaning = "a trajectory, results or points file", .most = 1};
+}
+
+std::vector<OptionTable> ExportCommand::options() {
+    OptionTable own("");
+    own.text("output", output_, "FILE.csv or FILE.xyz for trajectories, a folder for results");
+    return {own};
+}
+
+Summary ExportCommand::run(Session& session) {
+    require_output(session, output_);
+    const auto overwrite = session.common.force ? io::Overwrite::force : io::Overwrite::refuse;
+    const fs::path& input = session.inputs.front();
+    const Form form = form_for(input, io::identify(input), output_);
+    session.plan.run("export", fmt::format("'{}' to '{}'", input.string(), output_));
+    if (session.common.explain) return explanation(session.plan);
+
+    Summary summary;
+    if (form == Form::curves) {
+        const Results results = io::read_results(input);
+        io::export_curves(results, output_, overwrite);
+        summary.text =
+            fmt::format("{}: curves of {} observables\n", output_, results.observables.size());
+        summary.facts["observables"] = results.observables.size();
+    } else {
+        const auto snapshots = io::open_snapshots(input, std::nullopt, {});
+        if (form == Form::csv) io::export_csv(*snapshots, output_, overwrite);
+        if (form == Form::xyz) io::export_xyz(*snapshots, output_, overwrite);
+        summary.text = fmt::format("{}: {} frames\n", output_, snapshots->count());
+        summary.facts["frames"] = snapshots->count();
+    }
+    session.outputs.push_back(output_);
+    return summary;
+}
+
+}  // namespace grainfield::app

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+
+#include "app/command.h"
+
+namespace grainfield::app {
+
+/// `grainfield export`: trajectories and results to plain text files.
+class ExportCommand : public Command {
+ public:
+    std::string name() const override { return "export"; }
+    std::string purpose() const override;
+    Inputs inputs() const override;
+    std::vector<OptionTable> options() override;
+    Summary run(Session& session) override;
+
+ private:
+    std::string output_;
+};
+
+}  // namespace grainfield::app

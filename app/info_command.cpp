@@ -1,0 +1,202 @@
+#include "app/info_command.h"
+
+#include <fmt/format.h>
+
+#include "io/file_kind.h"
+#include "io/frame_files.h"
+#include "io/open_snapshots.h"
+#include "io/results_file.h"
+#include "io/trajectory_file.h"
+
+namespace grainfield::app {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+const char* name(Origin origin) {
+    switch (origin) {
+        case Origin::video:
+            return "video";
+        case Origin::md:
+            return "molecular dynamics";
+        case Origin::rendered:
+            return "rendered frames";
+        case Origin::points:
+            return "points";
+    }
+    return "unknown";
+}
+
+const char* name(LengthUnit unit) {
+    return unit == LengthUnit::pixel ? "px" : "a";
+}
+
+const char* name(TimeUnit unit) {
+    switch (unit) {
+        case TimeUnit::frame:
+            return "frames";
+        case TimeUnit::second:
+            return "s";
+        case TimeUnit::sqrt_a_over_g:
+            return "sqrt(a/g)";
+    }
+    return "unknown";
+}
+
+const char* name(Boundary boundary) {
+    return boundary == Boundary::periodic ? "periodic" : "walls";
+}
+
+/// Collects facts in words and as JSON side by side.
+class Sheet {
+ public:
+    explicit Sheet(std::string title) { summary_.text = std::move(title) + "\n"; }
+
+    template <class Value>
+    void add(const char* key, const char* label, const Value& value, const std::string& words) {
+        summary_.facts[key] = value;
+        summary_.text += fmt::format("  {:<12} {}\n", label, words);
+    }
+    template <class Value>
+    void add(const char* key, const char* label, const Value& value) {
+        add(key, label, value, fmt::format("{}", value));
+    }
+
+    void add_info(const TrajectoryInfo& info) {
+        add("origin", "origin", std::string(name(info.origin)));
+        add("source", "source", info.source);
+        add("diameter", "diameter", info.diameter,
+            fmt::format("{:.5g} {}", info.diameter, name(info.length_unit)));
+        if (info.frame_rate) {
+            add("frame_rate", "frame rate", *info.frame_rate,
+                fmt::format("{:.6g} per {}", *info.frame_rate, name(info.time_unit)));
+        } else {
+            add("frame_rate", "frame rate", nullptr, "unknown");
+        }
+    }
+
+    void add_box(const Box& box, LengthUnit unit) {
+        add("box", "box", ordered_json{box.length.x, box.length.y},
+            fmt::format("{:.6g} x {:.6g} {}, {} in x, {} in y", box.length.x, box.length.y,
+                        name(unit), name(box.boundary[0]), name(box.boundary[1])));
+    }
+
+    void add_record(const RunRecord& record) {
+        if (record.command.empty()) return;
+        add("made_by", "made by",
+            ordered_json{
+                {"command", record.command}, {"version", record.version}, {"seed", record.seed}},
+            fmt::format("grainfield {} {}, seed {}", record.command, record.version, record.seed));
+        summary_.facts["inputs"] = ordered_json::array();
+        for (const RunRecord::Input& input : record.inputs) {
+            summary_.facts["inputs"].push_back(
+                {{"name", input.name}, {"bytes", input.bytes}, {"checksum", input.checksum}});
+            summary_.text += fmt::format("  {:<12} {} ({} bytes, {})\n", "from", input.name,
+                                         input.bytes, input.checksum);
+        }
+        for (const auto& [key, value] : record.configuration) {
+            summary_.facts["configuration"][key] = value;
+        }
+        for (const std::string& skipped : record.skipped) {
+            summary_.text += fmt::format("  {:<12} {}\n", "skipped", skipped);
+        }
+        for (const std::string& warning : record.warnings) {
+            summary_.text += fmt::format("  {:<12} {}\n", "warning", warning);
+        }
+    }
+
+    Summary take() { return std::move(summary_); }
+
+ private:
+    Summary summary_;
+};
+
+Summary describe_snapshots(const std::filesystem::path& path, const char* kind) {
+    const auto snapshots = io::open_snapshots(path, std::nullopt, {});
+    Sheet sheet(fmt::format("{}: {}", path.string(), kind));
+    sheet.add("kind", "kind", std::string(kind));
+    sheet.add("frames", "frames", snapshots->count());
+    sheet.add_info(snapshots->info());
+    if (snapshots->count() > 0) {
+        const Snapshot first = snapshots->read(0);
+        sheet.add("particles_first", "particles", first.size(),
+                  fmt::format("{} in the first frame, {}", first.size(),
+                              first.id.empty() ? "not linked" : "linked"));
+        sheet.add_box(first.box, snapshots->info().length_unit);
+    }
+    if (const auto* file = dynamic_cast<const io::TrajectoryFile*>(snapshots.get())) {
+        sheet.add("previews", "previews", file->previews().size());
+        sheet.add_record(file->record());
+    }
+    return sheet.take();
+}
+
+Summary describe_results(const std::filesystem::path& path) {
+    const Results results = io::read_results(path);
+    Sheet sheet(fmt::format("{}: results", path.string()));
+    sheet.add("kind", "kind", std::string("results"));
+    sheet.add("label", "label", results.label);
+    sheet.add("frames", "frames", results.frames);
+    sheet.add("particles_mean", "particles", results.particles_mean,
+              fmt::format("{:.1f} per frame", results.particles_mean));
+    sheet.add_info(results.source);
+    sheet.add_box(results.box, results.source.length_unit);
+    ordered_json names = ordered_json::array();
+    std::string words;
+    for (const ObservableResult& observable : results.observables) {
+        names.push_back(observable.name);
+        words += (words.empty() ? "" : ", ") + observable.name;
+    }
+    sheet.add("observables", "observables", names, words);
+    sheet.add_record(results.record);
+    return sheet.take();
+}
+
+Summary describe_frames(Session& session) {
+    const auto frames = io::open_frames(session.inputs, {});
+    Sheet sheet(fmt::format("{}: camera frames", frames->name()));
+    sheet.add("kind", "kind", std::string("frames"));
+    sheet.add("frames", "frames", frames->count());
+    sheet.add("width", "width", frames->width(), fmt::format("{} px", frames->width()));
+    sheet.add("height", "height", frames->height(), fmt::format("{} px", frames->height()));
+    sheet.add("bit_depth", "bit depth", frames->bit_depth());
+    if (frames->frame_rate()) {
+        sheet.add("frame_rate", "frame rate", *frames->frame_rate(),
+                  fmt::format("{:.6g} per s", *frames->frame_rate()));
+    } else {
+        sheet.add("frame_rate", "frame rate", nullptr, "unknown; give --fps");
+    }
+    for (const std::string& warning : frames->warnings()) session.plan.warn(warning);
+    return sheet.take();
+}
+
+}  // namespace
+
+std::string InfoCommand::purpose() const {
+    return "say what a file holds";
+}
+
+Command::Inputs InfoCommand::inputs() const {
+    return {.placeholder = "FILE",
+            .meaning = "a trajectory, results, points, video or image file",
+            .most = 1};
+}
+
+Summary InfoCommand::run(Session& session) {
+    const std::filesystem::path& path = session.inputs.front();
+    switch (io::identify(path)) {
+        case io::FileKind::trajectory:
+            return describe_snapshots(path, "trajectory");
+        case io::FileKind::points:
+            return describe_snapshots(path, "points");
+        case io::FileKind::results:
+            return describe_results(path);
+        case io::FileKind::field:
+        case io::FileKind::unknown:
+            break;
+    }
+    return describe_frames(session);
+}
+
+}  // namespace grainfield::app

@@ -1,0 +1,73 @@
+#include "app/option_set.h"
+
+#include <algorithm>
+#include <map>
+
+namespace grainfield::app {
+
+OptionSet::OptionSet(std::string command, const std::vector<OptionTable>& tables)
+    : command_(std::move(command)) {
+    std::map<std::string, int> uses;
+    for (const OptionTable& table : tables) {
+        for (const Option& row : table.rows()) ++uses[row.name];
+    }
+    for (const OptionTable& table : tables) {
+        for (const Option& row : table.rows()) {
+            const bool shared = uses[row.name] > 1 && !table.section().empty();
+            entries_.push_back({.section = table.section(),
+                                .flag = shared ? table.section() + "-" + row.name : row.name,
+                                .option = row});
+        }
+    }
+}
+
+std::vector<std::string> OptionSet::flags() const {
+    std::vector<std::string> names;
+    for (const Entry& entry : entries_) names.push_back(entry.flag);
+    return names;
+}
+
+bool OptionSet::has_section(std::string_view section) const {
+    return std::ranges::any_of(entries_,
+                               [&](const Entry& entry) { return belongs(entry, section); });
+}
+
+std::vector<std::string> OptionSet::sections() const {
+    std::vector<std::string> names{command_};
+    for (const Entry& entry : entries_) {
+        if (!entry.section.empty() && std::ranges::find(names, entry.section) == names.end()) {
+            names.push_back(entry.section);
+        }
+    }
+    return names;
+}
+
+std::vector<std::string> OptionSet::keys(std::string_view section) const {
+    std::vector<std::string> names;
+    for (const Entry& entry : entries_) {
+        if (belongs(entry, section)) names.push_back(entry.option.name);
+    }
+    return names;
+}
+
+const OptionSet::Entry* OptionSet::find(std::string_view section, std::string_view key) const {
+    const auto found = std::ranges::find_if(entries_, [&](const Entry& entry) {
+        return belongs(entry, section) && entry.option.name == key;
+    });
+    return found == entries_.end() ? nullptr : &*found;
+}
+
+bool OptionSet::belongs(const Entry& entry, std::string_view section) const {
+    return entry.section == section || (entry.section.empty() && section == command_);
+}
+
+std::vector<std::pair<std::string, std::string>> OptionSet::configuration() const {
+    std::vector<std::pair<std::string, std::string>> pairs;
+    for (const Entry& entry : entries_) {
+        const std::string prefix = entry.section.empty() ? "" : entry.section + ".";
+        pairs.emplace_back(prefix + entry.option.name, to_text(entry.option.get()));
+    }
+    return pairs;
+}
+
+}  // namespace grainfield::app

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/option_table.h"
+
+namespace grainfield::app {
+
+/// All options of one command, from the tables of its stages, under names that are unique.
+///
+/// On the command line an option is `--name`; where two sections share a name, it is
+/// `--section-name` in both. In a TOML file it is `name` in `[section]`. Options of the empty
+/// section are command-wide: top-level keys, or keys of the section named like the command.
+class OptionSet {
+ public:
+    struct Entry {
+        std::string section;
+        std::string flag;  ///< without the dashes
+        Option option;
+    };
+
+    OptionSet(std::string command, const std::vector<OptionTable>& tables);
+
+    const std::string& command() const { return command_; }
+    const std::vector<Entry>& entries() const { return entries_; }
+    std::vector<std::string> flags() const;
+
+    bool has_section(std::string_view section) const;
+    /// The sections a file may have, the command's own first.
+    std::vector<std::string> sections() const;
+    /// The keys of a section; the empty section stands for the top level.
+    std::vector<std::string> keys(std::string_view section) const;
+    const Entry* find(std::string_view section, std::string_view key) const;
+
+    /// "section.name" (or "name" for command-wide options) → present value, in order.
+    std::vector<std::pair<std::string, std::string>> configuration() const;
+
+ private:
+    bool belongs(const Entry& entry, std::string_view section) const;
+
+    std::string command_;
+    std::vector<Entry> entries_;
+};
+
+}  // namespace grainfield::app
