@@ -1,0 +1,98 @@
+#include "app/command_line.h"
+
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/version.h"
+
+namespace grainfield::app {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+struct Outcome {
+    int code;
+    std::string out, err;
+};
+
+Outcome call(std::vector<const char*> words) {
+    words.insert(words.begin(), "grainfield");
+    testing::internal::CaptureStdout();
+    testing::internal::CaptureStderr();
+    const int code = run_command_line(static_cast<int>(words.size()), words.data());
+    std::string out = testing::internal::GetCapturedStdout();
+    return {code, std::move(out), testing::internal::GetCapturedStderr()};
+}
+
+TEST(CommandLine, VersionAndHelpAreNoErrors) {
+    const Outcome version = call({"--version"});
+    EXPECT_EQ(version.code, 0);
+    EXPECT_EQ(version.out, std::string("grainfield ") + kVersion + "\n");
+    const Outcome help = call({"--help"});
+    EXPECT_EQ(help.code, 0);
+    for (const char* name : {"track", "analyze", "compare", "export", "info"}) {
+        EXPECT_THAT(help.out, HasSubstr(name));
+    }
+}
+
+TEST(CommandLine, HelpOfACommandShowsUnitRangeAndDefaultOfItsOptions) {
+    const Outcome help = call({"track", "--help"});
+    EXPECT_EQ(help.code, 0);
+    EXPECT_THAT(help.out,
+                AllOf(HasSubstr("--max-sweeps"), HasSubstr("[px]"), HasSubstr("default auto"),
+                      HasSubstr("--threads"), HasSubstr("-c,--config"), HasSubstr("-o,--output"),
+                      HasSubstr("[refine]")));
+    EXPECT_EQ(call({"analyze", "--help"}).code, 0);
+    EXPECT_EQ(call({"compare", "--help"}).code, 0);
+    EXPECT_EQ(call({"export", "--help"}).code, 0);
+    EXPECT_EQ(call({"info", "--help"}).code, 0);
+}
+
+TEST(CommandLine, WrongUsageEndsWithTwoAndASuggestionOnStandardError) {
+    EXPECT_EQ(call({}).code, 2);
+    EXPECT_EQ(call({"track"}).code, 2);
+    const Outcome command = call({"trakc", "a.png"});
+    EXPECT_EQ(command.code, 2);
+    EXPECT_THAT(command.err, HasSubstr("did you mean 'track'?"));
+    const Outcome option = call({"track", "a.png", "-o", "b.h5", "--max-sweps", "3"});
+    EXPECT_EQ(option.code, 2);
+    EXPECT_THAT(option.err, HasSubstr("did you mean '--max-sweeps'?"));
+    EXPECT_EQ(option.out, "");
+    const Outcome value = call({"track", "a.png", "-o", "b.h5", "--threads", "many"});
+    EXPECT_EQ(value.code, 2);
+    EXPECT_THAT(value.err, AllOf(HasSubstr("'threads'"), HasSubstr("'many'")));
+    const Outcome twice = call({"track", "a.png", "-o", "b.h5", "-o", "c.h5"});
+    EXPECT_EQ(twice.code, 2);
+}
+
+TEST(CommandLine, ACommandThatWritesNeedsAnOutput) {
+    for (const char* command : {"track", "analyze", "compare", "export"}) {
+        const Outcome outcome = call({command, "a.h5"});
+        EXPECT_EQ(outcome.code, 2) << command;
+        EXPECT_THAT(outcome.err, HasSubstr("-o FILE"));
+    }
+}
+
+TEST(CommandLine, AnInputThatIsNotThereEndsWithThreeAndItsName) {
+    const std::vector<std::vector<const char*>> calls{
+        {"track", "/nonexistent/a.png", "-o", "b.h5"},
+        {"analyze", "/nonexistent/a.h5", "-o", "b.h5"},
+        {"compare", "/nonexistent/a.h5", "-o", "b.html"},
+        {"export", "/nonexistent/a.h5", "-o", "b.csv"},
+        {"info", "/nonexistent/a.h5"},
+        {"info", "/nonexistent/a.png", "-c", "/nonexistent/a.toml"}};
+    for (const auto& words : calls) {
+        const Outcome outcome = call(words);
+        EXPECT_EQ(outcome.code, 3) << words[0];
+        EXPECT_THAT(outcome.err, HasSubstr("/nonexistent/a."));
+        EXPECT_EQ(outcome.out, "");
+    }
+}
+
+}  // namespace
+}  // namespace grainfield::app

@@ -1,0 +1,95 @@
+#include "app/command.h"
+
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "app/option_set.h"
+#include "core/errors.h"
+#include "core/version.h"
+
+namespace grainfield::app {
+namespace {
+
+Session session() {
+    Session s;
+    s.command = "track";
+    s.common.threads = 3;
+    s.common.seed = 42;
+    s.configuration = {{"fps", "auto"}, {"link.memory", "3"}};
+    s.plan.run("detect", "always");
+    s.plan.skip("link", "one frame", "identities");
+    s.plan.warn("frame 2 is dark");
+    s.outputs = {"tracks.h5"};
+    return s;
+}
+
+TEST(JsonSummary, HoldsTheKeysThatScriptsRelyOn) {
+    Summary summary;
+    summary.facts["frames"] = 7;
+    const auto object = json_summary(session(), summary);
+    EXPECT_EQ(object["command"], "track");
+    EXPECT_EQ(object["version"], kVersion);
+    EXPECT_EQ(object["seed"], 42);
+    EXPECT_EQ(object["threads"], 3);
+    EXPECT_GE(object["seconds"].get<double>(), 0);
+    ASSERT_EQ(object["skipped"].size(), 1U);
+    EXPECT_EQ(object["skipped"][0]["stage"], "link");
+    EXPECT_EQ(object["skipped"][0]["reason"], "one frame");
+    EXPECT_EQ(object["skipped"][0]["saved"], "identities");
+    EXPECT_EQ(object["warnings"], nlohmann::ordered_json{"frame 2 is dark"});
+    EXPECT_EQ(object["outputs"], nlohmann::ordered_json{"tracks.h5"});
+    EXPECT_EQ(object["frames"], 7);
+}
+
+TEST(SessionRecord, RepeatsWhatWasAskedForAndWhatWasSkipped) {
+    const RunRecord record = session().record();
+    EXPECT_EQ(record.command, "track");
+    EXPECT_EQ(record.version, kVersion);
+    EXPECT_EQ(record.seed, 42U);
+    EXPECT_EQ(record.threads, 3);
+    EXPECT_EQ(record.configuration.at(1).first, "link.memory");
+    EXPECT_EQ(record.skipped, std::vector<std::string>{"link: one frame"});
+    EXPECT_EQ(record.warnings, std::vector<std::string>{"frame 2 is dark"});
+}
+
+TEST(Explanation, GivesThePlanInWordsAndAsJson) {
+    const Summary summary = explanation(session().plan);
+    EXPECT_EQ(summary.text, session().plan.text());
+    ASSERT_EQ(summary.facts["plan"].size(), 2U);
+    EXPECT_EQ(summary.facts["plan"][0]["runs"], true);
+    EXPECT_EQ(summary.facts["plan"][1]["runs"], false);
+}
+
+TEST(RequireOutput, RefusesNoneAndAnInput) {
+    const auto file = std::filesystem::path(testing::TempDir()) / "grainfield-command-test.h5";
+    std::ofstream(file) << "x";
+    Session s = session();
+    s.inputs = {file};
+    EXPECT_THROW(require_output(s, ""), OptionError);
+    EXPECT_THROW(require_output(s, file.string()), OptionError);
+    EXPECT_THROW(require_output(s, (file.parent_path() / "." / file.filename()).string()),
+                 OptionError);
+    EXPECT_NO_THROW(require_output(s, "elsewhere.h5"));
+    std::filesystem::remove(file);
+}
+
+TEST(Commands, HaveOneLinePurposesAndUniqueFlags) {
+    std::vector<std::string> names;
+    for (const auto& command : make_commands()) {
+        names.push_back(command->name());
+        EXPECT_FALSE(command->purpose().empty());
+        EXPECT_EQ(command->purpose().find('\n'), std::string::npos);
+        CommonOptions common;
+        std::vector<OptionTable> tables = command->options();
+        tables.push_back(describe(common));
+        const auto flags = OptionSet(command->name(), tables).flags();
+        EXPECT_EQ(std::set<std::string>(flags.begin(), flags.end()).size(), flags.size());
+    }
+    EXPECT_EQ(names, (std::vector<std::string>{"track", "analyze", "compare", "export", "info"}));
+}
+
+}  // namespace
+}  // namespace grainfield::app

@@ -1,0 +1,106 @@
+#include "app/config_file.h"
+
+#include <fstream>
+#include <optional>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "core/errors.h"
+
+namespace grainfield::app {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+class ConfigFile : public testing::Test {
+ protected:
+    int threads_ = 0;
+    bool strict_ = false;
+    std::string label_;
+    std::optional<double> diameter_;
+    std::filesystem::path path_ = std::filesystem::path(testing::TempDir()) /
+                                  ("grainfield-config-" + std::to_string(getpid()) + ".toml");
+
+    void TearDown() override { std::filesystem::remove(path_); }
+
+    OptionSet options() {
+        OptionTable own("");
+        own.integer("threads", threads_, "-", {0, 64}, "threads");
+        own.flag("strict", strict_, "strict");
+        own.text("label", label_, "label");
+        OptionTable detect("detect");
+        detect.number("diameter", diameter_, "px", {3, 400}, "diameter");
+        return {"track", {own, detect}};
+    }
+
+    void apply(const std::string& text) {
+        std::ofstream(path_) << text;
+        apply_config_file(path_, options());
+    }
+
+    std::string refusal(const std::string& text) {
+        try {
+            apply(text);
+        } catch (const OptionError& error) {
+            return error.what();
+        }
+        return "nothing was thrown";
+    }
+};
+
+TEST_F(ConfigFile, SetsCommandWideKeysAtTheTopAndSectionKeys) {
+    apply("threads = 2\nstrict = true\nlabel = \"A = 4\"\n[detect]\ndiameter = 9\n");
+    EXPECT_EQ(threads_, 2);
+    EXPECT_TRUE(strict_);
+    EXPECT_EQ(label_, "A = 4");
+    EXPECT_EQ(diameter_, 9.0);
+}
+
+TEST_F(ConfigFile, TakesCommandWideKeysInTheSectionOfTheCommandToo) {
+    apply("[track]\nthreads = 3\n[detect]\ndiameter = \"auto\"\n");
+    EXPECT_EQ(threads_, 3);
+    EXPECT_EQ(diameter_, std::nullopt);
+}
+
+TEST_F(ConfigFile, AnUnknownKeyIsRefusedWithFileLineAndNearestKey) {
+    EXPECT_THAT(
+        refusal("threads = 2\n\n[detect]\ndiamter = 9\n"),
+        AllOf(HasSubstr(path_.string()), HasSubstr("line 4"),
+              HasSubstr("key 'diamter' in [detect]"), HasSubstr("did you mean 'diameter'?")));
+    EXPECT_THAT(refusal("thread = 2\n"),
+                AllOf(HasSubstr("line 1"), HasSubstr("did you mean 'threads'?")));
+    EXPECT_THAT(refusal("[dtect]\ndiameter = 9\n"),
+                AllOf(HasSubstr("line 1"), HasSubstr("[dtect]"), HasSubstr("'detect'")));
+}
+
+TEST_F(ConfigFile, ASectionKeyAtTheTopIsUnknown) {
+    EXPECT_THAT(refusal("diameter = 9\n"), HasSubstr("unknown key 'diameter'"));
+}
+
+TEST_F(ConfigFile, NanWrongKindAndOutOfRangeAreRefusedWithTheirLine) {
+    EXPECT_THAT(refusal("[detect]\ndiameter = nan\n"),
+                AllOf(HasSubstr("line 2"), HasSubstr("'nan'"), HasSubstr("3 … 400 [px]")));
+    EXPECT_THAT(refusal("[detect]\ndiameter = 2.5\n"), HasSubstr("'2.5'"));
+    EXPECT_THAT(refusal("[detect]\ndiameter = \"big\"\n"), HasSubstr("'big'"));
+    EXPECT_THAT(refusal("strict = 1\n"), HasSubstr("true or false"));
+    EXPECT_THAT(refusal("threads = 2.0\n"), HasSubstr("an integer"));
+    EXPECT_THAT(refusal("\nthreads = [1, 2]\n"),
+                AllOf(HasSubstr("line 2"), HasSubstr("a list, table or date")));
+    EXPECT_EQ(diameter_, std::nullopt);
+}
+
+TEST_F(ConfigFile, TextThatIsNotTomlIsRefusedWithItsLine) {
+    EXPECT_THAT(refusal("threads = 2\nthis is no toml\n"),
+                AllOf(HasSubstr("line 2"), HasSubstr("not valid TOML")));
+}
+
+TEST_F(ConfigFile, AFileThatCannotBeReadIsABadInput) {
+    EXPECT_THROW(apply_config_file("/nonexistent/a.toml", options()), InputError);
+    EXPECT_THROW(apply_config_file(testing::TempDir(), options()), InputError);
+}
+
+}  // namespace
+}  // namespace grainfield::app
