@@ -1,0 +1,227 @@
+#include "analysis/analysis.h"
+
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/errors.h"
+#include "tests/analysis/synthetic_patterns.h"
+
+namespace grainfield::analysis {
+namespace {
+
+using namespace synthetic;
+
+// A walled box in pixels, 8 px a diameter: half crystal, half gas, all in slow random motion.
+MemorySource video(int frames, bool linked = true) {
+    MemorySource source;
+    source.description.origin = Origin::video;
+    source.description.length_unit = LengthUnit::pixel;
+    source.description.time_unit = TimeUnit::second;
+    source.description.diameter = 8;
+    RandomStream random(11, "video");
+    const Box box = square_box(320, Boundary::walls);
+    std::vector<Vec2> home;
+    for (int iy = 0; iy < 40; ++iy) {
+        for (int ix = 0; ix < 20; ++ix) home.push_back({4 + 8.0 * ix, 4 + 8.0 * iy});
+    }
+    for (int i = 0; i < 600; ++i) {
+        home.push_back({160 + 160 * random.uniform(), 320 * random.uniform()});
+    }
+    for (int f = 0; f < frames; ++f) {
+        Snapshot s;
+        s.frame = f;
+        s.time = 0.1 * f;
+        s.box = box;
+        s.position = home;
+        for (std::size_t i = 0; i < home.size(); ++i) {
+            if (i >= 800) home[i] += 0.3 * Vec2{random.normal(), random.normal()};
+            s.position[i] += 0.2 * Vec2{random.normal(), random.normal()};
+        }
+        if (linked) s.id = identities(home.size());
+        source.snapshots.push_back(std::move(s));
+    }
+    return source;
+}
+
+std::vector<ObservableResult> run(MemorySource& source, const AnalysisOptions& options = {},
+                                  int threads = 1, RunPlan* plan_out = nullptr) {
+    RunPlan plan;
+    Progress progress("analysis", source.count(), "frames", Verbosity::quiet);
+    auto results = analyze(source, options, threads, plan, progress);
+    if (plan_out != nullptr) *plan_out = plan;
+    return results;
+}
+
+bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
+    if (a.size() != b.size()) return false;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        if (std::bit_cast<std::uint64_t>(a[i]) != std::bit_cast<std::uint64_t>(b[i])) return false;
+    }
+    return true;
+}
+
+TEST(Analysis, GivesTheSameBitsForOneTwoAndEightThreads) {
+    MemorySource source = video(21);
+    const auto one = run(source, {}, 1);
+    for (int threads : {2, 8}) {
+        const auto many = run(source, {}, threads);
+        ASSERT_EQ(one.size(), many.size());
+        for (std::size_t o = 0; o < one.size(); ++o) {
+            ASSERT_EQ(one[o].measurements.size(), many[o].measurements.size());
+            for (std::size_t m = 0; m < one[o].measurements.size(); ++m) {
+                EXPECT_EQ(one[o].measurements[m].value, many[o].measurements[m].value);
+                EXPECT_EQ(one[o].measurements[m].error, many[o].measurements[m].error);
+            }
+            for (std::size_t c = 0; c < one[o].curves.size(); ++c) {
+                for (std::size_t k = 0; k < one[o].curves[c].columns.size(); ++k) {
+                    EXPECT_TRUE(same_bits(one[o].curves[c].columns[k].values,
+                                          many[o].curves[c].columns[k].values))
+                        << one[o].curves[c].name;
+                }
+            }
+        }
+    }
+}
+
+TEST(Analysis, OfALinkedVideoMeasuresAllObservables) {
+    MemorySource source = video(40);
+    const auto results = run(source);
+    ASSERT_EQ(results.size(), 5U);
+    for (const ObservableResult& r : results) EXPECT_EQ(r.reason, "") << r.name;
+    const Measurement* spacing = results[0].find_measurement("lattice_spacing");
+    EXPECT_NEAR(*spacing->value, 1, 0.01);
+    EXPECT_NEAR(*results[1].find_measurement("solid_fraction")->value, 800.0 / 1400, 0.1);
+    EXPECT_TRUE(results[2].find_measurement("d_solid")->value.has_value());
+    EXPECT_NE(results[3].find_curve("sk_neumann"), nullptr);
+    EXPECT_NEAR(*results[4].find_measurement("number_density")->value, 1400.0 / 1600, 1e-12);
+}
+
+TEST(Analysis, NeverHasAValueThatIsNotANumberNorAMissingOneWithoutReason) {
+    for (int frames : {0, 1, 2, 5}) {
+        for (bool linked : {true, false}) {
+            MemorySource source = video(frames, linked);
+            for (const ObservableResult& r : run(source)) {
+                if (r.measurements.empty()) EXPECT_NE(r.reason, "") << r.name;
+                for (const Measurement& m : r.measurements) {
+                    if (m.value) EXPECT_TRUE(std::isfinite(*m.value)) << m.name;
+                    if (m.error) EXPECT_TRUE(std::isfinite(*m.error)) << m.name;
+                    if (!m.value || !m.error) EXPECT_NE(m.reason, "") << m.name << frames;
+                }
+                for (const Curve& c : r.curves) {
+                    for (const Column& column : c.columns) {
+                        EXPECT_EQ(column.values.size(), c.columns[0].values.size());
+                    }
+                }
+            }
+        }
+    }
+}
+
+TEST(Analysis, SurvivesDegeneratePatterns) {
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    const std::vector<std::vector<Vec2>> patterns{{},
+                                                  {{5, 5}},
+                                                  {{5, 5}, {6, 6}},
+                                                  std::vector<Vec2>(100, Vec2{7, 7}),
+                                                  {{nan, 1}, {2, nan}, {nan, nan}},
+                                                  {{1e9, 1e9}, {-1e9, 3}}};
+    for (const Boundary boundary : {Boundary::walls, Boundary::periodic}) {
+        for (NeighbourRule rule : {NeighbourRule::near_four, NeighbourRule::near_delaunay}) {
+            for (const auto& points : patterns) {
+                MemorySource source;
+                for (int f = 0; f < 3; ++f) {
+                    Snapshot s;
+                    s.frame = f;
+                    s.time = f;
+                    s.box = square_box(20, boundary);
+                    s.position = points;
+                    s.id = identities(points.size());
+                    source.snapshots.push_back(s);
+                }
+                AnalysisOptions options;
+                options.q4.rule = rule;
+                for (const ObservableResult& r : run(source, options)) {
+                    for (const Measurement& m : r.measurements) {
+                        if (m.value) EXPECT_TRUE(std::isfinite(*m.value)) << r.name << m.name;
+                        if (!m.value) EXPECT_NE(m.reason, "") << r.name << m.name;
+                    }
+                    if (points.empty()) EXPECT_NE(r.reason, "") << r.name;
+                }
+            }
+        }
+    }
+}
+
+TEST(Analysis, HandlesUnequalNumbersAndAnEmptyFrameInBetween) {
+    MemorySource source = video(6);
+    source.snapshots[2].position.clear();
+    source.snapshots[2].id.clear();
+    source.snapshots[4].position.resize(700);
+    source.snapshots[4].id.resize(700);
+    for (const ObservableResult& r : run(source)) EXPECT_EQ(r.reason, "") << r.name;
+}
+
+TEST(Analysis, SaysInThePlanWhatItLeavesOut) {
+    MemorySource source = video(1);
+    source.snapshots[0].position[3] = {std::numeric_limits<double>::infinity(), 0};
+    RunPlan plan;
+    run(source, {}, 1, &plan);
+    EXPECT_THAT(plan.text(), testing::HasSubstr("msd"));
+    EXPECT_THAT(plan.text(), testing::HasSubstr("one frame"));
+    ASSERT_EQ(plan.warnings().size(), 1U);
+    EXPECT_THAT(plan.warnings()[0], testing::HasSubstr("not finite"));
+}
+
+TEST(Analysis, WarnsOfABoxThatIsNotFilled) {
+    MemorySource source = video(1);
+    for (Snapshot& s : source.snapshots) s.box.length = {640, 320};
+    RunPlan plan;
+    run(source, {}, 1, &plan);
+    ASSERT_FALSE(plan.warnings().empty());
+    EXPECT_THAT(plan.warnings()[0], testing::HasSubstr("50 %"));
+}
+
+TEST(Analysis, MeasuresOnlyWhatIsAskedFor) {
+    MemorySource source = video(2);
+    AnalysisOptions options;
+    options.observables = "sk,q4";
+    const auto results = run(source, options);
+    ASSERT_EQ(results.size(), 2U);
+    EXPECT_EQ(results[0].name, "q4");
+    EXPECT_EQ(results[1].name, "sk");
+    options.observables = "everything";
+    EXPECT_THROW(run(source, options), OptionError);
+}
+
+TEST(Analysis, DescribesEveryOptionOnce) {
+    AnalysisOptions options;
+    const auto tables = describe(options);
+    std::vector<std::string> sections;
+    for (const OptionTable& table : tables) sections.push_back(table.section());
+    EXPECT_EQ(sections,
+              (std::vector<std::string>{"analysis", "q4", "phase", "msd", "sk", "variance"}));
+    tables[4].find("k-max")->set_from_text("3.5");
+    EXPECT_EQ(options.sk.k_max, 3.5);
+    tables[1].find("neighbours")->set_from_text("near-delaunay");
+    EXPECT_EQ(options.q4.rule, NeighbourRule::near_delaunay);
+}
+
+TEST(AbsQ4, KeepsOneEntryAParticleEvenForPositionsThatAreNotNumbers) {
+    MemorySource source = video(1);
+    Snapshot& s = source.snapshots[0];
+    const std::vector<double> before = abs_q4(s, 8, {});
+    s.position.insert(s.position.begin(), {std::numeric_limits<double>::quiet_NaN(), 0});
+    s.id.clear();
+    const std::vector<double> after = abs_q4(s, 8, {});
+    ASSERT_EQ(after.size(), before.size() + 1);
+    EXPECT_TRUE(std::isnan(after[0]));
+    EXPECT_NEAR(after[1], before[0], 1e-12);
+    EXPECT_NEAR(before[410], 1, 0.05);
+}
+
+}  // namespace
+}  // namespace grainfield::analysis

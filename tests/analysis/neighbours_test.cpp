@@ -1,0 +1,104 @@
+#include "analysis/neighbours.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "tests/analysis/synthetic_patterns.h"
+
+namespace grainfield::analysis {
+namespace {
+
+using namespace synthetic;
+
+std::vector<std::pair<double, int>> brute_force(const std::vector<Vec2>& points, const Box& box,
+                                                std::size_t i) {
+    std::vector<std::pair<double, int>> found;
+    for (std::size_t j = 0; j < points.size(); ++j) {
+        const double r2 = squared_norm(box.minimum_image(points[j] - points[i]));
+        if (j != i && r2 > 0) found.emplace_back(r2, static_cast<int>(j));
+    }
+    std::sort(found.begin(), found.end());
+    return found;
+}
+
+std::set<int> indices(const std::vector<Neighbour>& neighbours) {
+    std::set<int> set;
+    for (const Neighbour& n : neighbours) set.insert(n.index);
+    return set;
+}
+
+void expect_exact(const std::vector<Vec2>& points, const Box& box) {
+    const CellList cells(points, box);
+    std::vector<Neighbour> found;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const auto truth = brute_force(points, box, i);
+        const std::size_t k = std::min<std::size_t>(4, truth.size());
+        const CellList::Reach reach = cells.near(static_cast<int>(i), 4, 1.2, found);
+        ASSERT_EQ(static_cast<std::size_t>(reach.count), k);
+        double mean = 0;
+        for (std::size_t j = 0; j < k; ++j) mean += std::sqrt(truth[j].first);
+        if (k > 0) mean /= static_cast<double>(k);
+        EXPECT_NEAR(reach.mean_first, mean, 1e-12 * mean);
+        std::set<int> wanted;
+        for (std::size_t j = 0; j < truth.size(); ++j) {
+            if (j < k || std::sqrt(truth[j].first) < 1.2 * mean) wanted.insert(truth[j].second);
+        }
+        EXPECT_EQ(indices(found), wanted) << "point " << i;
+
+        cells.within(static_cast<int>(i), 1.7, found);
+        wanted.clear();
+        for (const auto& [r2, j] : truth) {
+            if (r2 < 1.7 * 1.7) wanted.insert(j);
+        }
+        EXPECT_EQ(indices(found), wanted) << "point " << i;
+    }
+}
+
+TEST(CellList, FindsTheNearestExactlyForAnyBoundaryAndDensity) {
+    RandomStream random(3, "cell list");
+    for (const Boundary bx : {Boundary::walls, Boundary::periodic}) {
+        for (const Boundary by : {Boundary::walls, Boundary::periodic}) {
+            for (const std::size_t n : {2U, 3U, 5U, 17U, 300U}) {
+                const Box box{{-3, 7}, {15, 11}, {bx, by}, 0};
+                expect_exact(poisson_points(n, box, random), box);
+            }
+        }
+    }
+}
+
+TEST(CellList, FindsTheNearestAcrossVoidsAndClusters) {
+    RandomStream random(4, "clusters");
+    const Box box = square_box(1000, Boundary::walls);
+    std::vector<Vec2> points = poisson_points(20, box, random);
+    for (int i = 0; i < 200; ++i) {
+        points.push_back({500 + random.uniform(), 500 + 0.01 * random.uniform()});
+    }
+    expect_exact(points, box);
+}
+
+TEST(CellList, TakesCoincidingPointsAsNoNeighboursOfEachOther) {
+    const std::vector<Vec2> points(50, Vec2{1, 1});
+    const CellList cells(points, square_box(10, Boundary::walls));
+    std::vector<Neighbour> found;
+    EXPECT_EQ(cells.near(0, 4, 1.2, found).count, 0);
+    EXPECT_TRUE(found.empty());
+}
+
+TEST(CellList, HandlesNoneAndOnePoint) {
+    std::vector<Neighbour> found;
+    EXPECT_EQ(CellList({}, square_box(10)).size(), 0U);
+    const std::vector<Vec2> one{{3, 3}};
+    EXPECT_EQ(CellList(one, square_box(10)).near(0, 4, 0, found).count, 0);
+}
+
+TEST(CellList, FindsPointsOnALine) {
+    std::vector<Vec2> points;
+    for (int i = 0; i < 200; ++i) points.push_back({0.7 * i, 5});
+    expect_exact(points, square_box(200, Boundary::walls));
+}
+
+}  // namespace
+}  // namespace grainfield::analysis

@@ -1,0 +1,55 @@
+#include "analysis/pattern.h"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "core/errors.h"
+
+namespace grainfield::analysis {
+namespace {
+
+Snapshot three_particles() {
+    Snapshot s;
+    s.box = {{-0.5, -0.5}, {100, 50}, {Boundary::walls, Boundary::walls}, 20};
+    s.position = {{10, 20}, {std::numeric_limits<double>::quiet_NaN(), 3}, {30, 40}};
+    s.id = {7, 8, 9};
+    return s;
+}
+
+TEST(Pattern, IsInUnitsOfTheDiameter) {
+    const Pattern p = pattern_of(three_particles(), 10);
+    EXPECT_EQ(p.box.length, (Vec2{10, 5}));
+    EXPECT_EQ(p.box.origin, (Vec2{-0.05, -0.05}));
+    EXPECT_DOUBLE_EQ(p.box.height, 2);
+    EXPECT_EQ(p.position[0], (Vec2{1, 2}));
+}
+
+TEST(Pattern, LeavesOutPositionsThatAreNotNumbersAndKeepsIdentities) {
+    const Pattern p = pattern_of(three_particles(), 10);
+    ASSERT_EQ(p.size(), 2U);
+    EXPECT_EQ(p.dropped, 1);
+    EXPECT_EQ(p.id, (std::vector<std::int64_t>{7, 9}));
+}
+
+TEST(Pattern, RefusesInconsistentColumnsAndUselessDiameters) {
+    Snapshot s = three_particles();
+    s.id.pop_back();
+    EXPECT_THROW(pattern_of(s, 10), InputError);
+    TrajectoryInfo info;
+    info.diameter = 0;
+    EXPECT_THROW(diameter_of(info), InputError);
+    info.diameter = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_THROW(diameter_of(info), InputError);
+}
+
+TEST(Pattern, IsWrappedIntoPeriodicBoxes) {
+    Snapshot s;
+    s.box = {{0, 0}, {10, 10}, {Boundary::periodic, Boundary::walls}, 0};
+    s.position = {{-1, -1}};
+    const Pattern p = pattern_of(s, 1);
+    EXPECT_EQ(p.position[0], (Vec2{9, -1}));
+}
+
+}  // namespace
+}  // namespace grainfield::analysis
