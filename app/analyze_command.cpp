@@ -95,7 +95,7 @@ std::string AnalyzeCommand::purpose() const {
 Command::Inputs AnalyzeCommand::inputs() const {
     return {.placeholder = "TRACKS.h5|POINTS.csv",
             .meaning = "a trajectory, or a table of points of any tracker",
-            .most = 1};
+            .count = Count::one};
 }
 
 std::vector<OptionTable> AnalyzeCommand::options() {

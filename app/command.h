@@ -42,10 +42,11 @@ struct Summary {
 /// A subcommand of `grainfield`.
 class Command {
  public:
+    enum class Count { one, many };
     struct Inputs {
         std::string placeholder;  ///< "VIDEO|IMAGES"
         std::string meaning;
-        std::size_t most = 1;
+        Count count = Count::one;
     };
 
     virtual ~Command() = default;

@@ -69,7 +69,7 @@ class BoundCommand {
         const Command::Inputs inputs = command_->inputs();
         parser_->add_option("inputs", inputs_, inputs.meaning)
             ->type_name(inputs.placeholder)
-            ->expected(1, static_cast<int>(inputs.most))
+            ->expected(inputs.count == Command::Count::many ? -1 : 1)
             ->required();
         parser_->add_option("-c,--config", config_, "read options from this TOML file")
             ->type_name("FILE");

@@ -38,7 +38,7 @@ std::string CompareCommand::purpose() const {
 Command::Inputs CompareCommand::inputs() const {
     return {.placeholder = "RESULTS.h5...",
             .meaning = "results files, in the order of the legend",
-            .most = 1000};
+            .count = Count::many};
 }
 
 std::vector<OptionTable> CompareCommand::options() {

@@ -47,7 +47,9 @@ std::string ExportCommand::purpose() const {
 }
 
 Command::Inputs ExportCommand::inputs() const {
-    return {.placeholder = "FILE", .meaning = "a trajectory, results or points file", .most = 1};
+    return {.placeholder = "FILE",
+            .meaning = "a trajectory, results or points file",
+            .count = Count::one};
 }
 
 std::vector<OptionTable> ExportCommand::options() {

@@ -180,7 +180,7 @@ std::string InfoCommand::purpose() const {
 Command::Inputs InfoCommand::inputs() const {
     return {.placeholder = "FILE",
             .meaning = "a trajectory, results, points, video or image file",
-            .most = 1};
+            .count = Count::one};
 }
 
 Summary InfoCommand::run(Session& session) {

@@ -79,7 +79,7 @@ std::string TrackCommand::purpose() const {
 Command::Inputs TrackCommand::inputs() const {
     return {.placeholder = "VIDEO|IMAGE...",
             .meaning = "one video, or images (PNG, TIFF, JPEG, BMP, PGM) in order",
-            .most = 1'000'000};
+            .count = Count::many};
 }
 
 std::vector<OptionTable> TrackCommand::options() {

@@ -35,9 +35,10 @@ std::string with_unit(const Option& option) {
 std::string range_text(const Option& option) {
     const bool has_minimum = std::isfinite(option.minimum);
     const bool has_maximum = std::isfinite(option.maximum);
-    if (has_minimum && has_maximum) return fmt::format("{} … {}", option.minimum, option.maximum);
-    if (has_minimum) return fmt::format("≥ {}", option.minimum);
-    if (has_maximum) return fmt::format("≤ {}", option.maximum);
+    if (has_minimum && has_maximum)
+        return fmt::format("{:g} … {:g}", option.minimum, option.maximum);
+    if (has_minimum) return fmt::format("≥ {:g}", option.minimum);
+    if (has_maximum) return fmt::format("≤ {:g}", option.maximum);
     return {};
 }
 
@@ -180,8 +181,8 @@ std::string Option::domain_text() const {
         text += (text.empty() ? "" : " ") + range;
     }
     if (kind == OptionKind::flag && default_value == OptionValue(false)) return text;
-    std::string shown = to_text(default_value);
-    if (shown.empty()) shown = "none";
+    const std::string shown = to_text(default_value);
+    if (shown.empty()) return text;
     return text +
            (text.empty()                 ? ""
             : kind == OptionKind::choice ? "; "
