@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+
+#include "core/results.h"
+#include "core/trajectory.h"
+#include "io/output_file.h"
+
+namespace grainfield::io {
+
+/// Writes `frame,particle,x,y,z,x_std,y_std,layer,quality`, one particle a line; columns that no
+/// frame has are left out, missing numbers are empty. Numbers are the shortest text that reads
+/// back to the same double. Reads the source twice. Throws OutputError (see OutputFile).
+void export_csv(SnapshotSource& source, const std::filesystem::path& path, Overwrite overwrite);
+
+/// Writes extended XYZ, one block a frame: number of particles; Lattice, Origin, pbc, frame, Time
+/// and Properties; species, position and where they apply id, velocity, layer and quality. Reads
+/// the source twice. Throws OutputError.
+void export_xyz(SnapshotSource& source, const std::filesystem::path& path, Overwrite overwrite);
+
+/// Writes one CSV per curve into `folder`, which is made if it is missing: header = column names,
+/// first column, then text columns, then the others. Nothing is written if one of the files exists
+/// and Overwrite is refuse. Throws OutputError, and InputError for curve names that are not plain
+/// file names or occur twice.
+void export_curves(const Results& results, const std::filesystem::path& folder,
+                   Overwrite overwrite);
+
+}  // namespace grainfield::io

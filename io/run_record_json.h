@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "core/results.h"
+
+namespace grainfield::io {
+
+/// The JSON texts that trajectory and results files carry. Doubles are written so that they read
+/// back bit for bit; NaN and infinities as the texts "nan", "inf", "-inf". The `*_from_json`
+/// functions and parse_json throw InputError("'<file>' …") if the text is not what was written.
+nlohmann::json to_json(const RunRecord& record);
+nlohmann::json to_json(const TrajectoryInfo& info);
+nlohmann::json to_json(const Box& box);
+nlohmann::json to_json(double number);
+nlohmann::json to_json(const std::optional<double>& number);
+
+RunRecord record_from_json(const nlohmann::json& json, const std::string& file);
+TrajectoryInfo info_from_json(const nlohmann::json& json, const std::string& file);
+Box box_from_json(const nlohmann::json& json, const std::string& file);
+/// These two throw nlohmann::json::exception, for use inside other *_from_json functions.
+double number_from_json(const nlohmann::json& json);
+std::optional<double> optional_from_json(const nlohmann::json& json);
+
+/// Bytes that are not UTF-8 are replaced.
+std::string text_of(const nlohmann::json& json);
+nlohmann::json parse_json(const std::string& text, const std::string& file);
+
+}  // namespace grainfield::io
