@@ -85,6 +85,10 @@ void Displacement::add(Sample pattern) {
 
 void Displacement::thin_out() {
     thinning_ = 2 * thinning_ + 1;
+    drop_left_out();
+}
+
+void Displacement::drop_left_out() {
     std::erase_if(tracks_, [this](const Track& t) { return (hash(t.id) & thinning_) != 0; });
     index_.clear();
     stored_ = 0;
@@ -115,8 +119,7 @@ void Displacement::merge(const Displacement& later) {
         track.moved = start + from.moved;
         track.last = from.last;
     }
-    thinning_ /= 2;
-    thin_out();
+    drop_left_out();
 }
 
 // Lags count steps of the largest stride that hits all frames: frames 0, 10, 20, 40 have stride 10

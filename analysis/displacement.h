@@ -78,6 +78,7 @@ class Displacement {
     };
     void place(Track& track, std::size_t ordinal, Vec2 step);
     void thin_out();
+    void drop_left_out();
     std::optional<Clock> clock() const;
     std::vector<std::size_t> lags(const Clock& clock) const;
     std::vector<double> lag_times(const Clock& clock, const std::vector<std::size_t>& lags) const;

@@ -68,7 +68,7 @@ HistogramModes find_modes(std::span<const double> counts, double smoothing) {
                                               y.begin() + static_cast<std::ptrdiff_t>(tops[b]));
             const double lower_peak = std::min(y[tops[a]], y[tops[b]]);
             const double depth = lower_peak - *low;
-            if (depth > 3 * std::hypot(error(*low), error(lower_peak)) &&
+            if (depth > 6 * std::hypot(error(*low), error(lower_peak)) &&
                 depth > 0.1 * lower_peak && depth > best) {
                 best = depth;
                 left = tops[a];

@@ -19,8 +19,9 @@ struct HistogramModes {
 /// Finds the two highest peaks of a histogram over [0, 1] and the minimum between them.
 ///
 /// The counts are smoothed by a Gaussian of standard deviation `smoothing` [unit of the axis] with
-/// reflection at both ends; a dip counts if it lies below the lower peak by more than 3 standard
-/// errors of counting and by more than a tenth of it. The error of the minimum is the half-width
+/// reflection at both ends; a dip counts if it lies below the lower peak by more than 6 standard
+/// errors of counting (a flat histogram of 50 bins shows one with a probability below 1e-6) and by
+/// more than a tenth of it. The error of the minimum is the half-width
 /// of the region that counting noise cannot tell from it (at least half a bin).
 HistogramModes find_modes(std::span<const double> counts, double smoothing = 0.03);
 

@@ -1,5 +1,6 @@
 #include "analysis/msd_result.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <functional>

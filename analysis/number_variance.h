@@ -14,11 +14,11 @@
 namespace grainfield::analysis {
 
 struct NumberVarianceOptions {
-    double smallest = 1;           ///< smallest window [a]
-    double largest = 80;           ///< largest window [a]
-    double increment = 1;          ///< from window to window [a]
-    double step = 0.25;            ///< displacement of the windows [a]
-    std::optional<double> border;  ///< strip left free along walls [a]; auto: 10, at most L/10
+    double smallest = 1;             ///< smallest window [a]
+    double largest = 80;             ///< largest window [a]
+    double increment = 1;            ///< from window to window [a]
+    double step = 0.25;              ///< displacement of the windows [a]
+    std::optional<double> border{};  ///< strip left free along walls [a]; auto: 10, at most L/10
 };
 
 OptionTable describe(NumberVarianceOptions& options);

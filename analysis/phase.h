@@ -14,9 +14,9 @@
 namespace grainfield::analysis {
 
 struct PhaseOptions {
-    double liquid_below = 0.4;     ///< largest mean |Q4| of a liquid particle [-]
-    double solid_above = 0.7;      ///< least mean |Q4| of a solid particle [-]
-    std::optional<double> window;  ///< averaging time T_o [time unit]; auto: see PhaseWindow
+    double liquid_below = 0.4;       ///< largest mean |Q4| of a liquid particle [-]
+    double solid_above = 0.7;        ///< least mean |Q4| of a solid particle [-]
+    std::optional<double> window{};  ///< averaging time T_o [time unit]; auto: see PhaseWindow
 };
 
 OptionTable describe(PhaseOptions& options);

@@ -33,6 +33,15 @@ bool same_length(double a, double b) {
     return std::abs(a - b) <= 1e-9 * std::max(a, b);
 }
 
+// Number of the shell of a mode, growing with k. Without a given width every distinct |k| below 5.5
+// grid steps is a shell of its own, above shells are one step wide.
+std::int64_t shell_of(double k, double step, const std::optional<double>& width) {
+    if (width) return std::llround(k / *width);
+    constexpr double distinct = 1e6;
+    const double n = k / step;
+    return n < 5.5 ? std::llround(n * distinct) : std::llround(n) * std::llround(distinct);
+}
+
 }  // namespace
 
 OptionTable describe(StructureFactorOptions& options) {
@@ -43,7 +52,7 @@ OptionTable describe(StructureFactorOptions& options) {
         {{"auto", WaveGrid::automatic}, {"two-pi", WaveGrid::two_pi}, {"pi", WaveGrid::pi}},
         "wavevectors 2 pi n/L or pi n/L; auto: by boundary");
     table.number("shell-width", options.shell_width, "1/a", {1e-12, 1e9},
-                 "width of the isotropic average; auto: the grid step");
+                 "width of the isotropic average; auto: distinct |k| first, then the grid step");
     return table;
 }
 
@@ -144,12 +153,11 @@ StructureFactor::Block StructureFactor::total(std::optional<std::size_t> without
 }
 
 StructureFactor::Shells StructureFactor::shells(Estimator estimator) const {
-    const double width =
-        options_.shell_width.value_or(std::min(grid_.spacing().x, grid_.spacing().y));
+    const double step = std::min(grid_.spacing().x, grid_.spacing().y);
     std::map<std::int64_t, std::vector<std::size_t>> by_shell;
     for (std::size_t m = 0; m < grid_.modes().size(); ++m) {
         if (estimator == Estimator::neumann && neumann_index_[m] == nowhere) continue;
-        by_shell[std::llround(grid_.modes()[m].k / width)].push_back(m);
+        by_shell[shell_of(grid_.modes()[m].k, step, options_.shell_width)].push_back(m);
     }
     Shells shells;
     for (auto& [number, members] : by_shell) {

@@ -24,7 +24,7 @@ enum class WaveGrid {
 struct StructureFactorOptions {
     double k_max = 2;  ///< largest |k| [1/a]
     WaveGrid grid = WaveGrid::automatic;
-    std::optional<double> shell_width;  ///< width of the isotropic average [1/a]; auto: grid step
+    std::optional<double> shell_width{};  ///< width of the isotropic average [1/a]; auto: below
 };
 
 OptionTable describe(StructureFactorOptions& options);
@@ -42,7 +42,8 @@ OptionTable describe(StructureFactorOptions& options);
 /// independent frames behind a shell, estimated from the scatter of block means (at most the number
 /// of frames; equal to it below 17 frames) and given in the curve `sk_samples`.
 ///
-/// Isotropic average over shells of |k| (half plane): k is the mean |k| of the modes, n their
+/// Isotropic average over shells of |k| (half plane), by default every distinct |k| below 5.5 grid
+/// steps and shells one step wide above: k is the mean |k| of the modes, n their
 /// number. Error: jackknife over at most 16 blocks of time; below four frames the scatter among
 /// the modes of a shell. In a walled box plane waves on the π/L grid are correlated and leak
 /// (methods.md): use `sk_neumann` for the limit k → 0.

@@ -53,6 +53,7 @@ std::vector<Copy> continued(std::span<const Vec2> points, const Box& box, double
 struct Scaling {
     Vec2 centre;
     double scale = 1;
+    double extent = 0;
 
     explicit Scaling(const std::vector<Copy>& copies) {
         if (copies.empty()) return;
@@ -64,6 +65,7 @@ struct Scaling {
         }
         centre = 0.5 * (low + high);
         const double half = 0.5 * std::max(high.x - low.x, high.y - low.y);
+        extent = 2 * half;
         if (half > 0) scale = double{1 << 30} / half;
     }
     Site site(Vec2 p) const {
@@ -123,6 +125,22 @@ bool certain(const Diagram::edge_type& edge, const Scaling& scaling, Vec2 site, 
     return true;
 }
 
+// Whether the Voronoi edge between `site` and site + d passes within `far` of their midpoint.
+// Points on a line come out of the rounding with flat triangles whose vertices lie far outside;
+// such pairs only touch there and are no neighbours.
+bool passes_near(const Diagram::edge_type& edge, const Scaling& scaling, Vec2 site, Vec2 d,
+                 double far) {
+    // Along the edge the cell of `site` is on the left.
+    const double length = norm(d);
+    const Vec2 along{-d.y / length, d.x / length};
+    const Vec2 middle = site + 0.5 * d;
+    const auto place = [&](const Diagram::vertex_type* vertex) {
+        return dot(scaling.point(vertex->x(), vertex->y()) - middle, along);
+    };
+    if (edge.vertex0() != nullptr && place(edge.vertex0()) > far) return false;
+    return edge.vertex1() == nullptr || place(edge.vertex1()) >= -far;
+}
+
 bool any_periodic(const Box& box) {
     return box.boundary[0] == Boundary::periodic || box.boundary[1] == Boundary::periodic;
 }
@@ -150,7 +168,9 @@ bool build(std::span<const Vec2> points, const Box& box, double margin, bool mus
             const std::size_t other = edge->twin()->cell()->source_index();
             const Copy& to = copies[static_cast<std::size_t>(sites.representative[other])];
             const Vec2 d = to.at - points[i];
-            neighbours.push_back({to.index, d, squared_norm(d)});
+            if (passes_near(*edge, scaling, points[i], d, 100 * scaling.extent)) {
+                neighbours.push_back({to.index, d, squared_norm(d)});
+            }
             edge = edge->next();
             if (edge == start) break;
         }

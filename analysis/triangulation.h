@@ -15,7 +15,8 @@ namespace grainfield::analysis {
 /// coordinates rounded to 2^-30 of the pattern's extent; cocircular points give no diagonal or one
 /// of them. Periodic axes are continued by copies of the points, wide enough that every Voronoi
 /// vertex of a real cell is certain. Points that round to the same place share their neighbours
-/// and are not neighbours of each other; collinear points have their neighbours on the line.
+/// and are not neighbours of each other; collinear points have their neighbours on the line (a pair
+/// whose cells meet only farther than 100 extents of the pattern away is no pair).
 ///
 /// Neighbours of point i come in order of direction. Cost O(N log N).
 class Triangulation {

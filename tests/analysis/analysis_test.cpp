@@ -94,7 +94,11 @@ TEST(Analysis, OfALinkedVideoMeasuresAllObservables) {
     for (const ObservableResult& r : results) EXPECT_EQ(r.reason, "") << r.name;
     const Measurement* spacing = results[0].find_measurement("lattice_spacing");
     EXPECT_NEAR(*spacing->value, 1, 0.01);
-    EXPECT_NEAR(*results[1].find_measurement("solid_fraction")->value, 800.0 / 1400, 0.1);
+    // The crystal, and those of the gas that look square by chance (four random directions have
+    // |Q4| > 0.7 with probability exp(-4 · 0.49) = 0.14, fewer more often).
+    const double solid = *results[1].find_measurement("solid_fraction")->value;
+    EXPECT_GT(solid, 780.0 / 1400);
+    EXPECT_LT(solid, (800 + 0.35 * 600) / 1400);
     EXPECT_TRUE(results[2].find_measurement("d_solid")->value.has_value());
     EXPECT_NE(results[3].find_curve("sk_neumann"), nullptr);
     EXPECT_NEAR(*results[4].find_measurement("number_density")->value, 1400.0 / 1600, 1e-12);
@@ -105,11 +109,19 @@ TEST(Analysis, NeverHasAValueThatIsNotANumberNorAMissingOneWithoutReason) {
         for (bool linked : {true, false}) {
             MemorySource source = video(frames, linked);
             for (const ObservableResult& r : run(source)) {
-                if (r.measurements.empty()) EXPECT_NE(r.reason, "") << r.name;
+                if (r.measurements.empty()) {
+                    EXPECT_NE(r.reason, "") << r.name;
+                }
                 for (const Measurement& m : r.measurements) {
-                    if (m.value) EXPECT_TRUE(std::isfinite(*m.value)) << m.name;
-                    if (m.error) EXPECT_TRUE(std::isfinite(*m.error)) << m.name;
-                    if (!m.value || !m.error) EXPECT_NE(m.reason, "") << m.name << frames;
+                    if (m.value) {
+                        EXPECT_TRUE(std::isfinite(*m.value)) << m.name;
+                    }
+                    if (m.error) {
+                        EXPECT_TRUE(std::isfinite(*m.error)) << m.name;
+                    }
+                    if (!m.value || !m.error) {
+                        EXPECT_NE(m.reason, "") << m.name << frames;
+                    }
                 }
                 for (const Curve& c : r.curves) {
                     for (const Column& column : c.columns) {
@@ -146,10 +158,16 @@ TEST(Analysis, SurvivesDegeneratePatterns) {
                 options.q4.rule = rule;
                 for (const ObservableResult& r : run(source, options)) {
                     for (const Measurement& m : r.measurements) {
-                        if (m.value) EXPECT_TRUE(std::isfinite(*m.value)) << r.name << m.name;
-                        if (!m.value) EXPECT_NE(m.reason, "") << r.name << m.name;
+                        if (m.value) {
+                            EXPECT_TRUE(std::isfinite(*m.value)) << r.name << m.name;
+                        }
+                        if (!m.value) {
+                            EXPECT_NE(m.reason, "") << r.name << m.name;
+                        }
                     }
-                    if (points.empty()) EXPECT_NE(r.reason, "") << r.name;
+                    if (points.empty()) {
+                        EXPECT_NE(r.reason, "") << r.name;
+                    }
                 }
             }
         }
@@ -182,7 +200,7 @@ TEST(Analysis, WarnsOfABoxThatIsNotFilled) {
     RunPlan plan;
     run(source, {}, 1, &plan);
     ASSERT_FALSE(plan.warnings().empty());
-    EXPECT_THAT(plan.warnings()[0], testing::HasSubstr("50 %"));
+    EXPECT_THAT(plan.warnings()[0], testing::HasSubstr("49 % x 100 %"));
 }
 
 TEST(Analysis, MeasuresOnlyWhatIsAskedFor) {
