@@ -1,0 +1,74 @@
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <thread>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <signal.h>
+
+#include "tests/support/disc_sequence.h"
+#include "tests/support/program.h"
+
+namespace grainfield {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using testing::Outcome;
+using testing::Process;
+using testing::ScratchFolder;
+
+/// A film too long to be finished before the signal: many names of one picture.
+std::vector<std::string> long_film(const ScratchFolder& folder, int frames) {
+    const std::string picture = folder / "picture.png";
+    testing::write_png(picture, testing::disc_frame(testing::few_discs(), 0));
+    std::vector<std::string> paths;
+    for (int i = 0; i < frames; ++i) {
+        paths.push_back(folder / fmt::format("frame_{:05}.png", i));
+        std::filesystem::create_symlink(picture, paths.back());
+    }
+    return paths;
+}
+
+class InterruptedTracking : public ::testing::TestWithParam<int> {};
+
+TEST_P(InterruptedTracking, KeepsTheFramesDoneSoFarUnderTheFinalName) {
+    constexpr int frames = 20000;
+    const ScratchFolder film, folder;
+    std::vector<std::string> words{GRAINFIELD_PROGRAM, "track", "-o", folder / "tracks.h5",
+                                   "--json"};
+    for (const std::string& path : long_film(film, frames)) words.push_back(path);
+    const Process process(words);
+    // The temporary file appears once tracking starts.
+    for (int i = 0; i < 1000 && folder.entries() == 0; ++i) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    const auto start = std::chrono::steady_clock::now();
+    process.send(GetParam());
+    const Outcome outcome = process.wait();
+    const auto stopping = std::chrono::steady_clock::now() - start;
+
+    EXPECT_EQ(outcome.code, 128 + GetParam()) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("warning: interrupted after"));
+    EXPECT_LT(stopping, std::chrono::seconds(10));
+    const auto done = json::parse(outcome.out)["frames"].get<int>();
+    EXPECT_GT(done, 0);
+    EXPECT_LT(done, frames);
+    EXPECT_EQ(folder.entries(), 1U) << "only the final file";
+    const Outcome info = testing::run_grainfield({"info", folder / "tracks.h5", "--json"});
+    ASSERT_EQ(info.code, 0) << info.err;
+    EXPECT_EQ(json::parse(info.out)["frames"], done);
+}
+
+INSTANTIATE_TEST_SUITE_P(BySignal, InterruptedTracking, ::testing::Values(SIGINT, SIGTERM),
+                         [](const auto& info) {
+                             return info.param == SIGINT ? std::string("Interrupt")
+                                                         : std::string("Terminate");
+                         });
+
+}  // namespace
+}  // namespace grainfield

@@ -1,0 +1,103 @@
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/disc_sequence.h"
+#include "tests/support/program.h"
+
+namespace grainfield {
+namespace {
+
+using ::testing::AnyOf;
+using ::testing::HasSubstr;
+using testing::Outcome;
+using testing::run_grainfield;
+using testing::ScratchFolder;
+
+class BadOutput : public ::testing::Test {
+ protected:
+    ScratchFolder folder_;
+    ScratchFolder out_;
+    std::vector<std::string> frames_ = testing::write_disc_sequence(folder_, 3);
+    std::string tracks_ = folder_ / "tracks.h5";
+    std::string results_ = folder_ / "results.h5";
+
+    void SetUp() override {
+        ASSERT_EQ(run_grainfield({"track", frames_[0], "-o", tracks_}).code, 0);
+        ASSERT_EQ(run_grainfield({"analyze", tracks_, "-o", results_}).code, 0);
+    }
+
+    std::vector<std::vector<std::string>> calls_into(const std::string& folder) const {
+        return {{"track", frames_[0], "-o", folder + "/t.h5"},
+                {"analyze", tracks_, "-o", folder + "/r.h5"},
+                {"compare", results_, "-o", folder + "/r.html"},
+                {"export", tracks_, "-o", folder + "/x.csv"},
+                {"export", results_, "-o", folder + "/curves"}};
+    }
+};
+
+TEST_F(BadOutput, AFolderThatCannotBeWrittenOrIsNoneEndsWithFour) {
+    std::ofstream(folder_ / "file") << "x";
+    // /proc refuses new files even to root.
+    for (const std::string& folder :
+         {std::string("/proc"), folder_ / "file", folder_ / "missing/deeper"}) {
+        for (const auto& words : calls_into(folder)) {
+            const Outcome outcome = run_grainfield(words);
+            EXPECT_EQ(outcome.code, 4) << words[0] << " into " << folder << ": " << outcome.err;
+            EXPECT_THAT(outcome.err, HasSubstr(words.back())) << words[0];
+            EXPECT_EQ(outcome.out, "");
+        }
+    }
+}
+
+TEST_F(BadOutput, ADirectoryUnderTheOutputNameIsRefusedEvenWithForce) {
+    std::filesystem::create_directory(out_ / "t.h5");
+    const Outcome outcome = run_grainfield({"track", frames_[0], "-o", out_ / "t.h5", "--force"});
+    EXPECT_EQ(outcome.code, 4) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(out_ / "t.h5"));
+    EXPECT_EQ(out_.entries(), 1U);
+}
+
+TEST_F(BadOutput, AFullDiskEndsWithFourAndNoPartialOutput) {
+    // A limit of 8 blocks of 512 bytes on every file stands for the full disk: writes fail.
+    for (const auto& words : calls_into(out_.path().string())) {
+        if (words[0] == "export") continue;  // may fit
+        std::string line = "trap '' XFSZ; ulimit -f 8; exec \"$GRAINFIELD\"";
+        for (const std::string& word : words) line += " '" + word + "'";
+        const Outcome outcome = testing::shell(line);
+        EXPECT_EQ(outcome.code, 4) << words[0] << ": " << outcome.err;
+        EXPECT_FALSE(std::filesystem::exists(words.back())) << words[0];
+    }
+}
+
+TEST_F(BadOutput, AFullDiskLeavesTheOldOutputIntact) {
+    const std::string output = out_ / "t.h5";
+    std::ofstream(output) << "old";
+    const Outcome outcome = testing::shell(
+        fmt::format("trap '' XFSZ; ulimit -f 8; exec \"$GRAINFIELD\" track '{}' -o '{}' --force",
+                    frames_[0], output));
+    EXPECT_EQ(outcome.code, 4) << outcome.err;
+    EXPECT_EQ(testing::read_all(output), "old");
+}
+
+TEST_F(BadOutput, AFailureHalfWayLeavesNothingUnderTheFinalName) {
+    testing::write_png(frames_[2], Image(64, 48, 200));
+    const Outcome outcome =
+        run_grainfield({"track", frames_[0], frames_[1], frames_[2], "-o", out_ / "t.h5"});
+    EXPECT_EQ(outcome.code, 3);
+    EXPECT_EQ(out_.entries(), 0U);
+}
+
+TEST_F(BadOutput, ClosedStandardOutputIsReported) {
+    const Outcome outcome =
+        testing::shell(fmt::format("exec \"$GRAINFIELD\" info '{}' --json > /dev/full", tracks_));
+    EXPECT_EQ(outcome.code, 4) << outcome.err;
+    EXPECT_THAT(outcome.err, AnyOf(HasSubstr("standard output"), HasSubstr("stream")));
+}
+
+}  // namespace
+}  // namespace grainfield

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "tests/support/scratch_folder.h"
+
+extern char** environ;
+
+namespace grainfield::testing {
+
+inline std::string read_all(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+/// How a process ended and what it said.
+struct Outcome {
+    int code = -1;  ///< exit code; 128 + signal if it was killed
+    std::string out;
+    std::string err;
+};
+
+/// A process with captured output; the first word is the program.
+class Process {
+ public:
+    explicit Process(std::vector<std::string> words) {
+        posix_spawn_file_actions_t files;
+        posix_spawn_file_actions_init(&files);
+        const int flags = O_WRONLY | O_CREAT | O_TRUNC;
+        posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+        posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, (out_ / "out").c_str(), flags,
+                                         0600);
+        posix_spawn_file_actions_addopen(&files, STDERR_FILENO, (out_ / "err").c_str(), flags,
+                                         0600);
+        std::vector<char*> argv;
+        for (std::string& word : words) argv.push_back(word.data());
+        argv.push_back(nullptr);
+        const int failure = posix_spawnp(&pid_, argv[0], &files, nullptr, argv.data(), environ);
+        posix_spawn_file_actions_destroy(&files);
+        if (failure != 0) throw std::runtime_error("cannot start " + words.front());
+    }
+
+    void send(int signal) const { ::kill(pid_, signal); }
+
+    Outcome wait() const {
+        int status = 0;
+        ::waitpid(pid_, &status, 0);
+        const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+        return {code, read_all(out_ / "out"), read_all(out_ / "err")};
+    }
+
+ private:
+    ScratchFolder out_;
+    pid_t pid_ = -1;
+};
+
+/// Runs the grainfield program of this build to its end.
+inline Outcome run_grainfield(std::vector<std::string> words) {
+    words.insert(words.begin(), GRAINFIELD_PROGRAM);
+    return Process(std::move(words)).wait();
+}
+
+/// Runs a line of shell; `$GRAINFIELD` is the program of this build.
+inline Outcome shell(const std::string& line) {
+    return Process(
+               {"/bin/sh", "-c", std::string("GRAINFIELD='") + GRAINFIELD_PROGRAM + "'; " + line})
+        .wait();
+}
+
+}  // namespace grainfield::testing
