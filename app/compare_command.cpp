@@ -1,9 +1,11 @@
 #include "app/compare_command.h"
 
-#include <algorithm>
+#include <optional>
+#include <system_error>
 
 #include <fmt/format.h>
 
+#include "core/errors.h"
 #include "core/interrupt.h"
 #include "io/output_file.h"
 #include "io/results_file.h"
@@ -14,20 +16,42 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Legends need names that differ: files with one label get their file's name in addition.
-void tell_apart(std::vector<Results>& results, const std::vector<fs::path>& inputs) {
-    std::vector<std::string> labels;
-    for (const Results& r : results) labels.push_back(r.label);
-    for (std::size_t i = 0; i < results.size(); ++i) {
-        if (std::ranges::count(labels, labels[i]) > 1) {
-            results[i].label += " (" + inputs[i].string() + ")";
-        }
-    }
-}
-
 fs::path figures_folder(const fs::path& html) {
     return html.parent_path() / (html.stem().string() + "_files");
 }
+
+bool exists(const fs::path& path) {
+    std::error_code unreachable;
+    return fs::exists(path, unreachable);
+}
+
+/// The folder of the figures: refused if it is there already, and removed again, unless it was
+/// there before, when the report does not come about.
+class FiguresFolder {
+ public:
+    FiguresFolder(fs::path path, io::Overwrite overwrite)
+        : path_(std::move(path)), is_new_(!exists(path_)) {
+        if (is_new_ || overwrite == io::Overwrite::force) return;
+        throw OutputError({.problem = fmt::format("output folder '{}' exists", path_.string()),
+                           .actual = {},
+                           .expected = {},
+                           .suggestion = "give --force to write into it, or --no-figures"});
+    }
+    ~FiguresFolder() {
+        std::error_code ignored;
+        if (is_new_ && !kept_) fs::remove_all(path_, ignored);
+    }
+    FiguresFolder(const FiguresFolder&) = delete;
+    FiguresFolder& operator=(const FiguresFolder&) = delete;
+
+    const fs::path& path() const { return path_; }
+    void keep() { kept_ = true; }
+
+ private:
+    fs::path path_;
+    bool is_new_;
+    bool kept_ = false;
+};
 
 }  // namespace
 
@@ -62,20 +86,21 @@ Summary CompareCommand::run(Session& session) {
         throw_if_interrupted("comparison");
         results.push_back(io::read_results(input));
     }
-    tell_apart(results, session.inputs);
-    io::OutputFile html(output_,
-                        session.common.force ? io::Overwrite::force : io::Overwrite::refuse);
-    const fs::path figures = figures_folder(output_);
-    report::write_report(results, report_, html.temporary(), figures, session.plan);
+    const auto overwrite = session.common.force ? io::Overwrite::force : io::Overwrite::refuse;
+    io::OutputFile html(output_, overwrite);
+    std::optional<FiguresFolder> figures;
+    if (report_.figures) figures.emplace(figures_folder(output_), overwrite);
+    report::write_report(results, report_, html.temporary(), figures_folder(output_), session.plan);
     html.commit();
     session.outputs.push_back(output_);
-    if (report_.figures) session.outputs.push_back(figures);
+    if (figures) {
+        figures->keep();
+        session.outputs.push_back(figures->path());
+    }
 
     Summary summary;
     summary.text = fmt::format("{}: report of {} results\n", output_, results.size());
-    if (report_.figures) {
-        summary.text += fmt::format("  figures    {}\n", figures.string());
-    }
+    if (figures) summary.text += fmt::format("  figures    {}\n", figures->path().string());
     summary.facts["labels"] = nlohmann::ordered_json::array();
     for (const Results& r : results) summary.facts["labels"].push_back(r.label);
     return summary;
