@@ -57,8 +57,8 @@ class PointGrid {
     std::unordered_map<std::int64_t, std::vector<Entry>> cells_;
 };
 
-/// 1.4826 × median |residual| where the model is flat: clear background or a single core would do,
-/// the background is what every scene has most of at its quantile.
+/// RMS of the residual where the model is flat (clear background or core), outliers beyond four
+/// robust standard deviations left out.
 double flat_noise(const Image& darkness, const Image& transmission) {
     std::vector<float> deviations;
     for (std::size_t i = 0; i < transmission.size(); ++i) {
@@ -70,7 +70,15 @@ double flat_noise(const Image& darkness, const Image& transmission) {
     if (deviations.size() < 100) return 0;
     const auto middle = deviations.begin() + static_cast<std::ptrdiff_t>(deviations.size() / 2);
     std::nth_element(deviations.begin(), middle, deviations.end());
-    return 1.4826 * static_cast<double>(*middle);
+    const float widest = 4 * 1.4826F * *middle;
+    double sum = 0;
+    double n = 0;
+    for (const float d : deviations) {
+        if (d > widest) continue;
+        sum += static_cast<double>(d) * static_cast<double>(d);
+        n += 1;
+    }
+    return std::sqrt(sum / n);
 }
 
 /// Weakest first: discs that explain less than `threshold`, and the weaker of every pair nearer

@@ -86,6 +86,10 @@ Snapshot Tracker::track(const Frame& frame, Linker& linker, TrackSummary& summar
     snapshot.box.length = {static_cast<double>(frame.image.width()),
                            static_cast<double>(frame.image.height())};
     if (!calibration_) return snapshot;
+    if (const std::string reason = blank_reason(frame.image); !reason.empty()) {
+        plan_.warn(fmt::format("{}, frame {}: {}", source_.name(), frame.index, reason));
+        return snapshot;
+    }
 
     auto start = Clock::now();
     const Image darkness = model().darkness(frame.image);

@@ -12,7 +12,7 @@ namespace {
 constexpr int kTilesPerSide = 14;
 constexpr int kEnvelopeDegree = 3;
 constexpr int kClearDegree = 5;
-constexpr float kClearTransmission = 0.97F;
+constexpr double kClearTransmission = 0.9;
 
 int term_count(int degree) {
     return (degree + 1) * (degree + 2) / 2;
@@ -70,6 +70,21 @@ BackgroundSurface uniform_if_flat(const BackgroundSurface& surface, int width, i
     }
     const double mean = sum / count;
     return high - low <= tolerance ? BackgroundSurface(mean) : surface;
+}
+
+/// (fall of the misfit per term) / (misfit of the surface per degree of freedom).
+double f_ratio(const BackgroundSurface& surface, const BackgroundSurface& level,
+               const std::vector<BackgroundSurface::Sample>& samples) {
+    double with = 0;
+    double without = 0;
+    for (const auto& s : samples) {
+        with += s.weight * std::pow(s.value - surface(s.x, s.y), 2);
+        without += s.weight * std::pow(s.value - level(s.x, s.y), 2);
+    }
+    const int terms = surface.terms() - 1;
+    const double freedom = static_cast<double>(samples.size()) - surface.terms();
+    if (terms <= 0 || freedom <= 0) return 0;
+    return (without - with) / terms / (with / freedom + 1e-12);
 }
 
 }  // namespace
@@ -193,32 +208,35 @@ BackgroundSurface upper_envelope(const Image& counts, double contrast, double un
     return uniform_if_flat(surface, counts.width(), counts.height(), uniform_tolerance * contrast);
 }
 
-BackgroundSurface clear_pixel_background(const Image& counts, const Image& transmission,
-                                         const BackgroundSurface& previous, double contrast,
-                                         double uniform_tolerance) {
+BackgroundSurface background_between_spheres(const Image& counts, const Image& transmission,
+                                             double dark_level, const BackgroundSurface& previous,
+                                             double contrast, double uniform_tolerance) {
     std::vector<BackgroundSurface::Sample> samples;
-    std::vector<float> values;
     const int tiles_per_side = std::clamp(std::min(counts.width(), counts.height()) / 24, 8, 48);
-    for (const Tile& t : tiles_of(counts.width(), counts.height(), tiles_per_side)) {
-        values.clear();
-        double x_sum = 0;
-        double y_sum = 0;
-        for (int y = t.y0; y < t.y1; ++y) {
-            for (int x = t.x0; x < t.x1; ++x) {
-                if (transmission(x, y) < kClearTransmission) continue;
-                values.push_back(counts(x, y));
-                x_sum += x;
-                y_sum += y;
+    for (const Tile& tile : tiles_of(counts.width(), counts.height(), tiles_per_side)) {
+        BackgroundSurface::Sample sample{0, 0, 0, 0};
+        for (int y = tile.y0; y < tile.y1; ++y) {
+            for (int x = tile.x0; x < tile.x1; ++x) {
+                const auto t = static_cast<double>(transmission(x, y));
+                if (t < kClearTransmission) continue;
+                sample.x += t * t * x;
+                sample.y += t * t * y;
+                sample.value += t * (static_cast<double>(counts(x, y)) - dark_level * (1 - t));
+                sample.weight += t * t;
             }
         }
-        if (values.size() < 8) continue;
-        const auto n = static_cast<double>(values.size());
-        samples.push_back({x_sum / n, y_sum / n, static_cast<double>(percentile(values, 0.5)), n});
+        if (sample.weight < 8) continue;
+        sample.x /= sample.weight;
+        sample.y /= sample.weight;
+        sample.value /= sample.weight;
+        samples.push_back(sample);
     }
     if (samples.size() < 3 * static_cast<std::size_t>(term_count(1))) return previous;
-    return uniform_if_flat(
-        BackgroundSurface::fit(counts.width(), counts.height(), kClearDegree, samples),
-        counts.width(), counts.height(), uniform_tolerance * contrast);
+    const auto surface =
+        BackgroundSurface::fit(counts.width(), counts.height(), kClearDegree, samples);
+    const auto level = BackgroundSurface::fit(counts.width(), counts.height(), 0, samples);
+    if (f_ratio(surface, level, samples) < 3) return level;
+    return uniform_if_flat(surface, counts.width(), counts.height(), uniform_tolerance * contrast);
 }
 
 }  // namespace grainfield::tracking

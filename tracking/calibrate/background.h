@@ -16,6 +16,7 @@ class BackgroundSurface {
     BackgroundSurface(int width, int height, int degree, std::vector<double> coefficients);
 
     double operator()(double x, double y) const;
+    int terms() const { return static_cast<int>(coefficients_.size()); }
     bool is_uniform() const { return coefficients_.size() <= 1; }
     BackgroundSurface negated() const;
     /// The surface seen by a part of the image that begins at pixel (x, y).
@@ -43,9 +44,12 @@ class BackgroundSurface {
 /// counts as below; uniform if it varies by less than `uniform_tolerance` of it.
 BackgroundSurface upper_envelope(const Image& counts, double contrast, double uniform_tolerance);
 
-/// Refines B from the pixels that the model says are clear (transmission above 0.97).
-BackgroundSurface clear_pixel_background(const Image& counts, const Image& transmission,
-                                         const BackgroundSurface& previous, double contrast,
-                                         double uniform_tolerance);
+/// Refines B with the fitted scene: every pixel with transmission T above 0.9 gives B an estimate
+/// [I − I_dark (1 − T)]/T of weight T²; tiles of them are fitted by a polynomial. Uniform if the
+/// surface varies by less than `uniform_tolerance` of the contrast or explains the tiles no better
+/// than chance (F ratio below 3). `previous` comes back when too few pixels are clear.
+BackgroundSurface background_between_spheres(const Image& counts, const Image& transmission,
+                                             double dark_level, const BackgroundSurface& previous,
+                                             double contrast, double uniform_tolerance);
 
 }  // namespace grainfield::tracking

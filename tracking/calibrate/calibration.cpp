@@ -9,6 +9,7 @@
 
 #include "tracking/calibrate/coarse_size.h"
 #include "tracking/calibrate/edge_fit.h"
+#include "tracking/refine/disc_kernel.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -17,36 +18,58 @@ namespace {
 constexpr double kFirstEdgeWidth = 0.12;
 constexpr int kRounds = 4;
 constexpr int kFrameRounds = 2;
+constexpr int kImageRounds = 6;
 
 struct Levels {
     double low, high;  ///< 0.5 % and 99.5 % quantiles [counts]
     double noise;      ///< RMS of what varies from pixel to pixel [counts]
 };
 
+/// From every fourth row and third column: a percent of accuracy is plenty.
 Levels levels_of(const Image& counts) {
-    std::vector<float> sorted = counts.pixels();
-    const auto quantile = [&](double q) {
-        const auto n = static_cast<std::ptrdiff_t>(q * static_cast<double>(sorted.size() - 1));
-        std::nth_element(sorted.begin(), sorted.begin() + n, sorted.end());
-        return static_cast<double>(sorted[static_cast<std::size_t>(n)]);
-    };
-    Levels levels{quantile(0.005), quantile(0.995), 0};
-    // Second differences along both axes cancel smooth structure; for white noise their RMS is 6 σ.
+    constexpr int kRowStep = 4;
+    constexpr int kColumnStep = 3;
+    std::vector<float> sample;
     double sum = 0;
-    std::size_t n = 0;
-    for (int y = 1; y + 1 < counts.height(); ++y) {
+    double n = 0;
+    for (int y = 1; y + 1 < counts.height(); y += kRowStep) {
         const float* a = counts.row(y - 1);
         const float* b = counts.row(y);
         const float* c = counts.row(y + 1);
-        for (int x = 1; x + 1 < counts.width(); ++x) {
+        for (int x = 1; x + 1 < counts.width(); x += kColumnStep) {
+            sample.push_back(b[x]);
+            // Second differences along both axes cancel smooth structure; for white noise their RMS
+            // is 6 σ.
             const float d = a[x - 1] - 2 * a[x] + a[x + 1] - 2 * (b[x - 1] - 2 * b[x] + b[x + 1]) +
                             c[x - 1] - 2 * c[x] + c[x + 1];
             sum += static_cast<double>(d) * static_cast<double>(d);
-            ++n;
+            n += 1;
         }
     }
-    if (n > 0) levels.noise = std::sqrt(sum / static_cast<double>(n)) / 6;
-    return levels;
+    if (sample.empty()) return {0, 0, 0};
+    const auto quantile = [&](double q) {
+        const auto rank = static_cast<std::ptrdiff_t>(q * static_cast<double>(sample.size() - 1));
+        std::nth_element(sample.begin(), sample.begin() + rank, sample.end());
+        return static_cast<double>(sample[static_cast<std::size_t>(rank)]);
+    };
+    const double low = quantile(0.005);
+    return {low, quantile(0.995), std::sqrt(sum / n) / 6};
+}
+
+std::string blank_reason(const Levels& levels) {
+    const double contrast = levels.high - levels.low;
+    if (!(contrast >= 2)) {
+        return fmt::format(
+            "no contrast: 99 % of the pixels lie between {:.0f} and {:.0f} counts "
+            "(black, saturated or empty frame)",
+            levels.low, levels.high);
+    }
+    // 99 % of white noise lies within ±2.6 σ: a contrast of 5.2 σ is what noise alone gives.
+    if (contrast < 7 * levels.noise) {
+        return fmt::format("nothing above the noise: contrast {:.1f} counts, noise {:.1f} counts",
+                           contrast, levels.noise);
+    }
+    return {};
 }
 
 Image flipped(const Image& counts) {
@@ -162,10 +185,9 @@ struct Fitter {
     int threads;
     double contrast;
     std::vector<Vec2> positions = {};  ///< of the last update; the next one starts there
-    Image transmission = {};
     EdgeFit edges = {};
 
-    /// Locates roughly, then refits D, w and the dark level. True once D and w rest.
+    /// Locates roughly, then refits disc, dark level and background. True once D and w rest.
     bool update(ImageModel& model, const Image& counts) {
         DetectionOptions quick = detection;
         quick.max_passes = 1;
@@ -178,21 +200,35 @@ struct Fitter {
         model.noise = scene.noise;
         model.residual_rms = scene.residual_rms;
         positions = std::move(scene.fitted);
-        transmission = std::move(scene.transmission);
-        edges = fit_exposed_edges(darkness, positions, model.disc);
-        if (edges.pixels == 0) return true;
         const DiscProfile before = model.disc;
-        if (!options.diameter) model.disc.diameter = edges.disc.diameter;
-        if (!options.edge_width) model.disc.edge_width = edges.disc.edge_width;
-        const double clear = model.background(counts.width() / 2.0, counts.height() / 2.0);
-        model.dark_level = clear - edges.amplitude * (clear - model.dark_level);
+        fit_image(model, counts);
         return std::abs(model.disc.diameter - before.diameter) < 0.03 &&
                std::abs(model.disc.edge_width - before.edge_width) < 0.03;
     }
 
-    void refit_background(ImageModel& model, const Image& counts) const {
-        model.background = clear_pixel_background(counts, transmission, model.background, contrast,
-                                                  options.uniform_tolerance);
+    /// Disc, dark level and background in turn, positions fixed.
+    void fit_image(ImageModel& model, const Image& counts) {
+        for (int round = 0; round < kImageRounds; ++round) {
+            edges = fit_exposed_edges(model.darkness(counts), positions, model.disc);
+            if (edges.pixels == 0) return;
+            const DiscProfile before = model.disc;
+            if (!options.diameter) model.disc.diameter = edges.disc.diameter;
+            if (!options.edge_width) model.disc.edge_width = edges.disc.edge_width;
+            // The core is darker than the clear background by amplitude, both as the edges see
+            // them.
+            const double clear = model.background(counts.width() / 2.0, counts.height() / 2.0);
+            model.dark_level =
+                clear - (edges.offset + edges.amplitude) * (clear - model.dark_level);
+            Image transmission(counts.width(), counts.height(), 1.0F);
+            for (const Vec2 p : positions) place_disc(transmission, p, model.disc);
+            model.background =
+                background_between_spheres(counts, transmission, model.dark_level, model.background,
+                                           contrast, options.uniform_tolerance);
+            if (std::abs(model.disc.diameter - before.diameter) < 0.01 &&
+                std::abs(model.disc.edge_width - before.edge_width) < 0.01) {
+                return;
+            }
+        }
     }
 };
 
@@ -210,6 +246,10 @@ OptionTable describe(CalibrationOptions& options) {
     table.number("uniform-tolerance", options.uniform_tolerance, "-", {0, 1},
                  "variation of the background, relative to the contrast, that is ignored");
     return table;
+}
+
+std::string blank_reason(const Image& counts) {
+    return blank_reason(levels_of(counts));
 }
 
 Image ImageModel::darkness(const Image& counts) const {
@@ -236,18 +276,8 @@ std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptio
                                      RunPlan& plan) {
     const Levels levels = levels_of(counts);
     const double contrast = levels.high - levels.low;
-    if (!(contrast >= 2)) {
-        plan.warn(
-            fmt::format("no contrast: 99 % of the pixels lie between {:.0f} and {:.0f} counts "
-                        "(black, saturated or empty frame)",
-                        levels.low, levels.high));
-        return std::nullopt;
-    }
-    // 99 % of white noise lies within ±2.6 σ: a contrast of 5.2 σ is what noise alone gives.
-    if (contrast < 7 * levels.noise) {
-        plan.warn(
-            fmt::format("nothing above the noise: contrast {:.1f} counts, noise {:.1f} counts",
-                        contrast, levels.noise));
+    if (const std::string reason = blank_reason(levels); !reason.empty()) {
+        plan.warn(reason);
         return std::nullopt;
     }
     const std::optional<Start> start = choose_polarity(counts, levels, options, plan);
@@ -270,7 +300,6 @@ std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptio
         local.background = model.background.shifted(patch.x, patch.y);
         for (int round = 0; round < kRounds; ++round) {
             const bool settled = fitter.update(local, patch.image);
-            fitter.refit_background(local, patch.image);
             if (settled) break;
         }
         model.disc = local.disc;
@@ -279,7 +308,6 @@ std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptio
     }
     for (int round = 0; round < kFrameRounds; ++round) {
         const bool settled = fitter.update(model, work);
-        fitter.refit_background(model, work);
         if (settled) break;
     }
     const EdgeFit& edges = fitter.edges;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/frame.h"
@@ -21,6 +22,10 @@ struct CalibrationOptions {
 };
 
 OptionTable describe(CalibrationOptions& options);
+
+/// Why a frame cannot hold spheres: no contrast (all black or saturated) or nothing above the
+/// noise. Empty if it can. From a sample of its pixels, O(pixels/12).
+std::string blank_reason(const Image& counts);
 
 struct Calibration {
     ImageModel model;

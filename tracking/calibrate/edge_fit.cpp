@@ -77,17 +77,19 @@ EdgeFit fit_exposed_edges(const Image& darkness, const std::vector<Vec2>& positi
     double best = -1;
     DiscProfile disc = start;
     double amplitude = 1;
+    double offset = 0;
     for (int iteration = 0; iteration < 40; ++iteration) {
-        Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
-        Eigen::Vector3d b = Eigen::Vector3d::Zero();
+        Eigen::Matrix4d a = Eigen::Matrix4d::Zero();
+        Eigen::Vector4d b = Eigen::Vector4d::Zero();
         double misfit = 0;
         for (const RadialBin& bin : bins) {
             const double r = bin.r;
             const double p = disc.darkness(r);
             const double slope = disc.slope(r);
-            const double residual = bin.darkness - amplitude * p;
-            const Eigen::Vector3d j(amplitude * slope / 2,
-                                    amplitude * slope * (r - disc.radius()) / disc.edge_width, p);
+            const double residual = bin.darkness - offset - amplitude * p;
+            const Eigen::Vector4d j(amplitude * slope / 2,
+                                    amplitude * slope * (r - disc.radius()) / disc.edge_width, p,
+                                    1);
             a += bin.count * j * j.transpose();
             b += bin.count * residual * j;
             misfit += bin.count * residual * residual;
@@ -96,12 +98,14 @@ EdgeFit fit_exposed_edges(const Image& darkness, const std::vector<Vec2>& positi
             damping *= 10;
             disc = fit.disc;
             amplitude = fit.amplitude;
+            offset = fit.offset;
             if (damping > 1e6) break;
         } else {
             const bool settled = best >= 0 && best - misfit < 1e-9 * best;
             best = misfit;
             fit.disc = disc;
             fit.amplitude = amplitude;
+            fit.offset = offset;
             damping *= 0.3;
             if (settled) {
                 fit.converged = true;
@@ -109,12 +113,13 @@ EdgeFit fit_exposed_edges(const Image& darkness, const std::vector<Vec2>& positi
             }
         }
         a.diagonal() *= 1 + damping;
-        const Eigen::Vector3d d = a.ldlt().solve(b);
+        const Eigen::Vector4d d = a.ldlt().solve(b);
         if (!d.allFinite()) break;
         disc.diameter = std::clamp(disc.diameter + d(0), 0.5 * start.diameter, 2 * start.diameter);
         disc.edge_width =
             std::clamp(disc.edge_width + d(1), 0.2 * start.edge_width, 5 * start.edge_width);
         amplitude = std::clamp(amplitude + d(2), 0.2, 5.0);
+        offset = std::clamp(offset + d(3), -0.5, 0.5);
     }
     fit.pixels = static_cast<std::int64_t>(count);
     fit.rms = std::sqrt((best + scatter) / count);

@@ -12,16 +12,17 @@ namespace grainfield::tracking {
 /// Size and edge of the spheres from the parts of their edges that nothing else touches.
 struct EdgeFit {
     DiscProfile disc;
-    double amplitude = 1;     ///< darkness of the core [contrast]; 1 if the dark level was right
+    double amplitude = 1;     ///< core less background [contrast]; 1 if the levels were right
+    double offset = 0;        ///< darkness of the clear background [contrast]; 0 if it was right
     double rms = 0;           ///< of the residual over the pixels used [contrast]
     std::int64_t pixels = 0;  ///< pixels used; 0: no exposed edge, `disc` is the one that came in
     bool converged = false;
 };
 
-/// Least squares of A · P(r; D, w) over the pixels within reach of exactly one disc and where every
-/// other disc has P < 0.01. Fitting D inside dense patches would bias it (+0.1 … 2 px), because the
-/// model must explain darkness that belongs to hidden neighbours; exposed edges do not.
-/// Gauss–Newton on (D, w, A), positions fixed. O(discs).
+/// Least squares of o + A · P(r; D, w) over the pixels within reach of exactly one disc and where
+/// every other disc has P < 0.01. Fitting D inside dense patches would bias it (+0.1 … 2 px),
+/// because the model must explain darkness that belongs to hidden neighbours; exposed edges do not.
+/// Gauss–Newton on (D, w, A, o), positions fixed. O(discs).
 EdgeFit fit_exposed_edges(const Image& darkness, const std::vector<Vec2>& positions,
                           const DiscProfile& start);
 

@@ -82,6 +82,9 @@ OptionTable describe(LinkOptions& options) {
 Linker::Linker(double search_range, int memory) : search_range_(search_range), memory_(memory) {}
 
 std::vector<std::int64_t> Linker::link(std::int64_t frame, const std::vector<Vec2>& positions) {
+    const auto lost = [&](const Track& track) { return frame - track.frame > memory_ + 1; };
+    summary_.ended += std::count_if(tracks_.begin(), tracks_.end(), lost);
+    std::erase_if(tracks_, lost);
     const double range2 = search_range_ * search_range_;
     const CellGrid grid(positions, search_range_);
     std::vector<Candidate> candidates;
@@ -111,9 +114,6 @@ std::vector<std::int64_t> Linker::link(std::int64_t frame, const std::vector<Vec
         track.position = positions[c.particle];
         track.frame = frame;
     }
-    const auto lost = [&](const Track& track) { return frame - track.frame > memory_; };
-    summary_.ended += std::count_if(tracks_.begin(), tracks_.end(), lost);
-    std::erase_if(tracks_, lost);
     for (std::size_t i = 0; i < positions.size(); ++i) {
         if (ids[i] >= 0) continue;
         ids[i] = next_id_++;

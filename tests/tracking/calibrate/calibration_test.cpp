@@ -1,0 +1,76 @@
+#include "tracking/calibrate/calibration.h"
+
+#include <gtest/gtest.h>
+
+#include "core/random.h"
+#include "tests/support/layer_frames.h"
+
+namespace grainfield::tracking {
+namespace {
+
+std::optional<Calibration> calibrated(const Image& frame, RunPlan& plan,
+                                      const CalibrationOptions& options = {}) {
+    return calibrate(frame, options, {}, {}, 2, plan);
+}
+
+TEST(Calibration, FindsDiameterAndEdgeOfALiquid) {
+    const auto scene = testing::hard_disc_liquid(500, 500, 16, 0.70, 1);
+    const Image frame = testing::tanh_frame(scene, 16, 1.2, 0.02, 2);
+    RunPlan plan;
+    const auto result = calibrated(frame, plan);
+    ASSERT_TRUE(result);
+    EXPECT_EQ(result->model.polarity, Polarity::dark);
+    EXPECT_NEAR(result->model.disc.diameter, 16, 0.1);
+    EXPECT_NEAR(result->model.disc.edge_width, 1.2, 0.1);
+    EXPECT_NEAR(result->model.dark_level, 30, 3);
+    EXPECT_TRUE(result->model.background.is_uniform());
+    EXPECT_TRUE(plan.warnings().empty());
+}
+
+TEST(Calibration, IsTheSameForBrightSpheresOnADarkBackground) {
+    const auto scene = testing::hard_disc_liquid(400, 400, 14, 0.6, 3);
+    const Image dark = testing::tanh_frame(scene, 14, 1.2, 0.02, 2);
+    Image bright = dark;
+    for (float& v : bright.pixels()) v = 255 - v;
+    RunPlan plan;
+    const auto a = calibrated(dark, plan);
+    const auto b = calibrated(bright, plan);
+    ASSERT_TRUE(a && b);
+    EXPECT_EQ(b->model.polarity, Polarity::bright);
+    EXPECT_NEAR(a->model.disc.diameter, b->model.disc.diameter, 1e-3);
+    const Image da = a->model.darkness(dark);
+    const Image db = b->model.darkness(bright);
+    for (std::size_t i = 0; i < da.size(); i += 97) {
+        EXPECT_NEAR(da.pixels()[i], db.pixels()[i], 2e-3);
+    }
+}
+
+TEST(Calibration, GivenValuesAreKept) {
+    const auto scene = testing::hard_disc_liquid(300, 300, 14, 0.5, 3);
+    const Image frame = testing::tanh_frame(scene, 14, 1.2, 0.02, 2);
+    CalibrationOptions options;
+    options.diameter = 13.5;
+    options.edge_width = 1.4;
+    options.polarity = PolarityChoice::dark;
+    RunPlan plan;
+    const auto result = calibrated(frame, plan, options);
+    ASSERT_TRUE(result);
+    EXPECT_EQ(result->model.disc.diameter, 13.5);
+    EXPECT_EQ(result->model.disc.edge_width, 1.4);
+    ASSERT_FALSE(plan.skipped().empty());
+    EXPECT_EQ(plan.skipped()[0].stage, "polarity");
+}
+
+TEST(Calibration, ABlackSaturatedOrNoisyFrameHoldsNothing) {
+    RunPlan plan;
+    EXPECT_FALSE(calibrated(Image(200, 200, 0.0F), plan));
+    EXPECT_FALSE(calibrated(Image(200, 200, 255.0F), plan));
+    Image noise(200, 200);
+    RandomStream random(5, "noise");
+    for (float& v : noise.pixels()) v = static_cast<float>(100 + 10 * random.normal());
+    EXPECT_FALSE(calibrated(noise, plan));
+    EXPECT_EQ(plan.warnings().size(), 3u);
+}
+
+}  // namespace
+}  // namespace grainfield::tracking

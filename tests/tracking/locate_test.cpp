@@ -1,0 +1,106 @@
+#include "tracking/locate.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/layer_frames.h"
+#include "tests/support/scoring.h"
+#include "tracking/calibrate/calibration.h"
+
+namespace grainfield::tracking {
+namespace {
+
+using testing::LayerScene;
+
+Located located(const Image& frame, int threads = 2) {
+    RunPlan plan;
+    const auto calibration = calibrate(frame, {}, {}, {}, threads, plan);
+    if (!calibration) return {};
+    Locator locator(frame.width(), frame.height(), calibration->model.disc, threads);
+    return locator.locate(calibration->model.darkness(frame), {}, {});
+}
+
+testing::Score scored(const Located& found, const LayerScene& scene) {
+    return testing::score(found.position, scene.position, 4, scene.width, scene.height, 16);
+}
+
+TEST(Locate, FindsEveryIsolatedDiscAtTheBound) {
+    const auto scene = testing::isolated_discs(640, 640, 16, 32, 1);
+    const auto s = scored(located(testing::tanh_frame(scene, 16, 1.2, 0.02, 1)), scene);
+    EXPECT_EQ(s.missed, 0);
+    EXPECT_EQ(s.spurious, 0);
+    // Bound .00757 px (methods.md, case I); 361 discs scatter by 2.6 %, 8-bit rounding adds 1 %.
+    EXPECT_LT(s.rms, 1.12 * 0.00757);
+}
+
+TEST(Locate, FindsEveryDiscOfADenseLiquid) {
+    const auto scene = testing::hard_disc_liquid(640, 640, 16, 0.70, 1);
+    const auto s = scored(located(testing::tanh_frame(scene, 16, 1.2, 0.02, 1)), scene);
+    EXPECT_EQ(s.missed, 0);
+    EXPECT_EQ(s.spurious, 0);
+    // Joint bound .00835 px (case A); 1,200 discs scatter by 1.4 %.
+    EXPECT_LT(s.rms, 1.10 * 0.00835);
+}
+
+TEST(Locate, FindsBothLayersOfACrystal) {
+    testing::CrystalPatch patch;
+    patch.radius = 0.28;
+    patch.spacing = 0.80;
+    patch.clearance = 1.0;
+    const auto scene = testing::crystal_in_liquid(640, 640, 16, 0.68, patch, 1);
+    const auto found = located(testing::tanh_frame(scene, 16, 1.2, 0.02, 1));
+    const auto s = scored(found, scene);
+    EXPECT_GE(s.recall(), 0.998);
+    EXPECT_GE(s.precision(), 0.998);
+    // physics.md §10.2: at most .06 px RMS in the patch.
+    EXPECT_LE(s.rms, 0.06);
+}
+
+TEST(Locate, FindsBothLayersOnFramesOfACameraThatItDidNotImagine) {
+    testing::CrystalPatch patch;
+    patch.radius = 0.28;
+    const auto scene = testing::crystal_in_liquid(640, 640, 12, 0.68, patch, 2);
+    const auto s = scored(located(testing::camera_frame(scene, {}, 1)), scene);
+    // Rim, blur, uneven light and shot noise; measured recall and precision stand in
+    // docs/tracking.md.
+    EXPECT_GE(s.recall(), 0.995);
+    EXPECT_GE(s.precision(), 0.995);
+    EXPECT_LE(s.rms, 0.25);
+}
+
+TEST(Locate, TheResultDoesNotDependOnTheNumberOfThreads) {
+    testing::CrystalPatch patch;
+    patch.radius = 0.25;
+    const auto scene = testing::crystal_in_liquid(300, 300, 10, 0.68, patch, 3);
+    const Image frame = testing::camera_frame(scene, {}, 1);
+    const auto one = located(frame, 1);
+    EXPECT_EQ(one.position, located(frame, 2).position);
+    EXPECT_EQ(one.position, located(frame, 8).position);
+}
+
+TEST(Locate, AnEmptyFrameGivesNoSpheres) {
+    Locator locator(200, 150, {12, 1.2}, 1);
+    const auto found = locator.locate(Image(200, 150), {}, {});
+    EXPECT_TRUE(found.position.empty());
+    EXPECT_EQ(found.residual_rms, 0);
+}
+
+TEST(Locate, CutDiscsAreFoundUntilTheBorderRuleForbidsIt) {
+    LayerScene scene{120, 120, 20, {{5.5, 60}, {60, 113.2}, {1.0, 20}}, {}, 3};
+    const Image frame = testing::tanh_frame(scene, 20, 1.5, 0.01, 1);
+    Image darkness(120, 120);
+    for (std::size_t i = 0; i < frame.size(); ++i) {
+        darkness.pixels()[i] = (200 - frame.pixels()[i]) / 170;
+    }
+    Locator locator(120, 120, {20, 1.5}, 1);
+    const auto found = locator.locate(darkness, {}, {});
+    const auto s = testing::score(found.position, scene.position, 4, 120, 120, 0);
+    EXPECT_EQ(s.spurious, 0);
+    EXPECT_GE(s.partner[0], 0);
+    EXPECT_GE(s.partner[1], 0);
+    EXPECT_EQ(s.partner[2], -1);  // nearer to the border than D/4
+}
+
+}  // namespace
+}  // namespace grainfield::tracking

@@ -1,0 +1,171 @@
+#include "tracking/tracker.h"
+
+#include <gtest/gtest.h>
+
+#include "core/errors.h"
+#include "tests/support/layer_frames.h"
+#include "tests/support/scoring.h"
+
+namespace grainfield::tracking {
+namespace {
+
+/// Frames from memory.
+class MemoryFrames : public FrameSource {
+ public:
+    explicit MemoryFrames(std::vector<Frame> frames) : frames_(std::move(frames)) {
+        for (std::size_t i = 0; i < frames_.size(); ++i) {
+            frames_[i].index = static_cast<std::int64_t>(i);
+            frames_[i].time = static_cast<double>(i);
+        }
+    }
+    std::int64_t count() const override { return static_cast<std::int64_t>(frames_.size()); }
+    int width() const override { return frames_[0].image.width(); }
+    int height() const override { return frames_[0].image.height(); }
+    int bit_depth() const override { return 8; }
+    std::optional<double> frame_rate() const override { return std::nullopt; }
+    Frame read(std::int64_t index) override { return frames_.at(static_cast<std::size_t>(index)); }
+    std::string name() const override { return "memory"; }
+    const std::vector<std::string>& warnings() const override { return warnings_; }
+
+ private:
+    std::vector<Frame> frames_;
+    std::vector<std::string> warnings_;
+};
+
+class Collect : public SnapshotSink {
+ public:
+    void write(const Snapshot& snapshot) override {
+        require_consistent(snapshot);
+        snapshots.push_back(snapshot);
+    }
+    std::vector<Snapshot> snapshots;
+};
+
+struct Movie {
+    std::vector<Frame> frames;
+    std::vector<testing::LayerScene> truth;
+};
+
+Movie movie(int count) {
+    testing::CrystalPatch patch;
+    patch.radius = 0.25;
+    const auto start = testing::crystal_in_liquid(300, 300, 12, 0.66, patch, 6);
+    testing::LayerMotion motion(start, patch, 0.8, 6);
+    Movie m;
+    for (int f = 0; f < count; ++f) {
+        Frame frame;
+        frame.image = testing::camera_frame(motion.scene(), {}, static_cast<std::uint64_t>(f));
+        m.frames.push_back(std::move(frame));
+        m.truth.push_back(motion.scene());
+        motion.advance();
+    }
+    return m;
+}
+
+TrackSummary run(FrameSource& source, Collect& sink, RunPlan& plan,
+                 const TrackOptions& options = {}) {
+    Tracker tracker(source, options, plan);
+    Progress progress("tracking", source.count(), "frames", Verbosity::quiet);
+    return tracker.run(sink, progress);
+}
+
+TEST(Tracker, FollowsEverySphereThroughAMovie) {
+    const Movie m = movie(6);
+    MemoryFrames source(m.frames);
+    Collect sink;
+    RunPlan plan;
+    const TrackSummary summary = run(source, sink, plan);
+    ASSERT_EQ(sink.snapshots.size(), 6u);
+    EXPECT_EQ(summary.frames, 6);
+    // Identities against truth, frame by frame: a switch shows as an id that meets another sphere.
+    std::int64_t wrong = 0;
+    std::int64_t checked = 0;
+    std::vector<std::int64_t> last(m.truth[0].position.size(), -1);
+    for (std::size_t f = 0; f < 6; ++f) {
+        const Snapshot& s = sink.snapshots[f];
+        const auto score = testing::score(s.position, m.truth[f].position, 3, 300, 300, 12);
+        EXPECT_GE(score.recall(), 0.99);
+        EXPECT_GE(score.precision(), 0.99);
+        for (std::size_t i = 0; i < last.size(); ++i) {
+            if (score.partner[i] < 0) continue;
+            const std::int64_t id = s.id[static_cast<std::size_t>(score.partner[i])];
+            if (last[i] >= 0) {
+                ++checked;
+                wrong += id != last[i];
+            }
+            last[i] = id;
+        }
+    }
+    EXPECT_GT(checked, 1000);
+    EXPECT_LE(static_cast<double>(wrong), 0.005 * static_cast<double>(checked));
+}
+
+TEST(Tracker, CorruptAndMissingFramesLeaveAGap) {
+    Movie m = movie(4);
+    m.frames[1].status = FrameStatus::corrupt;
+    m.frames[1].message = "bad strip";
+    m.frames[1].image = Image();
+    m.frames[2].status = FrameStatus::missing;
+    MemoryFrames source(m.frames);
+    Collect sink;
+    RunPlan plan;
+    const TrackSummary summary = run(source, sink, plan);
+    EXPECT_EQ(summary.frames_corrupt, 1);
+    EXPECT_EQ(summary.frames_missing, 1);
+    ASSERT_EQ(sink.snapshots.size(), 2u);
+    EXPECT_EQ(sink.snapshots[1].frame, 3);
+    EXPECT_GE(plan.warnings().size(), 2u);
+    EXPECT_NE(plan.warnings()[0].find("frame 1"), std::string::npos);
+}
+
+TEST(Tracker, ABlackMovieGivesEmptySnapshotsAndAWarning) {
+    Frame black;
+    black.image = Image(64, 48);
+    MemoryFrames source({black, black});
+    Collect sink;
+    RunPlan plan;
+    const TrackSummary summary = run(source, sink, plan);
+    EXPECT_EQ(summary.particles_mean, 0);
+    ASSERT_EQ(sink.snapshots.size(), 2u);
+    EXPECT_FALSE(plan.warnings().empty());
+}
+
+TEST(Tracker, CalibratesOnALaterFrameWhenTheFirstIsBlack) {
+    Movie m = movie(2);
+    m.frames[0].image = Image(300, 300);
+    MemoryFrames source(m.frames);
+    Collect sink;
+    RunPlan plan;
+    run(source, sink, plan);
+    EXPECT_TRUE(sink.snapshots[0].position.empty());
+    EXPECT_GT(sink.snapshots[1].position.size(), 300u);
+}
+
+TEST(Tracker, LinkingIsSkippedForOneFrameAndSaysSo) {
+    MemoryFrames source(movie(1).frames);
+    Collect sink;
+    RunPlan plan;
+    run(source, sink, plan);
+    bool said = false;
+    for (const PlannedStage& s : plan.skipped()) said |= s.stage == "link";
+    EXPECT_TRUE(said);
+}
+
+TEST(Tracker, SameBytesForAnyNumberOfThreads) {
+    const Movie m = movie(2);
+    std::vector<std::vector<Vec2>> positions;
+    for (const int threads : {1, 2, 8}) {
+        MemoryFrames source(m.frames);
+        Collect sink;
+        RunPlan plan;
+        TrackOptions options;
+        options.threads = threads;
+        run(source, sink, plan, options);
+        positions.push_back(sink.snapshots[1].position);
+    }
+    EXPECT_EQ(positions[0], positions[1]);
+    EXPECT_EQ(positions[0], positions[2]);
+}
+
+}  // namespace
+}  // namespace grainfield::tracking
