@@ -1,0 +1,97 @@
+// How fast, and how far from the truth? Run time with error and recall beside it, on the scenes of
+// 1600² px, D = 16 px, w = 1.2 px, 2 % noise: isolated discs (I), a liquid (A), a crystal patch of
+// projected spacing 0.78 D in a liquid (C). First argument: scene, second: threads.
+#include <array>
+#include <optional>
+
+#include <benchmark/benchmark.h>
+
+#include "tests/support/layer_frames.h"
+#include "tests/support/scoring.h"
+#include "tracking/calibrate/calibration.h"
+
+namespace {
+
+using namespace grainfield;
+using namespace grainfield::tracking;
+
+constexpr int kSize = 1600;
+constexpr std::array<const char*, 3> kNames{"I isolated", "A liquid", "C crystal in liquid"};
+/// Joint Cramér–Rao bounds per axis [px]; for C that of the liquid.
+constexpr std::array<double, 3> kBounds{0.00757, 0.00835, 0.0084};
+
+testing::LayerScene scene_of(int which) {
+    if (which == 0) return testing::isolated_discs(kSize, kSize, 16, 32, 1);
+    if (which == 1) return testing::hard_disc_liquid(kSize, kSize, 16, 0.72, 1);
+    testing::CrystalPatch patch;
+    patch.radius = 0.25;
+    patch.spacing = 0.78;
+    patch.clearance = 1;
+    return testing::crystal_in_liquid(kSize, kSize, 16, 0.72, patch, 1);
+}
+
+struct Case {
+    testing::LayerScene scene;
+    Image frame;
+    Calibration calibration;
+};
+
+const Case& prepared(int which) {
+    static std::array<std::optional<Case>, 3> cases;
+    auto& slot = cases[static_cast<std::size_t>(which)];
+    if (!slot) {
+        testing::LayerScene scene = scene_of(which);
+        Image frame = testing::tanh_frame(scene, 16, 1.2, 0.02, 1);
+        RunPlan plan;
+        Calibration calibration = *calibrate(frame, {}, {}, {}, 2, plan);
+        slot = Case{std::move(scene), std::move(frame), std::move(calibration)};
+    }
+    return *slot;
+}
+
+void calibrate_frame(benchmark::State& state) {
+    const Case& c = prepared(static_cast<int>(state.range(0)));
+    state.SetLabel(kNames[static_cast<std::size_t>(state.range(0))]);
+    for (auto _ : state) {
+        RunPlan plan;
+        benchmark::DoNotOptimize(
+            calibrate(c.frame, {}, {}, {}, static_cast<int>(state.range(1)), plan));
+    }
+}
+
+void locate_cold(benchmark::State& state) {
+    const auto which = static_cast<std::size_t>(state.range(0));
+    const Case& c = prepared(static_cast<int>(which));
+    state.SetLabel(kNames[which]);
+    Locator locator(kSize, kSize, c.calibration.model.disc, static_cast<int>(state.range(1)));
+    Located found;
+    for (auto _ : state) {
+        found = locator.locate(c.calibration.model.darkness(c.frame), {}, {});
+    }
+    const auto& truth = c.scene.position;
+    const auto crystal = truth.begin() + static_cast<std::ptrdiff_t>(c.scene.crystal_begin);
+    const auto all = testing::score(found.position, truth, 4, kSize, kSize, 16);
+    const auto liquid =
+        testing::score(found.position, {truth.begin(), crystal}, 4, kSize, kSize, 16);
+    state.counters["spheres"] = static_cast<double>(truth.size());
+    state.counters["missed"] = all.missed;
+    state.counters["false"] = all.spurious;
+    state.counters["rms_liquid_px"] = liquid.rms;
+    state.counters["over_bound"] = liquid.rms / kBounds[which];
+    if (crystal != truth.end()) {
+        state.counters["rms_crystal_px"] =
+            testing::score(found.position, {crystal, truth.end()}, 4, kSize, kSize, 16).rms;
+    }
+}
+
+BENCHMARK(calibrate_frame)
+    ->Args({1, 1})
+    ->Args({1, 2})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+BENCHMARK(locate_cold)
+    ->ArgsProduct({{0, 1, 2}, {1, 2}})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+}  // namespace
