@@ -49,6 +49,8 @@ BondOrderField empty_field(std::size_t n) {
     BondOrderField field;
     field.q.assign(n, {undefined, undefined});
     field.neighbours.assign(n, 0);
+    field.first.assign(n, 0);
+    field.neighbour.reserve(5 * n);
     field.nearest.assign(n, undefined);
     field.mean_four.assign(n, undefined);
     return field;
@@ -60,12 +62,14 @@ void set_order(BondOrderField& field, std::size_t i, const Range& neighbours, do
     double re = 0;
     double im = 0;
     int count = 0;
+    field.first[i] = field.neighbour.size();
     for (const Neighbour& neighbour : neighbours) {
         if (neighbour.r2 >= limit2 || neighbour.r2 <= 0) continue;
         const std::complex<double> u = power(neighbour);
         re += u.real();
         im += u.imag();
         ++count;
+        field.neighbour.push_back(neighbour.index);
     }
     field.neighbours[i] = count;
     if (count > 0) field.q[i] = {re / count, im / count};
@@ -78,20 +82,19 @@ BondOrderField by_cell_list(const Pattern& pattern, const BondOrderOptions& opti
     const CellList cells(pattern.position, pattern.box);
     const UnitPower power{options.symmetry};
     const double factor = options.rule == NeighbourRule::near_four ? options.factor : 0;
-    std::vector<Neighbour> found;
-    found.reserve(64);
+    NeighbourList found;
     for (int i : cells.order()) {
         const auto at = static_cast<std::size_t>(i);
         const CellList::Reach reach = cells.near(i, 4, factor, found);
         if (reach.count > 0) field.nearest[at] = reach.nearest;
         if (reach.count == 4) field.mean_four[at] = reach.mean_first;
+        double limit2 = no_limit;
         if (options.rule == NeighbourRule::fixed_cutoff) {
             cells.within(i, options.cutoff, found);
-        } else if (options.rule == NeighbourRule::near_four && reach.count > 0) {
-            const double limit = factor * reach.mean_first;
-            std::erase_if(found, [limit](const Neighbour& n) { return n.r2 >= limit * limit; });
+        } else if (options.rule == NeighbourRule::near_four) {
+            limit2 = factor * reach.mean_first * factor * reach.mean_first;
         }
-        set_order(field, at, found, no_limit, power);
+        set_order(field, at, found, limit2, power);
     }
     return field;
 }

@@ -31,6 +31,8 @@ OptionTable describe(BondOrderOptions& options);
 struct BondOrderField {
     std::vector<std::complex<double>> q;  ///< Q_k [-]; NaN where a particle has no neighbour
     std::vector<int> neighbours;          ///< N_j
+    std::vector<std::size_t> first;       ///< of the neighbours of particle j in `neighbour`
+    std::vector<int> neighbour;           ///< all neighbours: N_j entries from first[j]
     std::vector<double> nearest;          ///< distance of the nearest particle [a]; NaN if none
     std::vector<double> mean_four;        ///< r̄4 [a]; NaN with fewer than four others
 };

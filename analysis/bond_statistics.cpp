@@ -41,6 +41,18 @@ std::optional<double> positive(double error) {
     return error > 0 ? std::optional<double>(error) : std::nullopt;
 }
 
+// Whether particle i and all its neighbours are ordered.
+bool inside_crystal(const BondOrderField& field, std::size_t i) {
+    if (!(std::abs(field.q[i]) >= ordered)) return false;
+    const auto count = static_cast<std::size_t>(field.neighbours[i]);
+    for (std::size_t n = field.first[i]; n < field.first[i] + count; ++n) {
+        if (!(std::abs(field.q[static_cast<std::size_t>(field.neighbour[n])]) >= ordered)) {
+            return false;
+        }
+    }
+    return true;
+}
+
 }  // namespace
 
 std::vector<std::pair<std::string, OptionValue>> recorded(const OptionTable& table) {
@@ -68,7 +80,7 @@ void BondStatistics::add(Sample sample) {
         order.add(q);
         const int bin = std::min(static_cast<int>(q * bins), bins - 1);
         histogram_[static_cast<std::size_t>(bin)] += 1;
-        if (q >= ordered && std::isfinite(sample.field.mean_four[i])) {
+        if (inside_crystal(sample.field, i) && std::isfinite(sample.field.mean_four[i])) {
             spacing.push_back(sample.field.mean_four[i]);
         }
     }
@@ -172,9 +184,10 @@ void BondStatistics::add_measurements(ObservableResult& result) const {
     result.measurements.push_back(
         nearest_.measurement("nearest_distance", "a", positive(single_nearest_), one));
     if (spacing_.value.empty()) {
-        result.measurements.push_back(missing(
-            "lattice_spacing", "a",
-            fmt::format("no particle has |Q{}| of {} or more", options_.symmetry, ordered)));
+        result.measurements.push_back(
+            missing("lattice_spacing", "a",
+                    fmt::format("no particle has |Q{}| of {} or more together with its neighbours",
+                                options_.symmetry, ordered)));
     } else {
         const bool single = spacing_.value.size() == 1;
         result.measurements.push_back(

@@ -14,8 +14,9 @@ namespace grainfield::analysis {
 /// and the lattice spacing of the ordered particles.
 ///
 ///   ⟨|Q_k|⟩ over particles, then over frames; histogram in bins of 0.02;
-///   lattice spacing: median over particles with |Q_k| ≥ 0.7 of the mean distance of the four
-///   nearest, then mean over frames.
+///   lattice spacing: median of the mean distance of the four nearest over the particles inside a
+///   crystal (|Q_k| ≥ 0.7, theirs and that of all their neighbours), then mean over frames. Without
+///   the condition on the neighbours, liquid particles that look ordered by chance would raise it.
 ///
 /// Errors of frame averages from blocks of frames; for a single frame particles are taken as
 /// independent, which is said in `reason`. Memory: 32 B a frame, and the field of the last frame.

@@ -214,24 +214,33 @@ void Displacement::add_track(const Track& track, const Clock& clock,
         if (s > 0) phase[s] = phase[s - 1];  // carries no weight; keeps the runs long
     }
 
-    for (std::size_t l = 0; l < lags.size(); ++l) {
+    struct Stretch {
+        std::size_t from, to;
+        Phase phase;
+    };
+    std::vector<Stretch> stretches;
+    for (std::size_t s = 0; s < length; ++s) {
+        if (s > 0 && phase[s] == phase[s - 1]) continue;
+        if (s > 0) stretches.back().to = s;
+        stretches.push_back({s, length, phase[s]});
+    }
+
+    for (std::size_t l = 0; l < lags.size() && lags[l] < length; ++l) {
         const std::size_t lag = lags[l];
-        if (lag >= length) break;
-        for (std::size_t from = 0; from + lag < length;) {
-            std::size_t to = from + 1;
-            while (to + lag < length && phase[to] == phase[from]) ++to;
-            double pairs = gaps ? 0 : static_cast<double>(to - from);
+        for (const Stretch& stretch : stretches) {
+            const std::size_t to = std::min(stretch.to, length - lag);
+            if (stretch.from >= to) break;
+            double pairs = gaps ? 0 : static_cast<double>(to - stretch.from);
             const double sum = gaps ? sum_squared_steps_masked(x.data(), y.data(), seen.data(),
-                                                               from, to, lag, pairs)
-                                    : sum_squared_steps(x.data(), y.data(), from, to, lag);
+                                                               stretch.from, to, lag, pairs)
+                                    : sum_squared_steps(x.data(), y.data(), stretch.from, to, lag);
             const auto add_to = [&](std::size_t which) {
                 sums[l].sum[which] += sum;
                 sums[l].pairs[which] += pairs;
             };
             add_to(0);
-            if (phase[from] == Phase::liquid) add_to(1);
-            if (phase[from] == Phase::solid) add_to(2);
-            from = to;
+            if (stretch.phase == Phase::liquid) add_to(1);
+            if (stretch.phase == Phase::solid) add_to(2);
         }
     }
 }

@@ -27,6 +27,25 @@ Extent extent(std::span<const Vec2> points, double Vec2::*axis) {
     return e;
 }
 
+constexpr std::size_t most_nearest = 16;
+
+// The `count` smallest r² in ascending order, infinity where there are fewer. Without branches:
+// with a dozen candidates a misprediction costs more than the comparisons it would save.
+template <std::size_t count>
+void keep_smallest(const NeighbourList& list, std::array<double, most_nearest>& smallest) {
+    std::array<double, count> kept;
+    kept.fill(std::numeric_limits<double>::infinity());
+    for (const Neighbour& neighbour : list) {
+        double r2 = neighbour.r2;
+        for (double& k : kept) {
+            const double low = std::min(k, r2);
+            r2 = std::max(k, r2);
+            k = low;
+        }
+    }
+    std::copy(kept.begin(), kept.end(), smallest.begin());
+}
+
 int wrapped(int cell, int cells) {
     cell %= cells;
     return cell < 0 ? cell + cells : cell;
@@ -35,8 +54,8 @@ int wrapped(int cell, int cells) {
 }  // namespace
 
 int CellList::Axis::cell_of(double x) const {
-    const auto cell = static_cast<int>(std::floor((x - origin) / width));
-    return std::clamp(cell, 0, cells - 1);
+    // Truncation is floor here: points lie inside, but for the rounding that the clamp catches.
+    return std::clamp(static_cast<int>((x - origin) * cells_per_length), 0, cells - 1);
 }
 
 CellList::CellList(std::span<const Vec2> points, const Box& box) : box_(box) {
@@ -57,6 +76,7 @@ CellList::CellList(std::span<const Vec2> points, const Box& box) : box_(box) {
         const double cells = width > 0 ? std::floor(axis->length / width) : 1;
         axis->cells = static_cast<int>(std::clamp(cells, 1.0, double{most_cells_per_axis}));
         axis->width = axis->length > 0 ? axis->length / axis->cells : 1;
+        axis->cells_per_length = 1 / axis->width;
     }
 
     const auto cells = static_cast<std::size_t>(x_.cells) * static_cast<std::size_t>(y_.cells);
@@ -79,17 +99,22 @@ CellList::CellList(std::span<const Vec2> points, const Box& box) : box_(box) {
     }
 }
 
-void CellList::take(int first, int last, Vec2 centre, int self, std::vector<Neighbour>& out) const {
-    for (int at = first; at < last; ++at) {
-        const Vec2 d = point_[static_cast<std::size_t>(at)] - centre;
+// Appends the points at places first … last − 1 that do not coincide with the centre.
+void CellList::take(int first, int last, Vec2 centre, NeighbourList& out) const {
+    Neighbour* room = out.room(static_cast<std::size_t>(last - first));
+    std::size_t count = 0;
+    for (auto at = static_cast<std::size_t>(first); at < static_cast<std::size_t>(last); ++at) {
+        const Vec2 d = point_[at] - centre;
         const double r2 = squared_norm(d);
-        if (at != self && r2 > 0) out.push_back({index_[static_cast<std::size_t>(at)], d, r2});
+        room[count] = {index_[at], d, r2};
+        count += r2 > 0 ? 1U : 0U;
     }
+    out.grow(count);
 }
 
 // Fills `out` with all points in the block of (2 rings + 1)² cells around the centre's cell and
 // returns the distance within which nothing can have been missed; infinite if it holds all points.
-double CellList::gather(Vec2 centre, int self, int rings, std::vector<Neighbour>& out) const {
+double CellList::gather(Vec2 centre, int rings, NeighbourList& out) const {
     out.clear();
     const int cx = x_.cell_of(centre.x);
     const int cy = y_.cell_of(centre.y);
@@ -123,7 +148,7 @@ double CellList::gather(Vec2 centre, int self, int rings, std::vector<Neighbour>
         const auto row = static_cast<std::size_t>(wrapped(iy, y_.cells) * x_.cells);
         if (plain) {
             take(first_[row + static_cast<std::size_t>(x_low)],
-                 first_[row + static_cast<std::size_t>(x_high) + 1], centre, self, out);
+                 first_[row + static_cast<std::size_t>(x_high) + 1], centre, out);
             continue;
         }
         for (int ix = x_low; ix <= x_high; ++ix) {
@@ -131,8 +156,9 @@ double CellList::gather(Vec2 centre, int self, int rings, std::vector<Neighbour>
             for (int at = first_[cell]; at < first_[cell + 1]; ++at) {
                 const Vec2 d = box_.minimum_image(point_[static_cast<std::size_t>(at)] - centre);
                 const double r2 = squared_norm(d);
-                if (at != self && r2 > 0) {
-                    out.push_back({index_[static_cast<std::size_t>(at)], d, r2});
+                if (r2 > 0) {
+                    *out.room(1) = {index_[static_cast<std::size_t>(at)], d, r2};
+                    out.grow(1);
                 }
             }
         }
@@ -141,25 +167,21 @@ double CellList::gather(Vec2 centre, int self, int rings, std::vector<Neighbour>
     return covered * (1 - 1e-9);
 }
 
-CellList::Reach CellList::near(int i, int k, double factor, std::vector<Neighbour>& out) const {
+CellList::Reach CellList::near(int i, int k, double factor, NeighbourList& out) const {
     const int self = place_[static_cast<std::size_t>(i)];
     const Vec2 centre = point_[static_cast<std::size_t>(self)];
-    std::array<double, 64> smallest;
+    std::array<double, most_nearest> smallest;
     for (int rings = 1;; rings *= 2) {
-        const double covered = gather(centre, self, rings, out);
+        const double covered = gather(centre, rings, out);
         const bool all = std::isinf(covered);
         const auto wanted = static_cast<std::size_t>(k);
         const std::size_t have = std::min(wanted, out.size());
         if (have < wanted && !all) continue;
 
-        std::fill_n(smallest.begin(), have, std::numeric_limits<double>::infinity());
-        for (const Neighbour& neighbour : out) {
-            double r2 = neighbour.r2;
-            for (std::size_t j = 0; j < have; ++j) {
-                const double low = std::min(smallest[j], r2);
-                r2 = std::max(smallest[j], r2);
-                smallest[j] = low;
-            }
+        if (have == 4) {
+            keep_smallest<4>(out, smallest);
+        } else {
+            keep_smallest<most_nearest>(out, smallest);
         }
         Reach reach;
         reach.count = static_cast<int>(have);
@@ -171,27 +193,27 @@ CellList::Reach CellList::near(int i, int k, double factor, std::vector<Neighbou
         if (!all && std::max(farthest, factor * reach.mean_first) > covered) continue;
 
         const double limit = factor * reach.mean_first;
-        const double limit2 = std::max(limit * limit, 0.0);
-        std::size_t ties = 0;  // how many at exactly the k-th distance still belong to the k
-        for (std::size_t j = 0; j < have; ++j) ties += smallest[j] == smallest[have - 1];
-        std::erase_if(out, [&](const Neighbour& neighbour) {
-            if (neighbour.r2 < limit2 || neighbour.r2 < smallest[have - 1]) return false;
-            if (neighbour.r2 == smallest[have - 1] && ties > 0) {
-                --ties;
-                return false;
-            }
-            return true;
-        });
+        const double kth = smallest[have - 1];
+        if (limit * limit > kth) {
+            out.keep_if([=](const Neighbour& n) { return n.r2 < limit * limit; });
+        } else {
+            std::size_t ties = 0;  // how many at exactly the k-th distance belong to the k
+            for (std::size_t j = 0; j < have; ++j) ties += smallest[j] == kth;
+            out.keep_if([&](const Neighbour& n) {
+                if (n.r2 != kth) return n.r2 < kth;
+                return ties > 0 && ties-- > 0;
+            });
+        }
         return reach;
     }
 }
 
-void CellList::within(int i, double radius, std::vector<Neighbour>& out) const {
+void CellList::within(int i, double radius, NeighbourList& out) const {
     const int self = place_[static_cast<std::size_t>(i)];
     const Vec2 centre = point_[static_cast<std::size_t>(self)];
     int rings = 1;
-    while (gather(centre, self, rings, out) < radius) rings *= 2;
-    std::erase_if(out, [radius](const Neighbour& n) { return !(n.r2 < radius * radius); });
+    while (gather(centre, rings, out) < radius) rings *= 2;
+    out.keep_if([radius](const Neighbour& n) { return n.r2 < radius * radius; });
 }
 
 }  // namespace grainfield::analysis

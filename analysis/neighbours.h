@@ -10,9 +10,42 @@ namespace grainfield::analysis {
 
 /// A neighbour of a point: which one, and the vector to it [length unit of the points].
 struct Neighbour {
-    int index;
+    int index = 0;
     Vec2 d;
-    double r2;  ///< |d|²
+    double r2 = 0;  ///< |d|²
+};
+
+/// A list of neighbours that is filled again and again: its memory is kept, and never cleared.
+class NeighbourList {
+ public:
+    const Neighbour* begin() const { return buffer_.data(); }
+    const Neighbour* end() const { return buffer_.data() + count_; }
+    std::size_t size() const { return count_; }
+    bool empty() const { return count_ == 0; }
+    void clear() { count_ = 0; }
+
+    /// Room for `more` entries behind the last one; `grow` says how many were filled.
+    Neighbour* room(std::size_t more) {
+        if (count_ + more > buffer_.size()) buffer_.resize(2 * (count_ + more));
+        return buffer_.data() + count_;
+    }
+    void grow(std::size_t more) { count_ += more; }
+
+    /// Without branches on the outcome, which nobody can predict.
+    template <class Predicate>
+    void keep_if(Predicate predicate) {
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < count_; ++i) {
+            const Neighbour n = buffer_[i];
+            buffer_[kept] = n;
+            kept += predicate(n) ? 1U : 0U;
+        }
+        count_ = kept;
+    }
+
+ private:
+    std::vector<Neighbour> buffer_;
+    std::size_t count_ = 0;
 };
 
 /// Points sorted into square cells, for exact searches by distance.
@@ -41,23 +74,24 @@ class CellList {
 
     /// The k nearest neighbours of point i, and all further ones with r < factor × their mean
     /// distance, in no particular order. factor = 0: exactly the k nearest (among equal distances
-    /// an arbitrary one). 1 ≤ k ≤ 64.
-    Reach near(int i, int k, double factor, std::vector<Neighbour>& out) const;
+    /// an arbitrary one). 1 ≤ k ≤ 16.
+    Reach near(int i, int k, double factor, NeighbourList& out) const;
 
     /// All neighbours of point i with r < radius, in no particular order.
-    void within(int i, double radius, std::vector<Neighbour>& out) const;
+    void within(int i, double radius, NeighbourList& out) const;
 
  private:
     struct Axis {
         double origin = 0;
         double length = 0;
         double width = 1;  ///< of a cell
+        double cells_per_length = 1;
         int cells = 1;
         bool periodic = false;
         int cell_of(double x) const;
     };
-    double gather(Vec2 centre, int self, int rings, std::vector<Neighbour>& out) const;
-    void take(int first, int last, Vec2 centre, int self, std::vector<Neighbour>& out) const;
+    double gather(Vec2 centre, int rings, NeighbourList& out) const;
+    void take(int first, int last, Vec2 centre, NeighbourList& out) const;
 
     Axis x_, y_;
     Box box_;

@@ -24,7 +24,7 @@ std::vector<std::pair<double, int>> brute_force(const std::vector<Vec2>& points,
     return found;
 }
 
-std::set<int> indices(const std::vector<Neighbour>& neighbours) {
+std::set<int> indices(const NeighbourList& neighbours) {
     std::set<int> set;
     for (const Neighbour& n : neighbours) set.insert(n.index);
     return set;
@@ -32,7 +32,7 @@ std::set<int> indices(const std::vector<Neighbour>& neighbours) {
 
 void expect_exact(const std::vector<Vec2>& points, const Box& box) {
     const CellList cells(points, box);
-    std::vector<Neighbour> found;
+    NeighbourList found;
     for (std::size_t i = 0; i < points.size(); ++i) {
         const auto truth = brute_force(points, box, i);
         const std::size_t k = std::min<std::size_t>(4, truth.size());
@@ -82,13 +82,13 @@ TEST(CellList, FindsTheNearestAcrossVoidsAndClusters) {
 TEST(CellList, TakesCoincidingPointsAsNoNeighboursOfEachOther) {
     const std::vector<Vec2> points(50, Vec2{1, 1});
     const CellList cells(points, square_box(10, Boundary::walls));
-    std::vector<Neighbour> found;
+    NeighbourList found;
     EXPECT_EQ(cells.near(0, 4, 1.2, found).count, 0);
     EXPECT_TRUE(found.empty());
 }
 
 TEST(CellList, HandlesNoneAndOnePoint) {
-    std::vector<Neighbour> found;
+    NeighbourList found;
     EXPECT_EQ(CellList({}, square_box(10)).size(), 0U);
     const std::vector<Vec2> one{{3, 3}};
     EXPECT_EQ(CellList(one, square_box(10)).near(0, 4, 0, found).count, 0);
