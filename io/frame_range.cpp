@@ -1,0 +1,117 @@
+#include "io/frame_range.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
+#include "io/picture.h"
+
+namespace grainfield::io {
+
+namespace {
+
+[[noreturn]] void refuse(std::string_view range, std::string actual, std::string expected) {
+    throw OptionError({.problem = fmt::format("frame range '{}' cannot be used", range),
+                       .actual = std::move(actual),
+                       .expected = std::move(expected),
+                       .suggestion = "for example 100:200, ::10 or -50:"});
+}
+
+std::string_view trimmed(std::string_view text) {
+    while (text.starts_with(' ')) text.remove_prefix(1);
+    while (text.ends_with(' ')) text.remove_suffix(1);
+    return text;
+}
+
+std::optional<std::int64_t> parse(std::string_view range, std::string_view part) {
+    part = trimmed(part);
+    if (part.empty()) return std::nullopt;
+    if (part.starts_with('+')) part.remove_prefix(1);
+    std::int64_t value = 0;
+    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+    if (error != std::errc() || end != part.data() + part.size()) {
+        refuse(range, fmt::format("'{}'", part), "FIRST:END:STEP in whole numbers");
+    }
+    return value;
+}
+
+struct Selection {
+    std::int64_t first = 0;
+    std::int64_t step = 1;
+    std::int64_t count = 0;
+};
+
+std::int64_t from_start(std::int64_t value, std::int64_t count) {
+    // Compared before adding, so that no number of the user can overflow.
+    if (value < -count) return 0;
+    return std::min(value < 0 ? value + count : value, count);
+}
+
+Selection single(std::string_view range, std::int64_t index, std::int64_t count) {
+    if (index < -count || index >= count) {
+        refuse(range, fmt::format("frame {}", index), fmt::format("0 … {}", count - 1));
+    }
+    return {.first = index < 0 ? index + count : index, .step = 1, .count = 1};
+}
+
+Selection parse_range(std::string_view range, std::int64_t count) {
+    std::array<std::optional<std::int64_t>, 3> numbers;
+    std::size_t parts = 0;
+    for (std::string_view rest = range;; ++parts) {
+        if (parts == numbers.size()) refuse(range, "more than two colons", "FIRST:END:STEP");
+        const std::size_t colon = rest.find(':');
+        numbers[parts] = parse(range, rest.substr(0, colon));
+        if (colon == std::string_view::npos) break;
+        rest.remove_prefix(colon + 1);
+    }
+    if (parts == 0 && numbers[0]) return single(range, *numbers[0], count);
+
+    const std::int64_t step = numbers[2].value_or(1);
+    if (step <= 0) refuse(range, fmt::format("step {}", step), "a step of at least 1");
+    const std::int64_t first = from_start(numbers[0].value_or(0), count);
+    const std::int64_t end = from_start(numbers[1].value_or(count), count);
+    if (first >= end) {
+        refuse(range, "it selects no frame", fmt::format("a range within 0:{}", count));
+    }
+    return {.first = first, .step = step, .count = (end - first - 1) / step + 1};
+}
+
+class SelectedFrames : public FrameSource {
+ public:
+    SelectedFrames(std::unique_ptr<FrameSource> source, Selection selection)
+        : source_(std::move(source)), selection_(selection) {}
+
+    std::int64_t count() const override { return selection_.count; }
+    int width() const override { return source_->width(); }
+    int height() const override { return source_->height(); }
+    int bit_depth() const override { return source_->bit_depth(); }
+    std::optional<double> frame_rate() const override { return source_->frame_rate(); }
+    std::string name() const override { return source_->name(); }
+    const std::vector<std::string>& warnings() const override { return source_->warnings(); }
+
+    Frame read(std::int64_t position) override {
+        require_frame_index(position, selection_.count, name() + " (selected frames)");
+        return source_->read(selection_.first + position * selection_.step);
+    }
+
+ private:
+    std::unique_ptr<FrameSource> source_;
+    Selection selection_;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSource> select_frames(std::unique_ptr<FrameSource> source,
+                                           std::string_view range) {
+    const Selection selection = parse_range(trimmed(range), source->count());
+    if (selection.count == source->count()) return source;
+    return std::make_unique<SelectedFrames>(std::move(source), selection);
+}
+
+}  // namespace grainfield::io
