@@ -52,6 +52,15 @@ H5Extent H5Dataset::extent() const {
     return extent;
 }
 
+std::string H5Dataset::extent_text() const {
+    std::string text;
+    for (const hsize_t length : extent()) {
+        if (!text.empty()) text += ", ";
+        text += std::to_string(length);
+    }
+    return "[" + text + "]";
+}
+
 void H5Dataset::require_number() const {
     const H5Handle type = file().own(H5Dget_type(id()), "a dataset has no type");
     const H5T_class_t kind = H5Tget_class(type.get());

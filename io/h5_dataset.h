@@ -19,6 +19,7 @@ class H5Dataset : public H5Object {
     using H5Object::H5Object;
 
     H5Extent extent() const;
+    std::string extent_text() const;  ///< "[12, 11704, 3]"
 
     /// The whole array. Fails if it is not one of numbers.
     template <class T>

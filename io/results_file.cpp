@@ -26,7 +26,7 @@ std::string free_name(const H5Group& group, std::string wanted) {
     for (char& c : wanted) {
         if (plain.find(c) == std::string_view::npos) c = '_';
     }
-    if (wanted.empty()) wanted = "_";
+    if (wanted.empty()) wanted.push_back('_');
     std::string name = wanted;
     for (int i = 2; group.has(name); ++i) name = fmt::format("{}_{}", wanted, i);
     return name;

@@ -129,7 +129,7 @@ void TrajectoryFile::State::open_positions(const H5Group& particles) {
     positions = element.dataset("value");
     const H5Extent extent = positions.extent();
     if (extent.size() != 3 || (extent[2] != 2 && extent[2] != 3)) {
-        file.fail(fmt::format("{} has the extent [{}]", positions.path(), fmt::join(extent, ", ")),
+        file.fail(fmt::format("{} has the extent {}", positions.path(), positions.extent_text()),
                   "[frames, particles, 2 or 3]");
     }
     frames = extent[0];
@@ -202,7 +202,7 @@ void TrajectoryFile::State::open_columns(const H5Group& particles) {
 void TrajectoryFile::State::require_frames(const H5Dataset& data) const {
     const H5Extent extent = data.extent();
     if (!extent.empty() && extent[0] >= frames) return;
-    file.fail(fmt::format("{} has the extent [{}]", data.path(), fmt::join(extent, ", ")),
+    file.fail(fmt::format("{} has the extent {}", data.path(), data.extent_text()),
               fmt::format("{} frames", frames));
 }
 

@@ -1,0 +1,46 @@
+#include "io/open_snapshots.h"
+
+#include <string>
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
+#include "io/file_kind.h"
+#include "io/points_csv.h"
+#include "io/trajectory_file.h"
+
+namespace grainfield::io {
+
+namespace {
+
+[[noreturn]] void refuse(const std::filesystem::path& path, const char* actual) {
+    throw InputError({.problem = fmt::format("cannot take particles from '{}'", path.string()),
+                      .actual = actual,
+                      .expected = "an H5MD trajectory (.h5) or a table of points (.csv) with the "
+                                  "columns frame,x,y",
+                      .suggestion = {}});
+}
+
+}  // namespace
+
+std::unique_ptr<SnapshotSource> open_snapshots(const std::filesystem::path& path,
+                                               const std::optional<Box>& box,
+                                               const TrajectoryInfo& hints) {
+    switch (identify(path)) {
+        case FileKind::trajectory:
+            return std::make_unique<TrajectoryFile>(path);
+        case FileKind::points:
+            return open_points(path, box, hints);
+        case FileKind::results:
+            refuse(path, "it holds results of an analysis");
+        case FileKind::field:
+            refuse(path, "it holds density fields");
+        case FileKind::unknown:
+            break;
+    }
+    // Named as a table, it is told what is missing in it.
+    if (path.extension() == ".csv") return open_points(path, box, hints);
+    refuse(path, "neither of the two");
+}
+
+}  // namespace grainfield::io
