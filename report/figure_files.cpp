@@ -1,0 +1,108 @@
+#include "report/figure_files.h"
+
+#include <iterator>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
+#include "report/gnuplot_script.h"
+#include "report/map_svg.h"
+#include "report/text.h"
+
+namespace grainfield::report {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+void make_folder(const fs::path& folder) {
+    std::error_code problem;
+    fs::create_directories(folder, problem);
+    if (!problem && fs::is_directory(folder)) return;
+    throw OutputError(ErrorText{"cannot make the folder '" + folder.string() + "' for the figures",
+                                problem ? problem.message() : "it is not a folder", "",
+                                "choose another place for the report"});
+}
+
+// One gnuplot for all figures; each SVG appears under its name when it is complete.
+std::vector<std::string> write_plots(const std::vector<const Figure*>& figures,
+                                     const fs::path& folder, const Gnuplot& gnuplot,
+                                     RunPlan& plan) {
+    const auto temporary = [](const Figure& figure) { return figure.name + ".svg.part"; };
+    std::string script;
+    for (const Figure* figure : figures) {
+        std::error_code ignored;
+        fs::remove(folder / temporary(*figure), ignored);
+        script += gnuplot_script(*figure, temporary(*figure));
+    }
+    const Gnuplot::Outcome outcome = gnuplot.run(script, folder);
+    if (!outcome.started) {
+        plan.skip("SVG of the plots",
+                  "gnuplot cannot be started (" + outcome.message +
+                      "); install it (Debian: gnuplot-nox) and write the report again",
+                  "");
+        return {};
+    }
+    std::vector<std::string> written;
+    for (const Figure* figure : figures) {
+        std::error_code problem;
+        if (outcome.succeeded) {
+            fs::rename(folder / temporary(*figure), folder / (figure->name + ".svg"), problem);
+            if (!problem) written.push_back(figure->name + ".svg");
+        } else {
+            fs::remove(folder / temporary(*figure), problem);
+        }
+    }
+    if (written.size() != figures.size()) {
+        plan.skip("SVG of the plots", "gnuplot failed: " + clean_text(outcome.message), "");
+    }
+    return written;
+}
+
+}  // namespace
+
+std::string figure_csv(const Figure& figure) {
+    std::string out = fmt::format("run,series,{0},{1},{1}_err\n", figure.x.name, figure.y.name);
+    for (const Series& series : figure.series) {
+        const Kind& kind = figure.kinds[series.kind];
+        if (kind.mark == Mark::guide) continue;
+        const std::string who = csv_cell(figure.runs[series.run]) + "," + csv_cell(kind.label);
+        for (std::size_t i = 0; i < series.x.size(); ++i) {
+            const std::string error = series.error.empty() ? "" : csv_cell(series.error[i]);
+            fmt::format_to(std::back_inserter(out), "{},{},{},{}\n", who, csv_cell(series.x[i]),
+                           csv_cell(series.y[i]), error);
+        }
+    }
+    return out;
+}
+
+std::vector<std::string> write_figure_files(const std::vector<Figure>& figures,
+                                            const std::vector<ParticleMap>& maps,
+                                            const std::vector<std::string>& labels,
+                                            const fs::path& folder, const Gnuplot& gnuplot,
+                                            RunPlan& plan) {
+    make_folder(folder);
+    std::vector<std::string> written;
+    const auto write = [&](const std::string& name, const std::string& content) {
+        write_file(folder / name, content);
+        written.push_back(name);
+    };
+    std::vector<const Figure*> with_data;
+    for (const Figure& figure : figures) {
+        if (!figure.has_data()) continue;
+        with_data.push_back(&figure);
+        write(figure.name + ".csv", figure_csv(figure));
+    }
+    for (const ParticleMap& map : maps) {
+        write(map.name + ".csv", map_csv(map));
+        write(map.name + ".svg", map_svg(map, labels[map.run]));
+    }
+    if (!with_data.empty()) {
+        const auto plots = write_plots(with_data, folder, gnuplot, plan);
+        written.insert(written.end(), plots.begin(), plots.end());
+    }
+    return written;
+}
+
+}  // namespace grainfield::report

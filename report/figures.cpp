@@ -1,0 +1,262 @@
+#include "report/figures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include "report/text.h"
+
+namespace grainfield::report {
+
+namespace {
+
+using Runs = std::vector<Results>;
+
+// Where the values of a series stand in the results.
+struct Source {
+    std::string observable, curve, x, y, error;
+};
+
+std::string first_characters(const std::string& text, std::size_t count) {
+    std::size_t characters = 0;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const bool starts = (static_cast<unsigned char>(text[i]) & 0xC0U) != 0x80;
+        if (starts && ++characters > count) return text.substr(0, i) + "…";
+    }
+    return text;
+}
+
+Figure empty_figure(const std::vector<std::string>& labels, std::string name, std::string title,
+                    Axis x, Axis y) {
+    Figure figure;
+    figure.name = std::move(name);
+    figure.title = std::move(title);
+    figure.x = std::move(x);
+    figure.y = std::move(y);
+    figure.runs = labels;
+    return figure;
+}
+
+// Why a run has no such curve.
+std::string absence(const Results& run, const Source& source) {
+    const ObservableResult* observable = run.find(source.observable);
+    if (observable == nullptr) return "not among the observables of this run";
+    if (!observable->reason.empty()) return observable->reason;
+    const Curve* curve = observable->find_curve(source.curve);
+    if (curve == nullptr) return "the results hold no curve '" + source.curve + "'";
+    if (curve->find(source.x) == nullptr || curve->find(source.y) == nullptr) {
+        return "the curve '" + source.curve + "' lacks the column '" +
+               (curve->find(source.x) == nullptr ? source.x : source.y) + "'";
+    }
+    return "the curve '" + source.curve + "' has no finite value";
+}
+
+const Curve* find_curve(const Results& run, const Source& source) {
+    const ObservableResult* observable = run.find(source.observable);
+    const Curve* curve = observable == nullptr ? nullptr : observable->find_curve(source.curve);
+    if (curve == nullptr) return nullptr;
+    const Column* x = curve->find(source.x);
+    const Column* y = curve->find(source.y);
+    return x == nullptr || y == nullptr || x->values.size() != y->values.size() ? nullptr : curve;
+}
+
+// The rows of a curve that `wanted` accepts; nothing if no row has finite numbers.
+template <class Wanted>
+std::optional<Series> take(const Curve& curve, const Source& source, const Wanted& wanted) {
+    const std::vector<double>& x = curve.find(source.x)->values;
+    const std::vector<double>& y = curve.find(source.y)->values;
+    const Column* error = source.error.empty() ? nullptr : curve.find(source.error);
+    if (error != nullptr && error->values.size() != x.size()) error = nullptr;
+    Series series;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        if (!std::isfinite(x[i]) || !std::isfinite(y[i]) || !wanted(i)) continue;
+        series.x.push_back(x[i]);
+        series.y.push_back(y[i]);
+        if (error != nullptr) series.error.push_back(error->values[i]);
+    }
+    if (series.x.empty()) return std::nullopt;
+    return series;
+}
+
+// Adds the series of this kind of every run; with `required`, runs without it are listed as absent.
+void add_kind(Figure& figure, const Runs& runs, Kind kind, const Source& source, bool required) {
+    const std::size_t place = figure.kinds.size();
+    bool found = false;
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        const Curve* curve = find_curve(runs[r], source);
+        std::optional<Series> series;
+        if (curve != nullptr) series = take(*curve, source, [](std::size_t) { return true; });
+        if (series) {
+            series->run = r;
+            series->kind = place;
+            figure.series.push_back(std::move(*series));
+            found = true;
+        } else if (required) {
+            figure.absent.push_back({r, absence(runs[r], source)});
+        }
+    }
+    if (found || required) figure.kinds.push_back(std::move(kind));
+}
+
+// What the curve calls itself, if all runs agree.
+std::string common_title(const Runs& runs, const Source& source) {
+    std::string title;
+    for (const Results& run : runs) {
+        const Curve* curve = find_curve(run, source);
+        if (curve == nullptr) continue;
+        if (!title.empty() && title != curve->title) return "";
+        title = curve->title;
+    }
+    return title;
+}
+
+Figure histogram(const Runs& runs, const std::vector<std::string>& labels) {
+    Figure figure = empty_figure(labels, "q4_histogram", "Bond-orientational order",
+                                 {"q4", "|Q₄|", "", Scale::linear, true},
+                                 {"density", "Probability density", "", Scale::linear, true});
+    add_kind(figure, runs, {"density", Mark::steps, true},
+             {"q4", "q4_histogram", "q4", "density", ""}, true);
+    figure.note = "Liquid lies near 0.3, the square crystal near 0.95.";
+    return figure;
+}
+
+Figure structure_factor(const Runs& runs, const std::vector<std::string>& labels) {
+    Figure figure = empty_figure(labels, "sk", "Structure factor",
+                                 {"k", "Wavevector k", "1/a", Scale::log, true},
+                                 {"s", "S(k)", "", Scale::log, true});
+    const Source sk{"sk", "sk", "k", "s", "s_err"};
+    add_kind(figure, runs, {"S(k)", Mark::line, true}, sk, true);
+    add_kind(figure, runs, {"raw, ⟨|ρ|²⟩/N", Mark::line, false},
+             {"sk", "sk_raw", "k", "s", "s_err"}, false);
+    add_kind(figure, runs, {"modes of a walled box", Mark::line, false},
+             {"sk", "sk_neumann", "k", "s", "s_err"}, false);
+    figure.may_be_linear = true;
+    figure.note = common_title(runs, sk);
+    return figure;
+}
+
+Figure number_variance(const Runs& runs, const std::vector<std::string>& labels) {
+    Figure figure = empty_figure(labels, "variance", "Number variance",
+                                 {"l", "Window side ℓ", "a", Scale::log, false},
+                                 {"variance", "σ²(ℓ)", "", Scale::log, false});
+    const Source source{"variance", "variance", "l", "variance", "err"};
+    add_kind(figure, runs, {"σ²(ℓ)", Mark::line, true}, source, true);
+    add_kind(figure, runs, {"pooled over positions and frames", Mark::line, false},
+             {"variance", "variance_pooled", "l", "variance", "err"}, false);
+    figure.note = common_title(runs, source);
+    if (!figure.has_data()) return figure;
+    const auto [first, last] = extent(figure, figure.x, &Series::x);
+    const auto [low, high] = extent(figure, figure.y, &Series::y);
+    if (!(last > first) || !(low > 0)) return figure;
+    figure.note += figure.note.empty() ? "" : ". ";
+    figure.note += "Guides: σ² ∝ ⟨N⟩^(β/2), that is ℓ^β.";
+    add_power_law(figure, "β = 1", 1, first, low, last);
+    add_power_law(figure, "β = 2", 2, first, low, last);
+    return figure;
+}
+
+// The time unit of the first run that has an MSD; runs in another unit cannot share its axis.
+TimeUnit shared_time_unit(const Runs& runs, const Source& source) {
+    const auto has_curve = [&](const Results& run) { return find_curve(run, source) != nullptr; };
+    const auto first = std::ranges::find_if(runs, has_curve);
+    return (first == runs.end() ? runs.front() : *first).source.time_unit;
+}
+
+Figure displacement(const Runs& runs, const std::vector<std::string>& labels) {
+    const Source source{"msd", "msd", "t", "msd", "err"};
+    const TimeUnit time_unit = shared_time_unit(runs, source);
+    const std::string unit = pretty_unit("time unit", time_unit);
+    Figure figure = empty_figure(labels, "msd", "Mean squared displacement",
+                                 {"t", "Lag time t", unit, Scale::log, false},
+                                 {"msd", "MSD", "a²", Scale::log, false});
+    std::vector<bool> found(runs.size(), false);
+    for (const std::string phase : {"all", "liquid", "solid"}) {
+        const std::size_t place = figure.kinds.size();
+        bool any = false;
+        for (std::size_t r = 0; r < runs.size(); ++r) {
+            const Curve* curve = find_curve(runs[r], source);
+            if (curve == nullptr || runs[r].source.time_unit != time_unit) continue;
+            const auto text = curve->text_columns.find("phase");
+            const bool has_phases = text != curve->text_columns.end();
+            auto series = take(*curve, source, [&](std::size_t i) {
+                if (!has_phases) return phase == "all";
+                return i < text->second.size() && text->second[i] == phase;
+            });
+            if (!series) continue;
+            series->run = r;
+            series->kind = place;
+            figure.series.push_back(std::move(*series));
+            found[r] = any = true;
+        }
+        if (any) figure.kinds.push_back({phase, Mark::line, true});
+    }
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        if (found[r]) continue;
+        const TimeUnit own = runs[r].source.time_unit;
+        const bool other_unit = own != time_unit && find_curve(runs[r], source) != nullptr;
+        figure.absent.push_back(
+            {r, other_unit
+                    ? "its times are in " + pretty_unit("time unit", own) + ", not in " + unit
+                    : absence(runs[r], source)});
+    }
+    if (!figure.has_data()) return figure;
+    const auto [first, last] = extent(figure, figure.x, &Series::x);
+    const auto [low, high] = extent(figure, figure.y, &Series::y);
+    if (!(last > first) || !(low > 0)) return figure;
+    // Above the highest curve where it ends.
+    const double from = std::max(first, last / 30);
+    add_power_law(figure, "slope 1", 1, from, 1.8 * high * from / last, last);
+    figure.note = "Diffusion has slope 1.";
+    return figure;
+}
+
+Figure phase_fractions(const Runs& runs, const std::vector<std::string>& labels) {
+    Figure figure =
+        empty_figure(labels, "phase", "Phases", {"frame", "Frame", "", Scale::linear, false},
+                     {"fraction", "Fraction of particles", "", Scale::linear, true});
+    add_kind(figure, runs, {"solid", Mark::line, true},
+             {"phase", "phase", "frame", "solid_fraction", ""}, true);
+    add_kind(figure, runs, {"liquid", Mark::line, true},
+             {"phase", "phase", "frame", "liquid_fraction", ""}, false);
+    std::erase_if(figure.series, [&](const Series& series) {
+        if (series.x.size() > 1) return false;
+        if (series.kind == 0) {
+            figure.absent.push_back({series.run, "one moment only: see the key numbers"});
+        }
+        return true;
+    });
+    return figure;
+}
+
+}  // namespace
+
+std::vector<std::string> run_labels(const std::vector<Results>& runs) {
+    std::vector<std::string> labels;
+    for (const Results& run : runs) {
+        std::string label = clean_text(run.label);
+        if (label.find_first_not_of(' ') == std::string::npos) {
+            label = run.record.inputs.empty()
+                        ? "run " + std::to_string(labels.size() + 1)
+                        : std::filesystem::path(clean_text(run.record.inputs.front().name))
+                              .filename()
+                              .string();
+        }
+        label = first_characters(label, 60);
+        const std::string plain = label;
+        for (int i = 2; std::ranges::find(labels, label) != labels.end(); ++i) {
+            label = plain + " (" + std::to_string(i) + ")";
+        }
+        labels.push_back(label);
+    }
+    return labels;
+}
+
+std::vector<Figure> make_figures(const std::vector<Results>& runs,
+                                 const std::vector<std::string>& labels) {
+    return {histogram(runs, labels), structure_factor(runs, labels), number_variance(runs, labels),
+            displacement(runs, labels), phase_fractions(runs, labels)};
+}
+
+}  // namespace grainfield::report

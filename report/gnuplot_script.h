@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "report/figure.h"
+
+namespace grainfield::report {
+
+/// Commands that make gnuplot (5.2 or later) draw the figure into the SVG file `svg`. Data are
+/// inline; every text stands in single quotes and is drawn without markup, so that no name can
+/// become a command or formatting.
+std::string gnuplot_script(const Figure& figure, const std::string& svg);
+
+/// The text as a gnuplot string in single quotes, where a backslash means nothing; backquotes
+/// become quotes.
+std::string gnuplot_string(std::string_view text);
+
+}  // namespace grainfield::report

@@ -1,0 +1,197 @@
+#include "report/key_numbers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "report/text.h"
+
+namespace grainfield::report {
+
+namespace {
+
+const std::map<std::string, std::string>& observable_titles() {
+    static const std::map<std::string, std::string> titles{{"q4", "Bond-orientational order"},
+                                                           {"phase", "Phases"},
+                                                           {"msd", "Displacement"},
+                                                           {"sk", "Structure factor"},
+                                                           {"variance", "Number variance"}};
+    return titles;
+}
+
+const std::map<std::string, std::string>& quantity_titles() {
+    static const std::map<std::string, std::string> titles{
+        {"q4_mean", "Mean |Q₄|"},
+        {"q4_low_mode", "|Q₄| of the liquid peak"},
+        {"q4_high_mode", "|Q₄| of the solid peak"},
+        {"q4_minimum", "|Q₄| between the peaks"},
+        {"nearest_distance", "Mean distance of the nearest neighbour"},
+        {"lattice_spacing", "Lattice spacing of the solid, projected"},
+        {"solid_fraction", "Solid fraction"},
+        {"liquid_fraction", "Liquid fraction"},
+        {"averaging_time", "Averaging time of the phase"},
+        {"s_lowest_k", "S at the lowest k"},
+        {"s_raw_lowest_k", "S at the lowest k, raw"},
+        {"s_neumann_lowest_k", "S at the lowest k, modes of a walled box"},
+        {"lowest_k", "Lowest k"},
+        {"number_density", "Number density"},
+        {"relative_variance_10a", "σ²/⟨N⟩ at ℓ = 10 a"},
+        {"d_all", "Diffusion coefficient"},
+        {"d_liquid", "Diffusion coefficient, liquid"},
+        {"d_solid", "Diffusion coefficient, solid"},
+        {"exponent_all", "MSD exponent"},
+        {"exponent_liquid", "MSD exponent, liquid"},
+        {"exponent_solid", "MSD exponent, solid"}};
+    return titles;
+}
+
+// The known title, else the name with spaces.
+std::string title_of(const std::map<std::string, std::string>& titles, const std::string& name) {
+    const auto known = titles.find(name);
+    if (known != titles.end()) return known->second;
+    std::string words = clean_text(name);
+    std::ranges::replace(words, '_', ' ');
+    return words;
+}
+
+KeyNumber key_number(const Measurement& m) {
+    KeyNumber number;
+    number.note = clean_text(m.reason);
+    if (!m.value || !std::isfinite(*m.value)) {
+        if (number.note.empty()) number.note = "no value";
+        return number;
+    }
+    number.value = with_error(*m.value, m.error ? &*m.error : nullptr);
+    if (m.samples > 0) number.samples = count_text(m.samples);
+    return number;
+}
+
+class Table {
+ public:
+    explicit Table(std::size_t runs) : runs_(runs) {}
+
+    KeyNumberRow& row(const std::string& observable, const std::string& name) {
+        const auto found = std::ranges::find_if(rows_, [&](const KeyNumberRow& row) {
+            return row.observable == observable && row.name == name;
+        });
+        if (found != rows_.end()) return *found;
+        // Behind the last row of its observable.
+        const auto last = std::find_if(rows_.rbegin(), rows_.rend(), [&](const KeyNumberRow& row) {
+            return row.observable == observable;
+        });
+        const auto place = last == rows_.rend() ? rows_.end() : last.base();
+        KeyNumberRow fresh{observable, title_of(quantity_titles(), name), name, "", {}};
+        fresh.numbers.assign(runs_, {"", "", "not among the results of this run"});
+        return *rows_.insert(place, std::move(fresh));
+    }
+    std::vector<KeyNumberRow> take() { return std::move(rows_); }
+
+ private:
+    std::size_t runs_;
+    std::vector<KeyNumberRow> rows_;
+};
+
+void add_run(Table& table, const Results& run, std::size_t r) {
+    const auto plain = [&](const char* quantity, double value) {
+        KeyNumberRow& row = table.row("Input", quantity);
+        row.numbers[r] = {count_text(value), "", ""};
+    };
+    plain("Frames", static_cast<double>(run.frames));
+    plain("Particles per frame", run.particles_mean);
+    for (const ObservableResult& observable : run.observables) {
+        const std::string title = title_of(observable_titles(), observable.name);
+        if (observable.measurements.empty() && !observable.reason.empty()) {
+            table.row(title, "not measured").numbers[r] = {"", "", clean_text(observable.reason)};
+        }
+        for (const Measurement& m : observable.measurements) {
+            KeyNumberRow& row = table.row(title, m.name);
+            row.numbers[r] = key_number(m);
+            if (row.unit.empty()) row.unit = pretty_unit(m.unit, run.source.time_unit);
+            const std::string unit = pretty_unit(m.unit, run.source.time_unit);
+            if (unit != row.unit && !row.numbers[r].value.empty()) {
+                row.numbers[r].value += " " + unit;
+            }
+        }
+    }
+}
+
+std::string value_text(const KeyNumber& number) {
+    return number.value.empty() ? "–" : escape_html(number.value);
+}
+
+// Notes below the table, each once.
+class Notes {
+ public:
+    std::string reference(const std::string& note) {
+        if (note.empty()) return "";
+        const auto known = std::ranges::find(notes_, note);
+        const auto place = known - notes_.begin();
+        if (known == notes_.end()) notes_.push_back(note);
+        return fmt::format("<sup>{}</sup>", place + 1);
+    }
+    std::string html() const {
+        if (notes_.empty()) return "";
+        std::string out = "<ol class=\"notes\">\n";
+        for (const std::string& note : notes_) out += "<li>" + escape_html(note) + "</li>\n";
+        return out + "</ol>\n";
+    }
+
+ private:
+    std::vector<std::string> notes_;
+};
+
+std::string compact_cell(const KeyNumber& number, Notes& notes) {
+    std::string out = "<td>" + value_text(number) + notes.reference(number.note);
+    if (!number.samples.empty()) {
+        out += "<span class=\"samples\">n = " + escape_html(number.samples) + "</span>";
+    }
+    return out + "</td>";
+}
+
+}  // namespace
+
+std::vector<KeyNumberRow> key_numbers(const std::vector<Results>& runs) {
+    Table table(runs.size());
+    for (std::size_t r = 0; r < runs.size(); ++r) add_run(table, runs[r], r);
+    return table.take();
+}
+
+std::string key_numbers_html(const std::vector<KeyNumberRow>& rows,
+                             const std::vector<std::string>& labels) {
+    const bool one_run = labels.size() == 1;
+    Notes notes;
+    std::string out = "<div class=\"scroll\"><table class=\"numbers\"><thead><tr><th>Quantity</th>";
+    if (one_run) {
+        out += "<th>Value</th><th>Samples</th><th>Remark</th>";
+    } else {
+        for (const std::string& label : labels) out += "<th>" + escape_html(label) + "</th>";
+    }
+    out += "</tr></thead>\n<tbody>\n";
+    const std::string* group = nullptr;
+    for (const KeyNumberRow& row : rows) {
+        if (group == nullptr || row.observable != *group) {
+            group = &row.observable;
+            out += fmt::format("<tr class=\"group\"><th colspan=\"{}\">{}</th></tr>\n",
+                               one_run ? 4 : labels.size() + 1, escape_html(*group));
+        }
+        const std::string unit =
+            row.unit.empty() ? "" : " <span class=\"unit\">[" + escape_html(row.unit) + "]</span>";
+        out += fmt::format("<tr><th title=\"{}\">{}{}</th>", escape_html(row.name),
+                           escape_html(row.quantity), unit);
+        if (one_run) {
+            const KeyNumber& number = row.numbers.front();
+            out += fmt::format("<td>{}</td><td>{}</td><td class=\"remark\">{}</td>",
+                               value_text(number), escape_html(number.samples),
+                               escape_html(number.note));
+        } else {
+            for (const KeyNumber& number : row.numbers) out += compact_cell(number, notes);
+        }
+        out += "</tr>\n";
+    }
+    return out + "</tbody></table></div>\n" + notes.html();
+}
+
+}  // namespace grainfield::report

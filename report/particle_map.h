@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/results.h"
+
+namespace grainfield::report {
+
+/// What a reader sees as "frame with detections": one preview of one run, its image as PNG.
+struct ParticleMap {
+    std::size_t run = 0;
+    std::string name;   ///< file name of SVG and CSV, "map_run1_frame0"
+    std::string title;  ///< "frame 0, 10,456 particles"
+    std::int64_t frame = 0;
+    std::array<double, 2> x{}, y{};      ///< what is shown [length unit]
+    bool y_down = true;                  ///< pixels: y grows downwards; simulations: upwards
+    std::string unit;                    ///< "px" or "a"
+    double diameter = 1;                 ///< [length unit]
+    std::vector<std::uint8_t> png;       ///< empty: the run has no image
+    std::array<double, 2> image_size{};  ///< covered by the PNG [px], from the corner (-0.5, -0.5)
+    int reduction = 1;                   ///< pixels of the camera per pixel of the PNG, per axis
+    std::vector<Vec2> position;          ///< [length unit]
+    std::vector<std::int64_t> id;        ///< empty: not linked
+    std::vector<double> abs_q4;          ///< [-]; empty: not analysed; NaN: undefined
+};
+
+/// How much of the previews goes into a report.
+struct MapBudget {
+    std::size_t maps = 24;                ///< shared evenly by the runs, at least one each
+    std::size_t image_bytes = 6'000'000;  ///< of all PNGs; images are reduced to keep it
+};
+
+/// The previews of all runs, as many as the budget allows, spread over each run. Previews whose
+/// snapshot is inconsistent or empty and without image are left out.
+std::vector<ParticleMap> make_maps(const std::vector<Results>& runs, const MapBudget& budget);
+
+/// The map for the page: discs as base64 of little-endian uint16 x, y (65535 steps over `x` and
+/// `y`, padded by half a diameter) and uint8 |Q4| (0 … 254, 255 undefined), the image as data URI.
+std::string map_json(const ParticleMap& map);
+
+/// frame, particle, x, y, abs_q4
+std::string map_csv(const ParticleMap& map);
+
+}  // namespace grainfield::report

@@ -1,0 +1,46 @@
+#include "report/report.h"
+
+#include "core/errors.h"
+#include "report/figure_files.h"
+#include "report/figures.h"
+#include "report/page.h"
+#include "report/particle_map.h"
+#include "report/text.h"
+
+namespace grainfield::report {
+
+namespace {
+
+std::string relative_folder(const std::filesystem::path& folder,
+                            const std::filesystem::path& html) {
+    const auto base = std::filesystem::absolute(html).parent_path().lexically_normal();
+    const auto relative =
+        std::filesystem::absolute(folder).lexically_normal().lexically_relative(base);
+    return relative.empty() ? folder.string() : relative.generic_string();
+}
+
+}  // namespace
+
+void write_report(const std::vector<Results>& runs, const ReportOptions& options,
+                  const std::filesystem::path& html, const std::filesystem::path& figures_dir,
+                  RunPlan& plan) {
+    if (runs.empty()) {
+        throw OptionError(ErrorText{"a report needs at least one results file", "none given", "",
+                                    "make one with 'grainfield analyze'"});
+    }
+    const std::vector<std::string> labels = run_labels(runs);
+    const std::vector<Figure> figures = make_figures(runs, labels);
+    const std::vector<ParticleMap> maps = make_maps(runs, {});
+    std::string title = clean_text(options.title);
+    if (title.empty()) title = "Report of a vibrated layer";
+
+    std::vector<std::string> files;
+    if (options.figures) {
+        files = write_figure_files(figures, maps, labels, figures_dir, Gnuplot(), plan);
+    }
+    write_file(html,
+               page_html({title, runs, labels, figures, maps,
+                          options.figures ? relative_folder(figures_dir, html) : "", files, plan}));
+}
+
+}  // namespace grainfield::report

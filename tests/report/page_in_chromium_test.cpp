@@ -1,0 +1,137 @@
+// The page in a real browser: headless Chromium draws it and prints the document that results.
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <regex>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "report/report.h"
+#include "tests/report/sample_results.h"
+
+namespace grainfield::report {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+std::string output_of(const std::string& command) {
+    std::FILE* pipe = popen(command.c_str(), "r");
+    std::string text;
+    std::array<char, 1 << 16> part{};
+    for (std::size_t n = 0; (n = std::fread(part.data(), 1, part.size(), pipe)) > 0;) {
+        text.append(part.data(), n);
+    }
+    pclose(pipe);
+    return text;
+}
+
+std::string chromium() {
+    for (const char* name : {"chromium", "chromium-browser", "google-chrome"}) {
+        const std::string path = output_of(std::string("command -v ") + name);
+        if (!path.empty()) return name;
+    }
+    return "";
+}
+
+// The document after its scripts have run, without the texts of the scripts.
+std::string drawn(const sample::TemporaryFolder& folder, const std::vector<Results>& runs,
+                  const std::string& title, const std::string& window = "1280,900") {
+    RunPlan plan;
+    write_report(runs, {title, false}, folder / "report.html", folder / "figures", plan);
+    std::string dom =
+        output_of("timeout 120 " + chromium() +
+                  " --headless --no-sandbox --disable-gpu --disable-quic --no-first-run "
+                  "--disable-background-networking --disable-component-update --disable-sync "
+                  "--user-data-dir='" +
+                  (folder / "profile").string() + "' --window-size=" + window +
+                  " --virtual-time-budget=20000 --dump-dom 'file://" +
+                  (folder / "report.html").string() + "' 2>/dev/null");
+    for (auto from = dom.find("<script"); from != std::string::npos; from = dom.find("<script")) {
+        dom.erase(from, dom.find("</script>", from) + 9 - from);
+    }
+    return dom;
+}
+
+std::ptrdiff_t count(const std::string& text, const char* pattern) {
+    const std::regex expression(pattern);
+    return std::distance(std::sregex_iterator(text.begin(), text.end(), expression), {});
+}
+
+class PageInChromium : public testing::Test {
+ protected:
+    void SetUp() override {
+        if (chromium().empty())
+            GTEST_SKIP() << "no Chromium here (Debian: apt-get install chromium)";
+    }
+};
+
+TEST_F(PageInChromium, DrawsEveryPlotWithoutError) {
+    const sample::TemporaryFolder folder("chromium_plots");
+    const std::string dom = drawn(folder, {sample::results()}, "A report");
+    EXPECT_THAT(dom, HasSubstr("data-ready=\"6\"")) << "five figures and the map";
+    EXPECT_THAT(dom, Not(HasSubstr("data-errors")));
+    EXPECT_EQ(count(dom, "class=\"[^\"]*js-plotly-plot"), 6);
+    EXPECT_GE(count(dom, "class=\"errorbars\""), 2) << "S(k) and the variance have error bars";
+    EXPECT_THAT(dom, HasSubstr("Linear axes"));
+}
+
+TEST_F(PageInChromium, ComparesRunsAndShowsReasons) {
+    const sample::TemporaryFolder folder("chromium_compare");
+    const std::vector<Results> runs{sample::results({1, 300, 80, true, "first"}),
+                                    sample::results({2, 300, 80, false, "second"})};
+    const std::string dom = drawn(folder, runs, "", "500,900");
+    EXPECT_THAT(dom, HasSubstr("data-ready=\"6\""));
+    EXPECT_THAT(dom, Not(HasSubstr("data-errors")));
+    EXPECT_THAT(dom, HasSubstr("Without second: one frame: displacements need two"));
+    EXPECT_EQ(count(dom, "<option value=\"[01]\">(first|second)"), 2);
+}
+
+TEST_F(PageInChromium, DrawsResultsWithNothingInThem) {
+    const sample::TemporaryFolder folder("chromium_empty");
+    const std::string dom = drawn(folder, {Results{}}, "");
+    EXPECT_THAT(dom, HasSubstr("data-ready=\"0\""));
+    EXPECT_THAT(dom, Not(HasSubstr("data-errors")));
+    EXPECT_EQ(count(dom, "class=\"absent\">No p"), 6);
+}
+
+TEST_F(PageInChromium, DoesNotRunWhatNamesContain) {
+    const sample::TemporaryFolder folder("chromium_hostile");
+    const std::string hostile =
+        "</script><script>document.title='pwned'</script>"
+        "<img src=x onerror=\"document.title='pwned'\"><a href='javascript:alert(1)'>x</a>";
+    std::vector<Results> runs{sample::results({1, 300, 80, true, hostile}),
+                              sample::results({2, 300, 80, true, "%{x} <b>bold</b>"})};
+    for (Results& run : runs) {
+        run.record.inputs[0].name = hostile;
+        run.record.configuration = {{hostile, hostile}};
+        run.record.warnings = {hostile};
+        run.source.source = hostile;
+        for (ObservableResult& observable : run.observables) {
+            for (Measurement& m : observable.measurements) m.unit = m.reason = hostile;
+            for (Curve& curve : observable.curves) {
+                curve.title = hostile;
+                for (Column& column : curve.columns) column.unit = column.meaning = hostile;
+            }
+        }
+    }
+    const std::string dom = drawn(folder, runs, "Plain title");
+    EXPECT_THAT(dom, HasSubstr("data-ready=\"6\""));
+    EXPECT_THAT(dom, Not(HasSubstr("data-errors"))) << "not even refused by the policy";
+    EXPECT_THAT(dom, HasSubstr("<title>Plain title</title>"));
+    EXPECT_EQ(count(dom, "<img"), 0);
+    EXPECT_EQ(count(dom, "<a [^>]*javascript:"), 0);
+    EXPECT_EQ(count(dom, "<b>bold"), 0);
+}
+
+TEST_F(PageInChromium, OffersNoUpload) {
+    const sample::TemporaryFolder folder("chromium_upload");
+    const std::string dom = drawn(folder, {sample::results({1, 300, 80, true, "A"})}, "");
+    EXPECT_EQ(count(dom, "data-title=\"[^\"]*([Cc]loud|[Ss]hare|[Uu]pload|[Ll]ink)"), 0);
+    EXPECT_GT(count(dom, "data-title=\"Zoom\""), 0) << "the tool bar is there";
+}
+
+}  // namespace
+}  // namespace grainfield::report
