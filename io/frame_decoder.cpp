@@ -7,6 +7,10 @@
 
 #include <fmt/format.h>
 
+extern "C" {
+#include <libavutil/opt.h>
+}
+
 #include "core/errors.h"
 
 namespace grainfield::io {
@@ -27,6 +31,7 @@ FrameDecoder::FrameDecoder(const std::filesystem::path& path, std::int64_t max_p
     if (!packet_) throw std::bad_alloc();
     open();
     index_ = index_packets(*container_, stream_, log_);
+    index_.all_have_pts = index_.all_have_pts && has_clock();
     try {
         decoder_ = open_decoder(*stream().codecpar, log_, max_pixels_);
     } catch (const Error& error) {
@@ -44,7 +49,12 @@ void FrameDecoder::open() {
 }
 
 bool FrameDecoder::has_clock() const {
-    return (container_->iformat->flags & AVFMT_NOTIMESTAMPS) == 0;
+    // The demuxers of bare streams are those that let the user set the rate.
+    const AVInputFormat& format = *container_->iformat;
+    return (format.flags & AVFMT_NOTIMESTAMPS) == 0 &&
+           (format.priv_class == nullptr ||
+            av_opt_find(const_cast<AVClass const**>(&format.priv_class), "framerate", nullptr, 0,
+                        AV_OPT_SEARCH_FAKE_OBJ) == nullptr);
 }
 
 bool FrameDecoder::is_key(std::size_t packet) const {

@@ -32,8 +32,11 @@ class FrameDecoder {
 
     const PacketIndex& index() const { return index_; }
     const AVStream& stream() const { return *container_->streams[static_cast<unsigned>(stream_)]; }
-    /// Whether the container keeps time at all; a bare H.264 stream, say, does not.
+    /// Whether the container keeps time at all; a bare H.264 stream, say, does not: what libav then
+    /// reports comes from its default of 25 frames per second.
     bool has_clock() const;
+    /// [1/s] as written into the coded pictures read so far; 0/1 if it is not.
+    AVRational coded_frame_rate() const { return decoder_->framerate; }
     /// Packet number of each frame, in order of presentation.
     const std::vector<std::size_t>& order() const { return order_; }
 

@@ -63,14 +63,31 @@ void copy_plane(const AVFrame& frame, const AVComponentDescriptor& component, bo
     }
 }
 
-/// One row of one component, whatever the packing; palettes are looked up.
+/// One row of one component, whatever the packing.
 void read_component(const AVFrame& frame, const AVPixFmtDescriptor& format, int y, int component,
                     std::vector<std::uint16_t>& row) {
-    const bool palette = (format.flags & AV_PIX_FMT_FLAG_PAL) != 0;
     std::array<const std::uint8_t*, 4> data{frame.data[0], frame.data[1], frame.data[2],
                                             frame.data[3]};
     av_read_image_line(row.data(), data.data(), frame.linesize, &format, 0, y, component,
-                       static_cast<int>(row.size()), palette ? 1 : 0);
+                       static_cast<int>(row.size()), 0);
+}
+
+// A palette has 256 native words 0xAARRGGBB.
+void look_up_palette(const AVFrame& frame, Image& image) {
+    std::array<std::uint32_t, 256> words{};
+    std::memcpy(words.data(), frame.data[1], sizeof(words));
+    std::array<float, 256> grey{};
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        const auto channel = [word = words[i]](unsigned shift) {
+            return static_cast<std::int32_t>((word >> shift) & 255U);
+        };
+        grey[i] = luma(channel(16), channel(8), channel(0));
+    }
+    for (int y = 0; y < image.height(); ++y) {
+        const std::uint8_t* in = frame.data[0] + static_cast<std::ptrdiff_t>(y) * frame.linesize[0];
+        float* out = image.row(y);
+        for (int x = 0; x < image.width(); ++x) out[x] = grey[in[x]];
+    }
 }
 
 void reduce_colour(const AVFrame& frame, const AVPixFmtDescriptor& format, Image& image) {
@@ -155,7 +172,9 @@ Picture to_grey(const std::filesystem::path& path, const AVFrame& frame) {
     const bool palette = (format->flags & AV_PIX_FMT_FLAG_PAL) != 0;
     const bool colour = (format->flags & AV_PIX_FMT_FLAG_RGB) != 0;
     Picture picture{Image(frame.width, frame.height), palette ? 8 : format->comp[0].depth};
-    if (palette || (colour && format->nb_components >= 3)) {
+    if (palette) {
+        look_up_palette(frame, picture.image);
+    } else if (colour && format->nb_components >= 3) {
         reduce_colour(frame, *format, picture.image);
     } else if ((format->flags & AV_PIX_FMT_FLAG_BITSTREAM) != 0) {
         std::vector<std::uint16_t> row(static_cast<std::size_t>(frame.width));

@@ -117,9 +117,9 @@ class VideoFrames : public FrameSource {
     }
 
     std::optional<double> believable_rate() {
-        const AVRational declared = video_.stream().avg_frame_rate;
-        // Bare streams have no clock; what libav reports for them is its default of 25.
-        if (!video_.has_clock() || declared.num <= 0 || declared.den <= 0) return std::nullopt;
+        const AVRational declared =
+            video_.has_clock() ? video_.stream().avg_frame_rate : video_.coded_frame_rate();
+        if (declared.num <= 0 || declared.den <= 0) return std::nullopt;
         const double rate = av_q2d(declared);
         if (!std::isfinite(rate) || rate > 1e7) return std::nullopt;
         if (!video_.index().all_have_pts || count_ < 3) return rate;

@@ -1,0 +1,71 @@
+#include "io/frame_range.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/errors.h"
+
+namespace grainfield::io {
+namespace {
+
+class TenFrames : public FrameSource {
+ public:
+    std::int64_t count() const override { return 10; }
+    int width() const override { return 1; }
+    int height() const override { return 1; }
+    int bit_depth() const override { return 8; }
+    std::optional<double> frame_rate() const override { return 50; }
+    std::string name() const override { return "ten"; }
+    const std::vector<std::string>& warnings() const override { return warnings_; }
+    Frame read(std::int64_t index) override {
+        Frame frame;
+        frame.index = index;
+        frame.time = static_cast<double>(index) / 50;
+        return frame;
+    }
+
+ private:
+    std::vector<std::string> warnings_;
+};
+
+std::vector<std::int64_t> indices(std::string_view range) {
+    const auto frames = select_frames(std::make_unique<TenFrames>(), range);
+    std::vector<std::int64_t> result;
+    for (std::int64_t i = 0; i < frames->count(); ++i) result.push_back(frames->read(i).index);
+    return result;
+}
+
+TEST(FrameRange, SelectsLikeAPythonSlice) {
+    using ::testing::ElementsAre;
+    EXPECT_EQ(indices("").size(), 10U);
+    EXPECT_EQ(indices("::").size(), 10U);
+    EXPECT_THAT(indices("2:5"), ElementsAre(2, 3, 4));
+    EXPECT_THAT(indices("::4"), ElementsAre(0, 4, 8));
+    EXPECT_THAT(indices("1::4"), ElementsAre(1, 5, 9));
+    EXPECT_THAT(indices("-3:"), ElementsAre(7, 8, 9));
+    EXPECT_THAT(indices(":-8"), ElementsAre(0, 1));
+    EXPECT_THAT(indices("8:100"), ElementsAre(8, 9));
+    EXPECT_THAT(indices("-100:1"), ElementsAre(0));
+    EXPECT_THAT(indices("7"), ElementsAre(7));
+    EXPECT_THAT(indices("-1"), ElementsAre(9));
+    EXPECT_THAT(indices("0:10:9223372036854775807"), ElementsAre(0));
+    EXPECT_THAT(indices("-9223372036854775808:2"), ElementsAre(0, 1));
+}
+
+TEST(FrameRange, KeepsIndexAndTimeOfTheSource) {
+    const auto frames = select_frames(std::make_unique<TenFrames>(), "4::3");
+    EXPECT_EQ(frames->read(1).index, 7);
+    EXPECT_DOUBLE_EQ(frames->read(1).time, 0.14);
+    EXPECT_THROW(frames->read(2), OptionError);
+    EXPECT_THROW(frames->read(-1), OptionError);
+}
+
+TEST(FrameRange, RefusesWhatIsNoRangeOrEmpty) {
+    for (const char* bad : {"a", "1:2:3:4", "5:5", "6:2", "::0", "::-1", "1.5:", "10", "-11", "1 2",
+                            "99999999999999999999:"}) {
+        EXPECT_THROW(indices(bad), OptionError) << bad;
+    }
+}
+
+}  // namespace
+}  // namespace grainfield::io
