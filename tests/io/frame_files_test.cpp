@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -59,7 +60,7 @@ TEST(FrameFiles, OfThreeThousandImagesOpenWithoutDecodingThem) {
     write_png(folder / "i0.png", 400, 400, 16, PNG_COLOR_TYPE_GRAY);
     std::vector<std::filesystem::path> files{folder / "i0.png"};
     for (int i = 1; i < 3000; ++i) {
-        files.emplace_back(folder / ("i" + std::to_string(i) + ".png"));
+        files.emplace_back(folder / fmt::format("i{}.png", i));
         std::filesystem::create_hard_link(files[0], files.back());
     }
     const auto start = std::chrono::steady_clock::now();

@@ -1,5 +1,6 @@
 #include "io/image_sequence.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -16,7 +17,7 @@ std::vector<std::filesystem::path> write_sequence(const testing::ScratchFolder& 
                                                   const std::vector<int>& numbers) {
     std::vector<std::filesystem::path> files;
     for (const int n : numbers) {
-        files.emplace_back(folder / ("f" + std::to_string(n) + ".png"));
+        files.emplace_back(folder / fmt::format("f{}.png", n));
         write_png(files.back(), 12, 8, 8, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, n);
     }
     return files;
