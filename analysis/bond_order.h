@@ -14,7 +14,7 @@ enum class NeighbourRule {
     near_four,      ///< all with r < factor · r̄4 (cell list)
     near_delaunay,  ///< Delaunay neighbours with r < factor · r̄4
     four_nearest,   ///< the four nearest
-    delaunay,       ///< all Delaunay neighbours; blind to a square lattice (physics.md §2)
+    delaunay,       ///< all Delaunay neighbours; blind to a square lattice (docs/analysis.md)
     fixed_cutoff    ///< all with r < cutoff
 };
 

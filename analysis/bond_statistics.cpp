@@ -12,7 +12,7 @@ namespace grainfield::analysis {
 namespace {
 
 constexpr int bins = 50;
-constexpr double ordered = 0.7;  // |Q4| of a solid particle, physics.md §1
+constexpr double ordered = 0.7;  // |Q4| of a solid particle (castillo2019)
 
 struct Mean {
     double sum = 0;

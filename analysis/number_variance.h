@@ -24,7 +24,7 @@ struct NumberVarianceOptions {
 OptionTable describe(NumberVarianceOptions& options);
 
 /// The observable "variance": variance of the number of particles in square windows of side ℓ that
-/// slide over the box in steps of `step` (physics.md §1, §8). N_tp is the content of the window at
+/// slide over the box in steps of `step` (`castillo2019`). N_tp is the content of the window at
 /// position p in frame t:
 ///
 ///   temporal  σ²(ℓ) = ⟨ Σ_t (N_tp − ⟨N_tp⟩_t)² / (T − 1) ⟩_p     static structure drops out

@@ -35,7 +35,7 @@ struct PhaseWindow {
 ///
 ///   m_j = ⟨|Q4^j|⟩ over T_o;  liquid: m_j ≤ 0.4, solid: m_j ≥ 0.7
 ///
-/// (physics.md §1). Windows of length T_o lie on a fixed grid of time, n T_o ≤ t < (n+1) T_o; a
+/// (`castillo2019`). Windows of length T_o lie on a fixed grid of time, n T_o ≤ t < (n+1) T_o; a
 /// particle is classified in a window in which it is seen in at least half of the frames. Without
 /// identities, with one frame or without T_o every frame is its own window, and `reason` says so.
 ///

@@ -30,7 +30,7 @@ struct StructureFactorOptions {
 OptionTable describe(StructureFactorOptions& options);
 
 /// The observable "sk": static structure factor at small wavevectors, from density modes ρ_k of
-/// particles or fields (physics.md §1, §9; methods.md, "Analysis").
+/// particles or fields (`castillo2019`; docs/analysis.md).
 ///
 ///   raw        S(k) = ⟨|ρ_k|²⟩ / ⟨N⟩                                  (curve `sk_raw`)
 ///   connected  S(k) = M/(M − 1) · (⟨|ρ_k|²⟩ − |⟨ρ_k⟩|²) / ⟨N⟩         removes walls and gradients
@@ -46,7 +46,7 @@ OptionTable describe(StructureFactorOptions& options);
 /// steps and shells one step wide above: k is the mean |k| of the modes, n their
 /// number. Error: jackknife over at most 16 blocks of time; below four frames the scatter among
 /// the modes of a shell. In a walled box plane waves on the π/L grid are correlated and leak
-/// (methods.md): use `sk_neumann` for the limit k → 0.
+/// (docs/analysis.md): use `sk_neumann` for the limit k → 0.
 ///
 /// Memory: 16 blocks × 56 B × modes, whatever the number of frames.
 class StructureFactor {
@@ -77,6 +77,7 @@ class StructureFactor {
         std::vector<double> cosine2;            // Σ c²
     };
     enum class Estimator { raw, connected, neumann };
+    static constexpr std::size_t nowhere = static_cast<std::size_t>(-1);
 
     struct Shells {
         std::vector<double> k;
@@ -101,7 +102,7 @@ class StructureFactor {
     ModeGrid grid_;
     std::int64_t added_ = 0;
     std::vector<Block> blocks_;
-    std::vector<std::size_t> neumann_index_;  // of each mode in `cosine`; npos where undefined
+    std::vector<std::size_t> neumann_index_;  // of each mode in `cosine`, or nowhere
     std::vector<std::size_t> neumann_modes_;
 };
 
