@@ -20,7 +20,7 @@ fs::path figures_folder(const fs::path& html) {
     return html.parent_path() / (html.stem().string() + "_files");
 }
 
-bool exists(const fs::path& path) {
+bool is_there(const fs::path& path) {
     std::error_code unreachable;
     return fs::exists(path, unreachable);
 }
@@ -30,7 +30,7 @@ bool exists(const fs::path& path) {
 class FiguresFolder {
  public:
     FiguresFolder(fs::path path, io::Overwrite overwrite)
-        : path_(std::move(path)), is_new_(!exists(path_)) {
+        : path_(std::move(path)), is_new_(!is_there(path_)) {
         if (is_new_ || overwrite == io::Overwrite::force) return;
         throw OutputError({.problem = fmt::format("output folder '{}' exists", path_.string()),
                            .actual = {},
