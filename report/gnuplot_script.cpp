@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -55,6 +56,7 @@ std::string log_ticks(const std::array<double, 2>& range) {
 std::string axis_commands(const char* which, const Axis& axis, const std::array<double, 2>& range) {
     std::string out = fmt::format("set {0}label {1} noenhanced\nset {0}range [{2:.9g}:{3:.9g}]\n",
                                   which, gnuplot_string(axis.title()), range[0], range[1]);
+    if (which[0] == 'x') out += "set xlabel offset 0,1\n";
     if (axis.scale == Scale::log) {
         out += fmt::format("set logscale {0}\nset {0}tics {1}\n", which, log_ticks(range));
     }
@@ -78,25 +80,75 @@ std::string data_block(const Figure& figure, const Series& series, std::size_t n
     return out + "GRAINFIELD_END\n";
 }
 
-std::string plot_clause(const Figure& figure, const Series& series, std::size_t number) {
+// Whether runs and kinds get entries of their own in the key, as on the page: an entry for each
+// pair would fill the picture.
+bool has_split_key(const Figure& figure) {
+    const auto shown = std::ranges::count_if(
+        figure.kinds, [](const Kind& k) { return k.mark == Mark::line && k.shown; });
+    return figure.runs.size() > 1 && shown > 1;
+}
+
+std::string title_clause(const std::string& title) {
+    return title.empty() ? "notitle" : "title " + gnuplot_string(title) + " noenhanced";
+}
+
+std::string line_clause(const Style& style, bool crowded) {
+    return fmt::format("with linespoints lc rgb '{}' dt {} lw {} pt {} ps {}", hex(style.colour),
+                       style.dash + 1, crowded ? 0.6 : 1.2, point_types[style.symbol],
+                       crowded ? 0.3 : 0.6);
+}
+
+std::string plot_clause(const Figure& figure, const Series& series, std::size_t number,
+                        const std::string& label) {
     const Kind& kind = figure.kinds[series.kind];
     const Style style = style_of(figure, series.run, series.kind);
-    const std::string title =
-        "title " + gnuplot_string(series_label(figure, series)) + " noenhanced";
+    const std::string title = title_clause(label);
     const std::string line = fmt::format("lc rgb '{}' dt {}", hex(style.colour), style.dash + 1);
     const std::string data = fmt::format("$data{} using 1:2", number);
     if (kind.mark == Mark::guide) return data + " with lines " + line + " lw 1.2 " + title;
     if (kind.mark == Mark::steps) return data + " with histeps " + line + " lw 2 " + title;
-    const bool crowded = series.x.size() > 120;
-    std::string out =
-        fmt::format("{} with linespoints {} lw {} pt {} ps {} {}", data, line, crowded ? 0.5 : 1.2,
-                    point_types[style.symbol], crowded ? 0.3 : 0.6, title);
+    // Plain strokes: gnuplot's own error bars wipe out what lies under their points.
+    std::string bars;
     if (!series.error.empty()) {
-        out +=
-            fmt::format(", $data{} using 1:2:3:4 with yerrorbars lc rgb '{}' lw 0.8 pt 0 notitle",
-                        number, hex(style.colour));
+        bars = fmt::format(
+            "$data{} using 1:3:(0):($4-$3) with vectors nohead lc rgb '{}' lw 0.8 notitle, ",
+            number, hex(style.colour));
     }
-    return out;
+    return bars + data + " " + line_clause(style, series.x.size() > 120) + " " + title;
+}
+
+// The shown series and, for a split key, one entry without data for each kind.
+std::string plot_clauses(const Figure& figure) {
+    const bool split = has_split_key(figure);
+    std::vector<bool> named(figure.runs.size(), false);
+    std::string out;
+    const auto add = [&](const std::string& clause) {
+        out += (out.empty() ? "plot " : ", \\\n  ") + clause;
+    };
+    for (std::size_t s = 0; s < figure.series.size(); ++s) {
+        const Series& series = figure.series[s];
+        const Kind& kind = figure.kinds[series.kind];
+        if (!kind.shown) continue;
+        std::string label = series_label(figure, series);
+        if (split && kind.mark != Mark::guide) {
+            label = named[series.run] ? "" : figure.runs[series.run];
+            named[series.run] = true;
+        }
+        add(plot_clause(figure, series, s, label));
+    }
+    for (std::size_t k = 0; split && k < figure.kinds.size(); ++k) {
+        if (!figure.kinds[k].shown || figure.kinds[k].mark == Mark::guide) continue;
+        Style style = style_of(figure, 0, k);
+        style.colour = {0x33, 0x33, 0x33};
+        add("NaN " + line_clause(style, false) + " " + title_clause(figure.kinds[k].label));
+    }
+    return out + "\n";
+}
+
+std::size_t key_entries(const Figure& figure) {
+    std::size_t series = 0;
+    for (const Series& s : figure.series) series += figure.kinds[s.kind].shown;
+    return has_split_key(figure) ? figure.runs.size() + figure.kinds.size() : series;
 }
 
 }  // namespace
@@ -104,34 +156,32 @@ std::string plot_clause(const Figure& figure, const Series& series, std::size_t 
 std::string gnuplot_string(std::string_view text) {
     std::string out = "'";
     for (char c : clean_text(text)) {
-        out += c == '\'' || c == '`' ? "''" : std::string(1, c);
+        out += c == '\'' || c == '`' ? "’" : std::string(1, c);
     }
     return out + "'";
 }
 
 std::string gnuplot_script(const Figure& figure, const std::string& svg) {
-    std::size_t entries = 0;
-    for (const Series& series : figure.series) entries += figure.kinds[series.kind].shown;
+    const std::size_t entries = key_entries(figure);
     const std::size_t key_rows = (entries + 2) / 3;
     std::string out = fmt::format(
         "reset\nset encoding utf8\nset minussign\n"
         "set terminal svg size 720,{} noenhanced font 'sans-serif,15' background '#ffffff'\n"
         "set output {}\n"
-        "set border 3 lc rgb '#444444'\nset tics nomirror out\nset grid lc rgb '#e4e4e4' lw 0.6\n"
-        "set bars 0.4\n"
+        "set border 3 lc rgb '#444444'\nset tics nomirror out\nset grid lt 1 lc rgb '#e4e4e4' lw "
+        "0.6\n"
         "set key outside below center horizontal maxcols 3 noenhanced\n",
         480 + 20 * key_rows, gnuplot_string(svg));
     const auto x = padded(extent(figure, figure.x, &Series::x), figure.x);
     const auto y = padded(extent(figure, figure.y, &Series::y), figure.y);
+    if (entries == 1) out += "set key off\n";
     out += axis_commands("x", figure.x, x) + axis_commands("y", figure.y, y);
-    std::string clauses;
     for (std::size_t s = 0; s < figure.series.size(); ++s) {
-        if (!figure.kinds[figure.series[s].kind].shown) continue;
-        out += data_block(figure, figure.series[s], s);
-        clauses +=
-            (clauses.empty() ? "plot " : ", \\\n  ") + plot_clause(figure, figure.series[s], s);
+        if (figure.kinds[figure.series[s].kind].shown) {
+            out += data_block(figure, figure.series[s], s);
+        }
     }
-    return out + clauses + "\nunset output\n";
+    return out + plot_clauses(figure) + "unset output\n";
 }
 
 }  // namespace grainfield::report

@@ -12,8 +12,8 @@ namespace grainfield::report {
 /// become a command or formatting.
 std::string gnuplot_script(const Figure& figure, const std::string& svg);
 
-/// The text as a gnuplot string in single quotes, where a backslash means nothing; backquotes
-/// become quotes.
+/// The text as a gnuplot string in single quotes, where a backslash means nothing. Quotes and
+/// backquotes become ’: gnuplot 5.4 does not read every doubled quote as one.
 std::string gnuplot_string(std::string_view text);
 
 }  // namespace grainfield::report

@@ -31,8 +31,8 @@ bool has_gnuplot(const sample::TemporaryFolder& folder) {
 }
 
 TEST(GnuplotString, HasNoEndInsideAndNoSubstitution) {
-    EXPECT_EQ(gnuplot_string("it's"), "'it''s'");
-    EXPECT_EQ(gnuplot_string("`rm`\\n\n"), "'''rm''\\n '");
+    EXPECT_EQ(gnuplot_string("it's"), "'it’s'");
+    EXPECT_EQ(gnuplot_string("`rm`\\n\n"), "'’rm’\\n '");
 }
 
 TEST(GnuplotScript, EndsErrorBarsAboveZeroOnALogAxis) {
@@ -45,6 +45,21 @@ TEST(GnuplotScript, EndsErrorBarsAboveZeroOnALogAxis) {
     EXPECT_THAT(script, HasSubstr("\n1 2 2e-06 5\n"));
     EXPECT_THAT(script, HasSubstr("\n3 4 4 4\n")) << "no error known";
     EXPECT_THAT(script, Not(HasSubstr("\n2 -1 ")));
+}
+
+TEST(GnuplotScript, NamesRunsAndKindsOnceEach) {
+    Figure figure;
+    figure.runs = {"A", "B"};
+    figure.kinds = {{"solid", Mark::line, true}, {"liquid", Mark::line, true}};
+    for (std::size_t run : {0U, 1U}) {
+        for (std::size_t kind : {0U, 1U}) figure.series.push_back({run, kind, {1, 2}, {3, 4}, {}});
+    }
+    const std::string script = gnuplot_script(figure, "x.svg");
+    for (const char* title : {"title 'A'", "title 'B'", "title 'solid'", "title 'liquid'"}) {
+        const auto first = script.find(title);
+        EXPECT_NE(first, std::string::npos) << title;
+        EXPECT_EQ(first, script.rfind(title)) << title;
+    }
 }
 
 TEST(GnuplotScript, DrawsEveryFigureWithoutComplaint) {
@@ -69,7 +84,7 @@ TEST(GnuplotScript, TreatsHostileNamesAsText) {
     const std::string svg = drawn(figures[1], folder);
     EXPECT_FALSE(std::filesystem::exists(folder / "pwned"));
     EXPECT_THAT(svg, HasSubstr("; system"));
-    EXPECT_THAT(svg, HasSubstr("&lt;/text&gt;&lt;script&gt;_{x}")) << "no markup";
+    EXPECT_THAT(svg, HasSubstr("&lt;/text>&lt;script>_{x}")) << "no markup";
     EXPECT_THAT(svg, Not(HasSubstr("<script>")));
 }
 
