@@ -65,9 +65,9 @@ TEST_P(InterruptedTracking, KeepsTheFramesDoneSoFarUnderTheFinalName) {
 }
 
 INSTANTIATE_TEST_SUITE_P(BySignal, InterruptedTracking, ::testing::Values(SIGINT, SIGTERM),
-                         [](const auto& info) {
-                             return info.param == SIGINT ? std::string("Interrupt")
-                                                         : std::string("Terminate");
+                         [](const auto& instance) {
+                             return instance.param == SIGINT ? std::string("Interrupt")
+                                                             : std::string("Terminate");
                          });
 
 }  // namespace
