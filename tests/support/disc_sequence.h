@@ -26,7 +26,8 @@ inline LayerScene few_discs() {
 inline Image disc_frame(const LayerScene& start, int index) {
     LayerScene moved = start;
     for (Vec2& p : moved.position) p += Vec2{0.3, -0.2} * index;
-    return tanh_frame(moved, kApparentDiameter, kEdgeWidth, 0.02, static_cast<std::uint64_t>(index));
+    return tanh_frame(moved, kApparentDiameter, kEdgeWidth, 0.02,
+                      static_cast<std::uint64_t>(index));
 }
 
 /// Writes frame_000.png … into the folder and returns their paths.

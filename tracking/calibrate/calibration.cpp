@@ -193,7 +193,7 @@ struct Fitter {
         quick.max_passes = 1;
         RefinementOptions rough = refinement;
         rough.tolerance = std::max(refinement.tolerance, 0.02);
-        rough.max_sweeps = std::min(refinement.max_sweeps, 4);
+        rough.max_sweeps = std::min(refinement.max_sweeps, positions.empty() ? 4 : 2);
         const Image darkness = model.darkness(counts);
         Locator locator(counts.width(), counts.height(), model.disc, threads);
         Located scene = locator.locate(darkness, quick, rough, positions);

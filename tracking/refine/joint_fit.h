@@ -12,7 +12,7 @@ namespace grainfield::tracking {
 
 struct RefinementOptions {
     double tolerance = 0.003;  ///< [px] a disc rests when its step is smaller
-    int max_sweeps = 60;       ///< most sweeps over the discs in one refinement
+    int max_sweeps = 150;      ///< most sweeps over the discs in one refinement
 };
 
 OptionTable describe(RefinementOptions& options);
