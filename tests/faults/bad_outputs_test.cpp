@@ -43,9 +43,11 @@ class BadOutput : public ::testing::Test {
 TEST_F(BadOutput, AFolderThatCannotBeWrittenOrIsNoneEndsWithFour) {
     std::ofstream(folder_ / "file") << "x";
     // /proc refuses new files even to root.
-    for (const std::string& folder :
-         {std::string("/proc"), folder_ / "file", folder_ / "missing/deeper"}) {
+    const std::string missing = folder_ / "missing/deeper";
+    for (const std::string& folder : {std::string("/proc"), folder_ / "file", missing}) {
         for (const auto& words : calls_into(folder)) {
+            // Curves go into a folder that is made for them.
+            if (folder == missing && words.back().ends_with("curves")) continue;
             const Outcome outcome = run_grainfield(words);
             EXPECT_EQ(outcome.code, 4) << words[0] << " into " << folder << ": " << outcome.err;
             EXPECT_THAT(outcome.err, HasSubstr(words.back())) << words[0];
