@@ -110,7 +110,9 @@ void H5File::fail(const std::string& what, const std::string& expected) const {
         throw OutputError({.problem = fmt::format("cannot write '{}'", name_),
                            .actual = actual,
                            .expected = expected,
-                           .suggestion = "check the free space and quota of that disk"});
+                           .suggestion = system.empty()
+                                             ? std::string()
+                                             : "check the free space and quota of that disk"});
     }
     throw InputError({.problem = fmt::format("cannot read '{}'", name_),
                       .actual = actual,

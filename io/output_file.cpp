@@ -46,6 +46,10 @@ fs::path folder_of(const fs::path& target) {
         refuse(target, fmt::format("there is no folder '{}'", folder),
                fmt::format("make it with: mkdir -p '{}'", folder));
     }
+    if (error == ELOOP) {
+        refuse(target, "a symbolic link stands in the place of its temporary file",
+               "remove the link, or give another name");
+    }
     refuse(target, fmt::format("folder '{}': {}", folder, system_text(error)),
            "choose a folder in which you may write");
 }
@@ -60,7 +64,8 @@ bool is_same_file(int descriptor, const fs::path& path) {
 // Between opening and locking, another run may have renamed or removed the file: then try again.
 int open_and_lock(const fs::path& target, const fs::path& temporary) {
     for (;;) {
-        const int descriptor = ::open(temporary.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+        constexpr int flags = O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW;
+        const int descriptor = ::open(temporary.c_str(), flags, 0666);
         if (descriptor < 0) refuse_unopened(target, errno);
         if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
             ::close(descriptor);
@@ -103,6 +108,9 @@ OutputFile::OutputFile(fs::path target, Overwrite overwrite)
         refuse(target_, "this is a folder", "give the name of a file in it");
     }
     if (fs::exists(status) && overwrite_ == Overwrite::refuse) refuse_existing(target_);
+    if (fs::exists(fs::status(target_, error)) && !fs::is_regular_file(target_, error)) {
+        refuse(target_, "this is a device or a pipe", "give the name of a file");
+    }
     descriptor_ = open_and_lock(target_, temporary_);
     if (::ftruncate(descriptor_, 0) != 0) {
         const int reason = errno;

@@ -16,9 +16,9 @@ enum class Overwrite { refuse, force };
 /// or another. A temporary left behind by a killed run has no lock and is overwritten.
 ///
 /// Throws OutputError if the target exists and Overwrite is refuse (names --force), if the target
-/// is a directory, if its directory is missing or not writable, if another run is writing it, and
-/// from commit() if the data cannot be brought to the disk. File systems without locks are written
-/// without this protection.
+/// is a directory or a device, if its directory is missing or not writable, if another run is
+/// writing it, and from commit() if the data cannot be brought to the disk. File systems without
+/// locks are written without this protection.
 class OutputFile {
  public:
     OutputFile(std::filesystem::path target, Overwrite overwrite);

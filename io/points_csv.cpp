@@ -1,10 +1,9 @@
 #include "io/points_csv.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <fstream>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <string>
@@ -16,223 +15,194 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
-#include "core/snapshot.h"
+#include "io/points_line.h"
 
 namespace grainfield::io {
 
 namespace {
 
-enum Field : std::size_t { frame, particle, x, y, z, x_std, y_std, layer, quality, field_count };
-
-constexpr std::array<std::string_view, field_count> field_names{
-    "frame", "particle", "x", "y", "z", "x_std", "y_std", "layer", "quality"};
-
-constexpr std::size_t absent = std::numeric_limits<std::size_t>::max();
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
-std::string_view trimmed(std::string_view text) {
-    constexpr std::string_view blanks = " \t\r";
-    const auto begin = text.find_first_not_of(blanks);
-    if (begin == std::string_view::npos) return {};
-    text = text.substr(begin, text.find_last_not_of(blanks) - begin + 1);
-    if (text.size() >= 2 && text.front() == '"' && text.back() == '"') {
-        return trimmed(text.substr(1, text.size() - 2));
-    }
-    return text;
-}
-
-// Splits at commas outside quotes.
-void split(std::string_view line, std::vector<std::string_view>& fields) {
-    fields.clear();
-    bool quoted = false;
-    std::size_t begin = 0;
-    for (std::size_t i = 0; i <= line.size(); ++i) {
-        if (i < line.size() && line[i] == '"') quoted = !quoted;
-        if (i < line.size() && (line[i] != ',' || quoted)) continue;
-        fields.push_back(trimmed(line.substr(begin, i - begin)));
-        begin = i + 1;
-    }
-}
-
-std::string lower(std::string_view text) {
-    std::string word(text);
-    std::ranges::transform(word, word.begin(), [](char c) {
-        return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    });
-    return word;
-}
-
-class PointsReader {
- public:
-    explicit PointsReader(std::filesystem::path path) : path_(std::move(path)) {}
-
-    std::map<std::int64_t, Snapshot> read();
-
- private:
-    [[noreturn]] void fail(const std::string& actual, const std::string& expected = {}) const;
-    void read_header(std::string_view line);
-    void read_line(std::string_view line);
-    std::string_view text(Field field) const;
-    double number(Field field) const;
-    double number_or_missing(Field field) const;
-    std::int64_t integer(Field field) const;
-    bool has(Field field) const { return column_[field] != absent; }
-
-    std::filesystem::path path_;
-    std::int64_t line_ = 0;
-    std::array<std::size_t, field_count> column_{};
-    std::vector<std::string_view> fields_;
-    std::map<std::int64_t, Snapshot> snapshots_;
+/// Neighbouring lines of one frame.
+struct Piece {
+    std::int64_t offset = 0;  ///< [bytes] of the first line
+    std::int64_t line = 0;    ///< its number, from 1
+    std::int64_t lines = 0;
 };
 
-void PointsReader::fail(const std::string& actual, const std::string& expected) const {
-    const std::string where = line_ > 0 ? fmt::format(", line {}", line_) : std::string();
-    throw InputError({.problem = fmt::format("cannot read '{}'{}", path_.string(), where),
-                      .actual = actual,
-                      .expected = expected,
-                      .suggestion = {}});
-}
+struct IndexedFrame {
+    std::vector<Piece> pieces;
+    std::int64_t points = 0;
+    std::int64_t unnamed = 0;  ///< points without an identity
+};
 
-void PointsReader::read_header(std::string_view line) {
-    constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
-    if (line.starts_with(byte_order_mark)) line.remove_prefix(byte_order_mark.size());
-    split(line, fields_);
-    column_.fill(absent);
-    for (std::size_t i = 0; i < fields_.size(); ++i) {
-        const auto known = std::ranges::find(field_names, lower(fields_[i]));
-        if (known == field_names.end()) continue;
-        std::size_t& column = column_[static_cast<std::size_t>(known - field_names.begin())];
-        if (column != absent) fail(fmt::format("column '{}' occurs twice", *known));
-        column = i;
-    }
-    for (const Field needed : {frame, x, y}) {
-        if (has(needed)) continue;
-        fail(fmt::format("there is no column '{}' in the header", field_names[needed]),
-             "columns frame,x,y and where they apply particle,z,x_std,y_std,layer,quality");
-    }
-}
+/// Lines of a text file with their numbers and places.
+class LineReader {
+ public:
+    LineReader(std::ifstream& file, const PointsLine& reader) : file_(file), reader_(reader) {}
 
-std::string_view PointsReader::text(Field field) const {
-    if (column_[field] < fields_.size()) return fields_[column_[field]];
-    fail(fmt::format("{} fields", fields_.size()),
-         fmt::format("at least {}, up to column '{}'", column_[field] + 1, field_names[field]));
-}
-
-double PointsReader::number(Field field) const {
-    std::string_view digits = text(field);
-    if (digits.starts_with('+')) digits.remove_prefix(1);
-    double value = 0;
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    if (error != std::errc() || end != digits.data() + digits.size() || !std::isfinite(value)) {
-        fail(fmt::format("{} is '{}'", field_names[field], text(field)), "a number");
+    void jump(std::int64_t offset, std::int64_t line) {
+        file_.clear();
+        file_.seekg(offset);
+        next_offset_ = offset;
+        number_ = line - 1;
     }
-    return value;
-}
 
-double PointsReader::number_or_missing(Field field) const {
-    const std::string_view field_text = text(field);
-    if (field_text.empty() || lower(field_text) == "nan") return nan;
-    return number(field);
-}
-
-std::int64_t PointsReader::integer(Field field) const {
-    constexpr double exact_integers = 9007199254740992.0;  // 2^53
-    const std::string_view digits = text(field);
-    std::int64_t whole = 0;
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), whole);
-    if (error == std::errc() && end == digits.data() + digits.size()) {
-        if (whole >= 0) return whole;
-    } else if (const double value = number(field);
-               value >= 0 && value < exact_integers && value == std::floor(value)) {
-        return static_cast<std::int64_t>(value);
-    }
-    fail(fmt::format("{} is '{}'", field_names[field], digits), "a whole number from 0");
-}
-
-void PointsReader::read_line(std::string_view line) {
-    split(line, fields_);
-    const std::int64_t index = integer(frame);
-    Snapshot& snapshot = snapshots_[index];
-    snapshot.frame = index;
-    snapshot.position.push_back({number(x), number(y)});
-    if (has(particle)) snapshot.id.push_back(integer(particle));
-    if (has(z)) snapshot.z.push_back(number_or_missing(z));
-    if (has(x_std) || has(y_std)) {
-        snapshot.position_error.push_back({has(x_std) ? number_or_missing(x_std) : nan,
-                                           has(y_std) ? number_or_missing(y_std) : nan});
-    }
-    if (has(quality)) snapshot.quality.push_back(number_or_missing(quality));
-    if (has(layer)) {
-        const double level = number_or_missing(layer);
-        snapshot.layer.push_back(level == 0   ? Layer::bottom
-                                 : level == 1 ? Layer::top
-                                              : Layer::unknown);
-    }
-}
-
-std::map<std::int64_t, Snapshot> PointsReader::read() {
-    std::error_code error;
-    if (std::filesystem::is_directory(path_, error)) fail("a folder", "a table of points");
-    std::ifstream file(path_, std::ios::binary);
-    if (!file) {
-        fail(std::filesystem::exists(path_, error) ? "it may not be read" : "no such file");
-    }
-    bool in_header = true;
-    for (std::string line; std::getline(file, line);) {
-        ++line_;
-        const std::string_view content = trimmed(line);
-        if (content.empty() || content.front() == '#') continue;
-        if (in_header) {
-            read_header(line);
-        } else {
-            read_line(line);
+    bool next() {
+        offset_ = next_offset_;
+        file_.getline(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
+        const auto taken = static_cast<std::size_t>(file_.gcount());
+        if (taken == 0) return false;
+        ++number_;
+        if (file_.fail()) {
+            reader_.fail(number_, fmt::format("a line of more than {} bytes", taken),
+                         "a table of points");
         }
-        in_header = false;
+        next_offset_ += static_cast<std::int64_t>(taken);
+        text_ = {buffer_.data(), taken - (file_.eof() ? 0 : 1)};
+        return true;
     }
-    line_ = 0;
-    if (file.bad()) fail("reading stopped in the middle");
-    if (in_header) fail("the file is empty", "a header line and one line per point");
-    return std::move(snapshots_);
+
+    std::string_view text() const { return text_; }
+    std::int64_t number() const { return number_; }
+    std::int64_t offset() const { return offset_; }
+
+ private:
+    std::ifstream& file_;
+    const PointsLine& reader_;
+    std::vector<char> buffer_ = std::vector<char>(1U << 16U);
+    std::string_view text_;
+    std::int64_t number_ = 0;
+    std::int64_t offset_ = 0;
+    std::int64_t next_offset_ = 0;
+};
+
+template <class T, class IsMissing>
+void drop_if_all(std::vector<T>& column, IsMissing is_missing) {
+    if (std::ranges::all_of(column, is_missing)) column.clear();
 }
 
-Box bounding_box(const std::vector<Snapshot>& snapshots, double diameter) {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    Vec2 low{infinity, infinity};
-    Vec2 high{-infinity, -infinity};
-    for (const Snapshot& snapshot : snapshots) {
-        for (const Vec2 p : snapshot.position) {
-            low = {std::min(low.x, p.x), std::min(low.y, p.y)};
-            high = {std::max(high.x, p.x), std::max(high.y, p.y)};
-        }
-    }
-    if (snapshots.empty()) low = high = {0, 0};
-    // Points on one line still need a cell with an area.
-    const Vec2 length = high - low;
-    return {.origin = low,
-            .length = {length.x > 0 ? length.x : diameter, length.y > 0 ? length.y : diameter}};
+void drop_columns_without_values(Snapshot& snapshot) {
+    const auto is_nan = [](double value) { return std::isnan(value); };
+    drop_if_all(snapshot.id, [](std::int64_t id) { return id < 0; });
+    drop_if_all(snapshot.z, is_nan);
+    drop_if_all(snapshot.quality, is_nan);
+    drop_if_all(snapshot.position_error,
+                [](Vec2 error) { return std::isnan(error.x) && std::isnan(error.y); });
+    drop_if_all(snapshot.layer, [](Layer layer) { return layer == Layer::unknown; });
 }
 
 class PointsTable : public SnapshotSource {
  public:
-    PointsTable(TrajectoryInfo info, std::vector<Snapshot> snapshots)
-        : info_(std::move(info)), snapshots_(std::move(snapshots)) {}
-
-    const TrajectoryInfo& info() const override { return info_; }
-    std::int64_t count() const override { return static_cast<std::int64_t>(snapshots_.size()); }
-    Snapshot read(std::int64_t index) override {
-        if (index < 0 || index >= count()) {
-            throw OptionError({.problem = fmt::format("'{}' has no entry {}", info_.source, index),
-                               .actual = {},
-                               .expected = fmt::format("0 … {}", count() - 1),
-                               .suggestion = {}});
+    PointsTable(const std::filesystem::path& path, const std::optional<Box>& box,
+                TrajectoryInfo info)
+        : info_(std::move(info)), reader_(path) {
+        if (info_.source.empty()) info_.source = path.filename().string();
+        std::error_code error;
+        if (std::filesystem::is_directory(path, error)) {
+            reader_.fail(0, "a folder", "a table of points");
         }
-        return snapshots_[static_cast<std::size_t>(index)];
+        file_.open(path, std::ios::binary);
+        if (!file_) {
+            const bool exists = std::filesystem::exists(path, error);
+            reader_.fail(0, exists ? "it may not be read" : "no such file");
+        }
+        index_lines();
+        box_ = box ? *box : bounding_box();
     }
 
+    const TrajectoryInfo& info() const override { return info_; }
+    std::int64_t count() const override { return static_cast<std::int64_t>(frames_.size()); }
+    Snapshot read(std::int64_t index) override;
+
  private:
+    void index_lines();
+    Box bounding_box() const;
+
     TrajectoryInfo info_;
-    std::vector<Snapshot> snapshots_;
+    PointsLine reader_;
+    std::ifstream file_;
+    std::vector<std::pair<std::int64_t, IndexedFrame>> frames_;  ///< by index in the source
+    Box box_;
+    Vec2 low_{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+    Vec2 high_{-low_.x, -low_.y};
 };
+
+void PointsTable::index_lines() {
+    std::map<std::int64_t, IndexedFrame> found;
+    LineReader lines(file_, reader_);
+    bool in_header = true;
+    std::int64_t last_frame = -1;
+    while (lines.next()) {
+        if (PointsLine::is_blank(lines.text())) {
+            last_frame = -1;  // pieces hold points only
+            continue;
+        }
+        if (in_header) {
+            reader_.read_header(lines.text(), lines.number());
+            in_header = false;
+            continue;
+        }
+        const Point point = reader_.read(lines.text(), lines.number());
+        IndexedFrame& entry = found[point.frame];
+        if (point.frame != last_frame) {
+            entry.pieces.push_back({.offset = lines.offset(), .line = lines.number(), .lines = 0});
+        }
+        ++entry.pieces.back().lines;
+        ++entry.points;
+        if (point.particle < 0) ++entry.unnamed;
+        last_frame = point.frame;
+        low_ = {std::min(low_.x, point.position.x), std::min(low_.y, point.position.y)};
+        high_ = {std::max(high_.x, point.position.x), std::max(high_.y, point.position.y)};
+    }
+    if (file_.bad()) reader_.fail(0, "reading stopped in the middle");
+    if (in_header) {
+        reader_.fail(0, "the file is empty", "a header line and one line per point");
+    }
+    for (const auto& [frame, entry] : found) {
+        if (entry.unnamed == 0 || entry.unnamed == entry.points) continue;
+        reader_.fail(0,
+                     fmt::format("frame {} has {} of {} points without a particle number", frame,
+                                 entry.unnamed, entry.points),
+                     "a number for each or for none");
+    }
+    frames_.assign(std::make_move_iterator(found.begin()), std::make_move_iterator(found.end()));
+}
+
+Box PointsTable::bounding_box() const {
+    if (frames_.empty()) return {.origin = {0, 0}, .length = {info_.diameter, info_.diameter}};
+    // Points on one line still need a cell with an area.
+    const Vec2 length = high_ - low_;
+    return {.origin = low_,
+            .length = {length.x > 0 ? length.x : info_.diameter,
+                       length.y > 0 ? length.y : info_.diameter}};
+}
+
+Snapshot PointsTable::read(std::int64_t index) {
+    if (index < 0 || index >= count()) {
+        throw OptionError({.problem = fmt::format("'{}' has no entry {}", info_.source, index),
+                           .actual = {},
+                           .expected = fmt::format("0 … {}", count() - 1),
+                           .suggestion = {}});
+    }
+    const auto& [frame, entry] = frames_[static_cast<std::size_t>(index)];
+    Snapshot snapshot;
+    snapshot.frame = frame;
+    snapshot.time = static_cast<double>(frame) / info_.frame_rate.value_or(1);
+    snapshot.box = box_;
+    LineReader lines(file_, reader_);
+    for (const Piece& piece : entry.pieces) {
+        lines.jump(piece.offset, piece.line);
+        for (std::int64_t i = 0; i < piece.lines; ++i) {
+            if (!lines.next()) reader_.fail(0, "the file has become shorter since it was opened");
+            const Point point = reader_.read(lines.text(), lines.number());
+            if (point.frame != frame) {
+                reader_.fail(lines.number(), "the file has changed since it was opened");
+            }
+            reader_.append(point, snapshot);
+        }
+    }
+    drop_columns_without_values(snapshot);
+    return snapshot;
+}
 
 }  // namespace
 
@@ -240,18 +210,7 @@ std::unique_ptr<SnapshotSource> open_points(const std::filesystem::path& path,
                                             const std::optional<Box>& box,
                                             const TrajectoryInfo& hints) {
     if (box) require_valid(*box);
-    TrajectoryInfo info = hints;
-    if (info.source.empty()) info.source = path.filename().string();
-    std::vector<Snapshot> snapshots;
-    for (auto& [index, snapshot] : PointsReader(path).read()) {
-        snapshots.push_back(std::move(snapshot));
-    }
-    const Box cell = box ? *box : bounding_box(snapshots, info.diameter);
-    for (Snapshot& snapshot : snapshots) {
-        snapshot.box = cell;
-        snapshot.time = static_cast<double>(snapshot.frame) / info.frame_rate.value_or(1);
-    }
-    return std::make_unique<PointsTable>(std::move(info), std::move(snapshots));
+    return std::make_unique<PointsTable>(path, box, hints);
 }
 
 }  // namespace grainfield::io

@@ -13,14 +13,18 @@ namespace grainfield::io {
 ///
 /// Columns `frame`, `x`, `y` must be there; `particle`, `z`, `x_std`, `y_std`, `layer`, `quality`
 /// may be; order, upper case, spaces, other columns, CRLF and a byte-order mark do not matter.
-/// Empty fields are missing values (allowed in z, x_std, y_std, quality: NaN, and layer: unknown).
-/// Lines may be in any order; snapshots are in order of frame, each in order of its lines.
+/// Empty fields are missing values (NaN, or layer unknown); a column without any value in a frame
+/// is left out of that frame. `particle` is given for all points of a frame or for none, and each
+/// identity once. Lines may be in any order; snapshots are in order of frame, each in order of its
+/// lines. Lines that start with # are comments.
 ///
 /// `hints` is what the table cannot say (units, diameter, frame rate): time = frame / frame_rate if
 /// that is given, else frame. Without a box, it is the bounding box of all points, with walls.
 ///
-/// The table is held in memory, about 100 bytes a line. Throws InputError with the line number and
-/// the field if a number cannot be read, a column is missing or occurs twice.
+/// On opening, the whole table is read and checked once; frames are then read again one by one, so
+/// that memory holds one frame and 24 bytes for each change of frame from line to line. Throws
+/// InputError with the line number and the field if a number cannot be read, a column is missing
+/// or occurs twice; `read` throws it if the file has changed since.
 std::unique_ptr<SnapshotSource> open_points(const std::filesystem::path& path,
                                             const std::optional<Box>& box,
                                             const TrajectoryInfo& hints);

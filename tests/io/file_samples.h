@@ -71,6 +71,18 @@ inline TrajectoryInfo sample_info() {
             .source = "frames \"ä\" <b>"};
 }
 
+inline TrajectoryInfo with_frame_rate(double rate) {
+    TrajectoryInfo info;
+    info.frame_rate = rate;
+    return info;
+}
+
+inline TrajectoryInfo with_diameter(double diameter) {
+    TrajectoryInfo info;
+    info.diameter = diameter;
+    return info;
+}
+
 inline RunRecord sample_record() {
     RunRecord record;
     record.command = "track";

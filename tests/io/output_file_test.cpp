@@ -97,6 +97,24 @@ TEST(OutputFile, RefusesAFolderAsTarget) {
     EXPECT_THROW(OutputFile(folder / "", Overwrite::force), OutputError);
 }
 
+TEST(OutputFile, RefusesADeviceEvenIfForced) {
+    const testing::ScratchFolder folder;
+    const std::filesystem::path link = folder / "link";
+    std::filesystem::create_symlink("/dev/null", link);
+    EXPECT_THAT([&] { OutputFile(link, Overwrite::force); },
+                ThrowsMessage<OutputError>(HasSubstr("device")));
+    EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
+}
+
+TEST(OutputFile, DoesNotWriteThroughALinkInThePlaceOfItsTemporary) {
+    const testing::ScratchFolder folder;
+    write_bytes(folder / "victim", "of value");
+    std::filesystem::create_symlink(folder / "victim", folder / "x.txt.partial");
+    EXPECT_THAT([&] { OutputFile(folder / "x.txt", Overwrite::force); },
+                ThrowsMessage<OutputError>(HasSubstr("symbolic link")));
+    EXPECT_EQ(read_bytes(folder / "victim"), "of value");
+}
+
 // Root may write everywhere, so that it must become somebody else first.
 [[noreturn]] void write_as_an_ordinary_user(const std::filesystem::path& target) {
     constexpr uid_t nobody = 65534;

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/snapshot.h"
+
+namespace grainfield::io {
+
+/// What one line of a table of points says; missing numbers are NaN, a missing identity −1.
+struct Point {
+    std::int64_t frame = 0;
+    std::int64_t particle = -1;
+    Vec2 position;
+    double z = 0;
+    Vec2 position_error;
+    double quality = 0;
+    Layer layer = Layer::unknown;
+};
+
+/// Reads the lines of a table of points whose header it has seen: finds the columns by name, in any
+/// order, among others. Errors name file, line and field. Not thread-safe.
+class PointsLine {
+ public:
+    explicit PointsLine(std::filesystem::path path) : path_(std::move(path)) {}
+
+    /// Throws InputError if frame, x or y is missing or a column occurs twice.
+    void read_header(std::string_view line, std::int64_t number);
+
+    /// Throws InputError if a field is absent or not a number.
+    Point read(std::string_view line, std::int64_t number);
+
+    /// Adds the point to those columns of the snapshot that the table has.
+    void append(const Point& point, Snapshot& snapshot) const;
+
+    /// `line` 0: the file as a whole.
+    [[noreturn]] void fail(std::int64_t line, const std::string& actual,
+                           const std::string& expected = {}) const;
+
+    /// Whether the line holds nothing, or a comment that starts with #.
+    static bool is_blank(std::string_view line);
+
+ private:
+    enum Field : std::size_t {
+        frame,
+        particle,
+        x,
+        y,
+        z,
+        x_std,
+        y_std,
+        layer,
+        quality,
+        field_count
+    };
+    static const std::array<std::string_view, field_count> names;
+
+    bool has(Field field) const;
+    std::string_view text(Field field) const;
+    double number(Field field) const;
+    double number_or_missing(Field field) const;
+    std::int64_t integer(Field field) const;
+
+    std::filesystem::path path_;
+    std::array<std::size_t, field_count> column_{};  ///< where each field stands
+    std::vector<std::string_view> fields_;           ///< of the line being read
+    std::int64_t line_ = 0;
+};
+
+}  // namespace grainfield::io
