@@ -1,10 +1,12 @@
 #include "app/command.h"
 
+#include <filesystem>
 #include <system_error>
 
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "core/interrupt.h"
 #include "core/parallel.h"
 #include "core/version.h"
 #include "io/input_record.h"
@@ -12,6 +14,18 @@
 namespace grainfield::app {
 
 using nlohmann::ordered_json;
+
+namespace {
+
+/// An interrupted run ends at once: reading a long video again for its checksum can wait.
+RunRecord::Input input_of(const std::filesystem::path& path) {
+    if (caught_signal() == 0) return io::describe_input(path);
+    std::error_code unknown;
+    const auto bytes = std::filesystem::file_size(path, unknown);
+    return {path.string(), unknown ? 0 : bytes, "not computed, the run was interrupted"};
+}
+
+}  // namespace
 
 int Session::threads() const {
     return thread_count(common.threads);
@@ -29,7 +43,7 @@ RunRecord Session::record() const {
     record.threads = threads();
     record.seconds = seconds();
     record.configuration = configuration;
-    for (const auto& input : inputs) record.inputs.push_back(io::describe_input(input));
+    for (const auto& input : inputs) record.inputs.push_back(input_of(input));
     for (const PlannedStage& stage : plan.skipped()) {
         record.skipped.push_back(stage.stage + ": " + stage.reason);
     }

@@ -36,7 +36,7 @@ std::vector<std::string> long_film(const ScratchFolder& folder, int frames) {
 class InterruptedTracking : public ::testing::TestWithParam<int> {};
 
 TEST_P(InterruptedTracking, KeepsTheFramesDoneSoFarUnderTheFinalName) {
-    constexpr int frames = 20000;
+    constexpr int frames = 6000;
     const ScratchFolder film, folder;
     std::vector<std::string> words{GRAINFIELD_PROGRAM, "track", "-o", folder / "tracks.h5",
                                    "--json"};
