@@ -27,8 +27,9 @@ std::string discs(const ParticleMap& map, double scale) {
         const double q =
             map.abs_q4.empty() ? std::numeric_limits<double>::quiet_NaN() : map.abs_q4[i];
         const auto step =
-            std::isfinite(q) ? static_cast<std::size_t>(std::clamp(q, 0.0, 1.0) * (steps - 1) + 0.5)
-                             : steps;
+            std::isfinite(q)
+                ? static_cast<std::size_t>(std::lround(std::clamp(q, 0.0, 1.0) * (steps - 1)))
+                : steps;
         const double y = map.y_down ? p.y - map.y[0] : map.y[1] - p.y;
         fmt::format_to(std::back_inserter(path[step]), "M{:.2f} {:.2f}h.01",
                        (p.x - map.x[0]) * scale, y * scale);

@@ -85,7 +85,9 @@ void encode(ParticleMap& map, const Image& image, std::size_t budget) {
         if (map.png.size() <= budget || map.reduction >= largest) break;
     }
     const int r = map.reduction;
-    map.image_size = {1.0 * (image.width() / r * r), 1.0 * (image.height() / r * r)};
+    const int width = image.width() / r * r;
+    const int height = image.height() / r * r;
+    map.image_size = {static_cast<double>(width), static_cast<double>(height)};
     if (r > 1) map.title += fmt::format(" (image reduced {}×)", r);
 }
 

@@ -55,7 +55,7 @@ std::vector<std::uint8_t> stretched(const std::vector<float>& value) {
     std::vector<std::uint8_t> grey(value.size());
     std::ranges::transform(value, grey.begin(), [&](float v) -> std::uint8_t {
         if (gain == 0 || !std::isfinite(v)) return 128;
-        return static_cast<std::uint8_t>(std::clamp((v - low) * gain, 0.0F, 255.0F) + 0.5F);
+        return static_cast<std::uint8_t>(std::lround(std::clamp((v - low) * gain, 0.0F, 255.0F)));
     });
     return grey;
 }

@@ -232,9 +232,8 @@ BackgroundSurface background_between_spheres(const Image& counts, const Image& t
         samples.push_back(sample);
     }
     if (samples.size() < 3 * static_cast<std::size_t>(term_count(1))) return previous;
-    const auto surface =
-        BackgroundSurface::fit(counts.width(), counts.height(), kClearDegree, samples);
-    const auto level = BackgroundSurface::fit(counts.width(), counts.height(), 0, samples);
+    auto surface = BackgroundSurface::fit(counts.width(), counts.height(), kClearDegree, samples);
+    auto level = BackgroundSurface::fit(counts.width(), counts.height(), 0, samples);
     if (f_ratio(surface, level, samples) < 3) return level;
     return uniform_if_flat(surface, counts.width(), counts.height(), uniform_tolerance * contrast);
 }
