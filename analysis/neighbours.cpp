@@ -145,8 +145,8 @@ double CellList::gather(Vec2 centre, int rings, NeighbourList& out) const {
     const bool plain = x_low >= 0 && x_high < x_.cells && y_low >= 0 && y_high < y_.cells &&
                        !whole_row && !whole_column;
     for (int iy = y_low; iy <= y_high; ++iy) {
-        const auto row = static_cast<std::size_t>(wrapped(iy, y_.cells)) *
-                         static_cast<std::size_t>(x_.cells);
+        const auto row =
+            static_cast<std::size_t>(wrapped(iy, y_.cells)) * static_cast<std::size_t>(x_.cells);
         if (plain) {
             take(first_[row + static_cast<std::size_t>(x_low)],
                  first_[row + static_cast<std::size_t>(x_high) + 1], centre, out);
