@@ -38,22 +38,48 @@ TEST(LayerFrames, TheLiquidKeepsItsDistanceFromTheCrystal) {
     }
 }
 
-TEST(LayerFrames, CoverageOfAnOpaqueDiscIsItsArea) {
-    LayerScene scene{64, 64, 20, {{31.3, 30.8}}, {Layer::unknown}, 1};
+TEST(LayerFrames, CoverageOfOpaqueDiscsIsTheirArea) {
+    const LayerScene scene = isolated_discs(210, 210, 20, 30, 2);
+    ASSERT_EQ(scene.position.size(), 49U);
     Camera camera;
     camera.apparent_diameter = 1;
     camera.rim_darkness = 1;
     camera.blur = 0;
     camera.vignetting = 0;
-    camera.exposure = 1;
     camera.bit_depth = 16;
     camera.electrons = 1e9;
     camera.read_noise = 0;
     const Image frame = camera_frame(scene, camera, 1);
     double dark = 0;
-    for (const float v : frame.pixels()) dark += (1 - static_cast<double>(v) / 65535.0) / 0.94;
-    // 4 × 4 sub-pixels: the error of the edge averages out over its 250 sub-pixels.
-    EXPECT_NEAR(dark / (std::numbers::pi * 100), 1.0, 3e-3);
+    for (const float v : frame.pixels()) {
+        dark += (1 - static_cast<double>(v) / (camera.exposure * 65535)) / 0.94;
+    }
+    // The number of sub-pixels in a disc of radius R = 40 sub-pixels at a random place has the
+    // variance 0.68 R (Kendall 1948): 1.0e-3 of the area for one disc, 1.5e-4 for 49.
+    EXPECT_NEAR(dark / (49 * std::numbers::pi * 100), 1.0, 1e-3);
+}
+
+TEST(LayerFrames, TheLiquidWandersWhileTheCrystalStaysAtItsSites) {
+    CrystalPatch patch;
+    patch.radius = 0.25;
+    const double a = 12;
+    const LayerScene start = crystal_in_liquid(300, 300, a, 0.68, patch, 5);
+    LayerMotion motion(start, patch, 0.06 * a, 7);
+    for (int frame = 0; frame < 20; ++frame) motion.advance();
+    double liquid = 0, crystal = 0;
+    for (std::size_t i = 0; i < start.position.size(); ++i) {
+        (i < start.crystal_begin ? liquid : crystal) +=
+            squared_norm(motion.scene().position[i] - start.position[i]) / (a * a);
+    }
+    const auto liquid_count = static_cast<double>(start.crystal_begin);
+    const auto crystal_count = static_cast<double>(start.position.size()) - liquid_count;
+    // Half of the jitter moves: two axes of (0.03/2)² a². Some 240 spheres: 10 % is over two
+    // standard errors of a fixed seed.
+    EXPECT_NEAR(crystal / crystal_count, 2 * 0.015 * 0.015, 0.1 * 2 * 0.015 * 0.015);
+    // 60 accepted steps would give 0.14 a²; neighbours refuse some of them.
+    EXPECT_GT(liquid / liquid_count, 0.02);
+    EXPECT_LT(liquid / liquid_count, 0.144);
+    EXPECT_GE(smallest_distance(motion.scene(), start.crystal_begin), 0.88 * a);
 }
 
 TEST(LayerFrames, SameSeedGivesTheSameFrame) {
