@@ -42,7 +42,7 @@ struct Summary {
 /// A subcommand of `grainfield`.
 class Command {
  public:
-    enum class Count { one, many };
+    enum class Count { none, one, many };
     struct Inputs {
         std::string placeholder;  ///< "VIDEO|IMAGES"
         std::string meaning;
@@ -50,6 +50,7 @@ class Command {
     };
 
     virtual ~Command() = default;
+    /// "track"; of a group: "simulate md".
     virtual std::string name() const = 0;
     virtual std::string purpose() const = 0;  ///< one line
     virtual Inputs inputs() const = 0;

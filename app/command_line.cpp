@@ -43,6 +43,26 @@ std::string help_text(const Option& option) {
     return domain.empty() ? option.meaning : fmt::format("{} ({})", option.meaning, domain);
 }
 
+std::string first_word(const std::string& name) {
+    return name.substr(0, name.find(' '));
+}
+
+std::string last_word(const std::string& name) {
+    return name.substr(name.rfind(' ') + 1);
+}
+
+/// Where a command hangs: under `simulate` for "simulate md".
+CLI::App* place(CLI::App& app, const std::string& name) {
+    const std::string group = first_word(name);
+    if (group == name) return &app;
+    const auto known =
+        app.get_subcommands([&](const CLI::App* present) { return present->get_name() == group; });
+    if (!known.empty()) return known.front();
+    CLI::App* parent = app.add_subcommand(group, "make data from nothing; see --help");
+    parent->require_subcommand(1);
+    return parent;
+}
+
 const char* value_name(OptionKind kind) {
     switch (kind) {
         case OptionKind::flag:
@@ -63,14 +83,17 @@ const char* value_name(OptionKind kind) {
 class BoundCommand {
  public:
     BoundCommand(CLI::App& app, std::unique_ptr<Command> command)
-        : command_(std::move(command)), options_(command_->name(), tables()) {
-        parser_ = app.add_subcommand(command_->name(), command_->purpose());
+        : command_(std::move(command)), options_(last_word(command_->name()), tables()) {
+        parser_ = place(app, command_->name())->add_subcommand(last_word(command_->name()));
+        parser_->description(command_->purpose());
         parser_->allow_extras();  // refused below, with a suggestion
         const Command::Inputs inputs = command_->inputs();
-        parser_->add_option("inputs", inputs_, inputs.meaning)
-            ->type_name(inputs.placeholder)
-            ->expected(inputs.count == Command::Count::many ? -1 : 1)
-            ->required();
+        if (inputs.count != Command::Count::none) {
+            parser_->add_option("inputs", inputs_, inputs.meaning)
+                ->type_name(inputs.placeholder)
+                ->expected(inputs.count == Command::Count::many ? -1 : 1)
+                ->required();
+        }
         parser_->add_option("-c,--config", config_, "read options from this TOML file")
             ->type_name("FILE");
         for (const OptionSet::Entry& entry : options_.entries()) add(entry);
@@ -188,7 +211,7 @@ int run_command_line(int argc, const char* const* argv) {
     std::vector<std::unique_ptr<BoundCommand>> commands;
     std::vector<std::string> names;
     for (auto& command : make_commands()) {
-        names.push_back(command->name());
+        names.push_back(first_word(command->name()));
         commands.push_back(std::make_unique<BoundCommand>(app, std::move(command)));
     }
     if (const auto problem = unknown_command(argc, argv, names)) {

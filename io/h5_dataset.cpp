@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "io/h5_storage.h"
+
 namespace grainfield::io {
 
 template <>
@@ -75,6 +77,7 @@ std::vector<T> H5Dataset::read() const {
     file().require_plausible(entries * sizeof(T), path());
     std::vector<T> values(static_cast<std::size_t>(entries));
     if (values.empty()) return values;
+    require_sound_storage(file(), id(), path(), H5Extent(extent().size(), 0), extent());
     if (H5Dread(id(), h5_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) {
         file().fail(fmt::format("{} is damaged", path()));
     }
@@ -103,6 +106,9 @@ std::vector<T> H5Dataset::read_row(hsize_t row) const {
     file().require_plausible(entries * sizeof(T), path());
     std::vector<T> values(static_cast<std::size_t>(entries));
     if (values.empty()) return values;
+    H5Extent start(count.size(), 0);
+    start[0] = row;
+    require_sound_storage(file(), id(), path(), start, count);
     const H5Handle file_space = select(row, count);
     const H5Handle memory = h5_space(file(), count);
     if (H5Dread(id(), h5_type<T>(), memory.get(), file_space.get(), H5P_DEFAULT, values.data()) <

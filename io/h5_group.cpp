@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "io/h5_storage.h"
+
 namespace grainfield::io {
 
 namespace {
@@ -108,6 +110,7 @@ std::string H5Group::text(const std::string& name) const {
     const std::size_t bytes = H5Tget_size(type.get());
     file().require_plausible(static_cast<double>(bytes), child(name));
     std::vector<char> text(bytes);
+    require_sound_storage(file(), data.get(), child(name), {0}, {1});
     if (H5Dread(data.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) < 0) {
         file().fail(fmt::format("{} is damaged", child(name)));
     }

@@ -49,6 +49,9 @@ H5Handle access_properties() {
     H5Pset_file_locking(properties.get(), false, true);
     // Any object left open must not keep the file open behind a close that seems to succeed.
     H5Pset_fclose_degree(properties.get(), H5F_CLOSE_STRONG);
+    // From this version on, headers carry checksums. The next would mark files of killed runs as
+    // still open, which keeps readers out.
+    H5Pset_libver_bounds(properties.get(), H5F_LIBVER_V18, H5F_LIBVER_V18);
     return properties;
 }
 

@@ -21,8 +21,8 @@ using ::testing::ThrowsMessage;
 /// Makes a file with the C library, so that it may hold what H5Group never writes.
 template <class Fill>
 void make_foreign(const std::string& path, Fill fill) {
-    const H5File file = H5File::create(path, path);
-    fill(file.id());
+    const H5Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT));
+    fill(file.get());
 }
 
 /// A dataset of doubles.
