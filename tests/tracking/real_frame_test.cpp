@@ -79,8 +79,10 @@ TEST_F(RealFrame, ExposedEdgesGiveTheKnownDiameterAndWidth) {
 TEST_F(RealFrame, TheResidualShowsNoSphere) {
     EXPECT_LT(found_.residual_rms, 0.085);
     // A missing sphere would leave a gain of at least half of what the faintest accepted one has.
-    DiscCorrelation correlation(frame_.width(), frame_.height(), calibration_->model.disc);
-    const Image gain = correlation.gain(calibration_->model.darkness(frame_), found_.transmission);
+    const DiscProfile& disc = calibration_->model.disc;
+    DiscCorrelation correlation(frame_.width(), frame_.height(), disc, 1);
+    const Image gain = correlation.gain(padded_darkness(calibration_->model.darkness(frame_), disc),
+                                        PaddedImage(found_.transmission, scene_margin(disc), 0.0F));
     int remnants = 0;
     for (int y = 12; y < gain.height() - 12; ++y) {
         for (int x = 12; x < gain.width() - 12; ++x) {

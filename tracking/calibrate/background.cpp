@@ -208,7 +208,7 @@ BackgroundSurface upper_envelope(const Image& counts, double contrast, double un
     return uniform_if_flat(surface, counts.width(), counts.height(), uniform_tolerance * contrast);
 }
 
-BackgroundSurface background_between_spheres(const Image& counts, const Image& transmission,
+BackgroundSurface background_between_spheres(const Image& counts, const PaddedImage& transmission,
                                              double dark_level, const BackgroundSurface& previous,
                                              double contrast, double uniform_tolerance) {
     std::vector<BackgroundSurface::Sample> samples;

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "core/frame.h"
+#include "tracking/padded_image.h"
 
 namespace grainfield::tracking {
 
@@ -48,7 +49,7 @@ BackgroundSurface upper_envelope(const Image& counts, double contrast, double un
 /// [I − I_dark (1 − T)]/T of weight T²; tiles of them are fitted by a polynomial. Uniform if the
 /// surface varies by less than `uniform_tolerance` of the contrast or explains the tiles no better
 /// than chance (F ratio below 3). `previous` comes back when too few pixels are clear.
-BackgroundSurface background_between_spheres(const Image& counts, const Image& transmission,
+BackgroundSurface background_between_spheres(const Image& counts, const PaddedImage& transmission,
                                              double dark_level, const BackgroundSurface& previous,
                                              double contrast, double uniform_tolerance);
 

@@ -219,7 +219,8 @@ struct Fitter {
             const double clear = model.background(counts.width() / 2.0, counts.height() / 2.0);
             model.dark_level =
                 clear - (edges.offset + edges.amplitude) * (clear - model.dark_level);
-            Image transmission(counts.width(), counts.height(), 1.0F);
+            PaddedImage transmission =
+                clear_transmission(counts.width(), counts.height(), model.disc);
             for (const Vec2 p : positions) place_disc(transmission, p, model.disc);
             model.background =
                 background_between_spheres(counts, transmission, model.dark_level, model.background,

@@ -6,14 +6,60 @@
 namespace grainfield::tracking {
 namespace {
 
-int padded(int n, const DiscProfile& disc) {
-    return fast_fourier_size(n + static_cast<int>(std::ceil(disc.reach())) + 1);
+constexpr int kBlocksPerDiameter = 7;
+constexpr int kLargestFactor = 8;
+
+int blocks(int n, int factor) {
+    return (n + factor - 1) / factor;
+}
+
+int padded(int n, const DiscProfile& disc, int factor) {
+    return fast_fourier_size(blocks(n, factor) +
+                             static_cast<int>(std::ceil(disc.reach() / factor)) + 1);
+}
+
+/// Sums over blocks of two functions of the pixels, divided by the area of a full block.
+template <class Pixel>
+std::pair<Image, Image> block_means(int width, int height, int factor, Pixel&& pixel) {
+    std::pair<Image, Image> means{Image(blocks(width, factor), blocks(height, factor)),
+                                  Image(blocks(width, factor), blocks(height, factor))};
+    const auto columns = static_cast<std::size_t>(means.first.width() * factor);
+    std::vector<float> a(columns);
+    std::vector<float> b(columns);
+    const float share = 1.0F / static_cast<float>(factor * factor);
+    for (int row = 0; row < means.first.height(); ++row) {
+        std::fill(a.begin(), a.end(), 0.0F);
+        std::fill(b.begin(), b.end(), 0.0F);
+        for (int y = row * factor; y < std::min(height, (row + 1) * factor); ++y) {
+            pixel(y, a.data(), b.data());
+        }
+        float* first = means.first.row(row);
+        float* second = means.second.row(row);
+        for (int x = 0; x < means.first.width(); ++x) {
+            float sum_a = 0;
+            float sum_b = 0;
+            for (int i = x * factor; i < (x + 1) * factor; ++i) {
+                sum_a += a[static_cast<std::size_t>(i)];
+                sum_b += b[static_cast<std::size_t>(i)];
+            }
+            first[x] = sum_a * share;
+            second[x] = sum_b * share;
+        }
+    }
+    return means;
 }
 
 }  // namespace
 
-DiscCorrelation::DiscCorrelation(int width, int height, const DiscProfile& disc)
-    : width_(width), height_(height), fourier_(padded(width, disc), padded(height, disc)) {
+int DiscCorrelation::suitable_factor(const DiscProfile& disc) {
+    return std::clamp(static_cast<int>(disc.diameter) / kBlocksPerDiameter, 1, kLargestFactor);
+}
+
+DiscCorrelation::DiscCorrelation(int width, int height, const DiscProfile& disc, int factor)
+    : factor_(factor),
+      width_(blocks(width, factor)),
+      height_(blocks(height, factor)),
+      fourier_(padded(width, disc, factor), padded(height, disc, factor)) {
     for (int power = 1; power <= 3; ++power) kernel_[power - 1] = kernel_spectrum(disc, power);
     const int half = static_cast<int>(std::ceil(disc.reach()));
     for (int y = -half; y <= half; ++y) {
@@ -22,20 +68,42 @@ DiscCorrelation::DiscCorrelation(int width, int height, const DiscProfile& disc)
             full_gain_ += p * p;
         }
     }
+    // Pixels beyond the border count as absent, not as background.
+    const auto inside = block_means(width, height, factor, [&](int, float* a, float*) {
+        for (int x = 0; x < width; ++x) a[x] += 1.0F;
+    });
+    transform(inside.first);
+    const auto spectrum = fourier_.complex();
+    for (std::size_t i = 0; i < spectrum.size(); ++i) spectrum[i] *= kernel_[2][i];
+    fourier_.backward();
+    norm_ = Image(width_, height_);
+    for (int y = 0; y < height_; ++y) {
+        std::copy_n(fourier_.real().data() +
+                        static_cast<std::size_t>(y) * static_cast<std::size_t>(fourier_.nx()),
+                    width_, norm_.row(y));
+    }
 }
 
-/// Transform of P^power centred on the origin, already divided by the FFT's normalisation. P is
-/// even, so correlation and convolution agree and the spectrum is real up to rounding.
-DiscCorrelation::Spectrum DiscCorrelation::kernel_spectrum(const DiscProfile& disc, int power) {
+/// Transform of P^power, averaged over blocks and centred on the origin, with the normalisation of
+/// the FFT and the area of a block.
+std::vector<float> DiscCorrelation::kernel_spectrum(const DiscProfile& disc, int power) {
     const int nx = fourier_.nx();
     const int ny = fourier_.ny();
     auto real = fourier_.real();
     std::fill(real.begin(), real.end(), 0.0F);
-    const int half = static_cast<int>(std::ceil(disc.reach()));
+    const int half = static_cast<int>(std::ceil(disc.reach() / factor_));
     const double scale = 1.0 / (static_cast<double>(nx) * static_cast<double>(ny));
+    const double centre = 0.5 * (factor_ - 1);
     for (int y = -half; y <= half; ++y) {
         for (int x = -half; x <= half; ++x) {
-            const double p = std::pow(disc.darkness(std::hypot(x, y)), power);
+            double p = 0;
+            for (int v = 0; v < factor_; ++v) {
+                for (int u = 0; u < factor_; ++u) {
+                    p += std::pow(disc.darkness(std::hypot(x * factor_ + u - centre,
+                                                           y * factor_ + v - centre)),
+                                  power);
+                }
+            }
             const std::size_t index =
                 static_cast<std::size_t>((y + ny) % ny) * static_cast<std::size_t>(nx) +
                 static_cast<std::size_t>((x + nx) % nx);
@@ -44,85 +112,73 @@ DiscCorrelation::Spectrum DiscCorrelation::kernel_spectrum(const DiscProfile& di
     }
     fourier_.forward();
     const auto spectrum = fourier_.complex();
-    return {spectrum.begin(), spectrum.end()};
+    std::vector<float> even(spectrum.size());
+    std::transform(spectrum.begin(), spectrum.end(), even.begin(),
+                   [](std::complex<float> value) { return value.real(); });
+    return even;
 }
 
-/// Puts image · factor into the padded array.
-void DiscCorrelation::load(const Image& image, const Image* factor) {
+void DiscCorrelation::transform(const Image& blocks) {
     auto real = fourier_.real();
     const auto nx = static_cast<std::size_t>(fourier_.nx());
-    std::fill(real.begin(), real.end(), 0.0F);
     for (int y = 0; y < height_; ++y) {
         float* out = real.data() + static_cast<std::size_t>(y) * nx;
-        const float* in = image.row(y);
-        if (factor == nullptr) {
-            std::copy_n(in, width_, out);
-        } else {
-            const float* by = factor->row(y);
-            for (int x = 0; x < width_; ++x) out[x] = in[x] * by[x];
-        }
+        std::copy_n(blocks.row(y), width_, out);
+        std::fill(out + width_, out + nx, 0.0F);
     }
+    std::fill(real.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(height_) * nx),
+              real.end(), 0.0F);
+    fourier_.forward();
 }
 
-Image DiscCorrelation::crop() {
+Image DiscCorrelation::correlate(const Blocks& blocks, float scale_first, float scale_second) {
+    transform(blocks.first);
+    auto spectrum = fourier_.complex();
+    sum_.resize(spectrum.size());
+    for (std::size_t i = 0; i < spectrum.size(); ++i) {
+        sum_[i] = spectrum[i] * (scale_first * kernel_[0][i]);
+    }
+    transform(blocks.second);
+    spectrum = fourier_.complex();
+    for (std::size_t i = 0; i < spectrum.size(); ++i) {
+        spectrum[i] = sum_[i] + spectrum[i] * (scale_second * kernel_[1][i]);
+    }
+    fourier_.backward();
     Image map(width_, height_);
-    const auto real = fourier_.real();
     const auto nx = static_cast<std::size_t>(fourier_.nx());
     for (int y = 0; y < height_; ++y) {
-        std::copy_n(real.data() + static_cast<std::size_t>(y) * nx, width_, map.row(y));
+        std::copy_n(fourier_.real().data() + static_cast<std::size_t>(y) * nx, width_, map.row(y));
     }
     return map;
 }
 
-Image DiscCorrelation::chi_squared(const Image& darkness) {
-    if (norm_.empty()) {
-        load(Image(width_, height_, 1.0F), nullptr);
-        fourier_.forward();
-        auto spectrum = fourier_.complex();
-        for (std::size_t i = 0; i < spectrum.size(); ++i) spectrum[i] *= kernel_[2][i];
-        fourier_.backward();
-        norm_ = crop();
-    }
-    load(darkness, &darkness);
-    fourier_.forward();
-    auto spectrum = fourier_.complex();
-    sum_.resize(spectrum.size());
-    for (std::size_t i = 0; i < spectrum.size(); ++i) sum_[i] = spectrum[i] * kernel_[0][i];
-    load(darkness, nullptr);
-    fourier_.forward();
-    spectrum = fourier_.complex();
-    for (std::size_t i = 0; i < spectrum.size(); ++i) {
-        spectrum[i] = sum_[i] - 2.0F * spectrum[i] * kernel_[1][i];
-    }
-    fourier_.backward();
-    Image map = crop();
+Image DiscCorrelation::chi_squared(const PaddedImage& darkness) {
+    auto [squares, values] =
+        block_means(darkness.width(), darkness.height(), factor_, [&](int y, float* a, float* b) {
+            const float* d = darkness.row(y);
+            for (int x = 0; x < darkness.width(); ++x) {
+                a[x] += d[x] * d[x];
+                b[x] += d[x];
+            }
+        });
+    Image map = correlate({std::move(squares), std::move(values)}, 1, -2);
     for (std::size_t i = 0; i < map.size(); ++i) {
         map.pixels()[i] = 1.0F + map.pixels()[i] / norm_.pixels()[i];
     }
     return map;
 }
 
-Image DiscCorrelation::gain(const Image& darkness, const Image& transmission) {
-    Image product(width_, height_);
-    for (std::size_t i = 0; i < product.size(); ++i) {
-        const float t = transmission.pixels()[i];
-        product.pixels()[i] = (darkness.pixels()[i] - 1.0F + t) * t;
-    }
-    load(product, nullptr);
-    fourier_.forward();
-    auto spectrum = fourier_.complex();
-    sum_.resize(spectrum.size());
-    for (std::size_t i = 0; i < spectrum.size(); ++i) {
-        sum_[i] = 2.0F * spectrum[i] * kernel_[0][i];
-    }
-    load(transmission, &transmission);
-    fourier_.forward();
-    spectrum = fourier_.complex();
-    for (std::size_t i = 0; i < spectrum.size(); ++i) {
-        spectrum[i] = sum_[i] - spectrum[i] * kernel_[1][i];
-    }
-    fourier_.backward();
-    return crop();
+Image DiscCorrelation::gain(const PaddedImage& darkness, const PaddedImage& transmission) {
+    auto [products, squares] =
+        block_means(darkness.width(), darkness.height(), factor_, [&](int y, float* a, float* b) {
+            const float* d = darkness.row(y);
+            const float* t = transmission.row(y);
+            for (int x = 0; x < darkness.width(); ++x) {
+                a[x] += (d[x] - 1.0F + t[x]) * t[x];
+                b[x] += t[x] * t[x];
+            }
+        });
+    return correlate({std::move(products), std::move(squares)}, 2, -1);
 }
 
 }  // namespace grainfield::tracking

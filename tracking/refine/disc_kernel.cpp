@@ -1,237 +1,498 @@
 #include "tracking/refine/disc_kernel.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstdint>
-#include <vector>
+#include <limits>
 
-// The row kernels below are plain loops that the compiler vectorises. On x86-64 they are compiled
-// twice and chosen at run time, so that one binary uses AVX2 where the machine has it. Sanitizers
-// do not get along with the run-time choice.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define GRAINFIELD_ROW_KERNEL __attribute__((target_clones("default", "avx2")))
-#else
-#define GRAINFIELD_ROW_KERNEL
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "tracking/refine/disc_kernel.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#ifndef GRAINFIELD_DISC_ROWS
+#define GRAINFIELD_DISC_ROWS
+namespace grainfield::tracking {
+
+/// What a kernel needs to know of a disc and of one row of its window.
+struct DiscTerms {
+    float radius_over;     ///< (2/w) · D/2
+    float two_over_width;  ///< 2/w [1/px]
+    float reach2;          ///< [px²]
+};
+
+/// The part of a row that two windows share.
+struct SharedRow {
+    const float *ax, *ay, *bx, *by;
+    int count;
+};
+
+struct DiscRow {
+    float dx;  ///< of the first pixel to the centre
+    float dy;
+    int count;
+    const float* darkness;
+    float* transmission;
+    float* before;
+    float* kept;
+};
+
+}  // namespace grainfield::tracking
 #endif
 
-namespace grainfield::tracking {
-namespace {
+HWY_BEFORE_NAMESPACE();
+namespace grainfield::tracking::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Tag = hn::CappedTag<float, PaddedImage::kMostLanes>;
+using Vector = hn::Vec<Tag>;
+constexpr Tag kTag;
 
 /// exp(x) for |x| ≤ 20, relative error < 3e-7: 2^k times a degree-6 polynomial on |f| ≤ ln2/2.
-inline float exp_small(float x) {
-    const float scaled = x * 1.44269504F;
-    const auto k = static_cast<std::int32_t>(scaled + 64.5F) - 64;
-    const float f =
-        (x - static_cast<float>(k) * 0.693359375F) + static_cast<float>(k) * 2.12194440e-4F;
-    const float p =
-        1.0F +
-        f * (1.0F +
-             f * (0.5F + f * (0.166666667F +
-                              f * (0.0416666667F + f * (0.00833333333F + f * 0.00138888889F)))));
-    return p * std::bit_cast<float>((k + 127) << 23);
+HWY_INLINE Vector exp_small(Vector x) {
+    const hn::RebindToSigned<Tag> integers;
+    const auto k = hn::NearestInt(hn::Mul(x, hn::Set(kTag, 1.44269504F)));
+    const Vector f = hn::NegMulAdd(hn::ConvertTo(kTag, k), hn::Set(kTag, 0.693147181F), x);
+    // Estrin's scheme: the chain of dependent operations is what costs time here.
+    const Vector f2 = hn::Mul(f, f);
+    const Vector low = hn::MulAdd(f, hn::Set(kTag, 1.0F / 6), hn::Set(kTag, 0.5F));
+    const Vector high =
+        hn::MulAdd(f2, hn::Set(kTag, 1.0F / 720),
+                   hn::MulAdd(f, hn::Set(kTag, 1.0F / 120), hn::Set(kTag, 1.0F / 24)));
+    const Vector tail = hn::MulAdd(f2, high, low);
+    const Vector p = hn::MulAdd(f2, tail, hn::Add(f, hn::Set(kTag, 1.0F)));
+    return hn::Mul(p, hn::BitCast(kTag, hn::ShiftLeft<23>(hn::Add(k, hn::Set(integers, 127)))));
 }
 
-/// What a row kernel needs to know of a disc.
-struct RowDisc {
-    float x;    ///< centre, relative to the first pixel of the row
-    float dy2;  ///< squared vertical distance of the row to the centre
-    float radius;
-    float two_over_width;
-    float reach;
+/// 1/x to single precision: the processor's estimate and one step of Newton.
+HWY_INLINE Vector reciprocal(Vector x) {
+    const Vector y = hn::ApproximateReciprocal(x);
+    return hn::Mul(y, hn::NegMulAdd(x, y, hn::Set(kTag, 2.0F)));
+}
+
+struct Profile {
+    Vector t;      // transmission of the disc
+    Vector p;      // its darkness, zero beyond reach
+    Vector r_inv;  // 1/r [1/px]
+    hn::Mask<Tag> near;
 };
 
-inline float transmission_at(float distance, const RowDisc& d) {
-    constexpr float kLimit = 2.0F * static_cast<float>(DiscProfile::kReachInWidths);
-    const float u2 = std::min(std::max((distance - d.radius) * d.two_over_width, -kLimit), kLimit);
-    const float t = 1.0F / (1.0F + exp_small(-u2));
-    return distance < d.reach ? t : 1.0F;
+HWY_INLINE Profile profile(Vector dx, Vector dy2, const DiscTerms& disc) {
+    const Vector r2 = hn::MulAdd(dx, dx, dy2);
+    const Vector r = hn::Sqrt(r2);
+    // An estimate is enough for the direction of a step, and keeps r = 0 finite.
+    const Vector r_inv = hn::ApproximateReciprocalSqrt(hn::Add(r2, hn::Set(kTag, 1e-12F)));
+    const Vector limit = hn::Set(kTag, 2.0F * static_cast<float>(DiscProfile::kReachInWidths));
+    Vector u2 =
+        hn::NegMulAdd(r, hn::Set(kTag, disc.two_over_width), hn::Set(kTag, disc.radius_over));
+    u2 = hn::Max(hn::Min(u2, limit), hn::Neg(limit));
+    const Vector e = exp_small(u2);
+    const Vector t = hn::Div(hn::Set(kTag, 1.0F), hn::Add(e, hn::Set(kTag, 1.0F)));
+    const auto near = hn::Lt(r2, hn::Set(kTag, disc.reach2));
+    return {hn::IfThenElse(near, t, hn::Set(kTag, 1.0F)), hn::IfThenElseZero(near, hn::Mul(e, t)),
+            r_inv, near};
 }
 
-GRAINFIELD_ROW_KERNEL
-void transmission_row(const RowDisc& d, int n, float* t) {
-    const RowDisc disc = d;
-#pragma omp simd
-    for (int i = 0; i < n; ++i) {
-        const float dx = static_cast<float>(i) - disc.x;
-        t[i] = transmission_at(std::sqrt(dx * dx + disc.dy2), disc);
+/// Calls body(dx, i) for the vectors of a row.
+template <class Body>
+HWY_INLINE void for_each_vector(const DiscRow& row, Body&& body) {
+    const int lanes = static_cast<int>(hn::Lanes(kTag));
+    Vector dx = hn::Add(hn::Iota(kTag, 0.0F), hn::Set(kTag, row.dx));
+    const Vector next = hn::Set(kTag, static_cast<float>(lanes));
+    for (int i = 0; i < row.count; i += lanes) {
+        body(dx, i);
+        dx = hn::Add(dx, next);
     }
 }
 
-struct RowSums {
-    float xx, xr, rr, bx, br, misfit;
-};
+HWY_INLINE double sum(Vector v) {
+    return static_cast<double>(hn::GetLane(hn::SumOfLanes(kTag, v)));
+}
 
-/// Sums over one row with J = g · (dx, dy), g = T (2/w) P / r; dy is constant along the row and
-/// multiplied in by the caller (xr: Σ g² dx, rr: Σ g², br: Σ g res).
-GRAINFIELD_ROW_KERNEL
-RowSums normal_row(const RowDisc& d, int n, const float* darkness, const float* transmission) {
-    const RowDisc disc = d;
-    float xx = 0;
-    float xr = 0;
-    float rr = 0;
-    float bx = 0;
-    float br = 0;
-    float misfit = 0;
-#pragma omp simd reduction(+ : xx, xr, rr, bx, br, misfit)
-    for (int i = 0; i < n; ++i) {
-        const float dx = static_cast<float>(i) - disc.x;
-        const float r = std::sqrt(dx * dx + disc.dy2);
-        const float p = 1.0F - transmission_at(r, disc);
-        const float residual = darkness[i] - 1.0F + transmission[i];
-        const float g = transmission[i] * disc.two_over_width * p / (r + 1e-6F);
-        const float gx = g * dx;
-        xx += gx * gx;
-        xr += gx * g;
-        rr += g * g;
-        bx += gx * residual;
-        br += g * residual;
-        misfit += residual * residual;
+// Residual of a pixel: I − M = I − 1 + T.
+HWY_INLINE Vector residual_of(Vector darkness, Vector transmission) {
+    return hn::Add(hn::Sub(darkness, hn::Set(kTag, 1.0F)), transmission);
+}
+
+void linearise_rows(const DiscTerms& disc, const DiscRow* rows, int n, double* sums) {
+    Vector xx = hn::Zero(kTag);
+    Vector xy = xx;
+    Vector yy = xx;
+    Vector bx = xx;
+    Vector by = xx;
+    Vector misfit = xx;
+    for (int j = 0; j < n; ++j) {
+        const DiscRow& row = rows[j];
+        const Vector dy = hn::Set(kTag, row.dy);
+        const Vector dy2 = hn::Mul(dy, dy);
+        for_each_vector(row, [&](Vector dx, int i) HWY_ATTR {
+            const Profile q = profile(dx, dy2, disc);
+            hn::StoreU(q.t, kTag, row.before + i);
+            const Vector transmission = hn::LoadU(kTag, row.transmission + i);
+            const Vector residual = residual_of(hn::LoadU(kTag, row.darkness + i), transmission);
+            const Vector g = hn::Mul(hn::Mul(transmission, hn::Set(kTag, disc.two_over_width)),
+                                     hn::Mul(q.p, q.r_inv));
+            const Vector jx = hn::Mul(g, dx);
+            const Vector jy = hn::Mul(g, dy);
+            xx = hn::MulAdd(jx, jx, xx);
+            xy = hn::MulAdd(jx, jy, xy);
+            yy = hn::MulAdd(jy, jy, yy);
+            bx = hn::MulAdd(jx, residual, bx);
+            by = hn::MulAdd(jy, residual, by);
+            const Vector inside = hn::IfThenElseZero(q.near, residual);
+            misfit = hn::MulAdd(inside, inside, misfit);
+        });
     }
-    return {xx, xr, rr, bx, br, misfit};
+    const Vector all[] = {xx, xy, yy, bx, by, misfit};
+    for (int i = 0; i < 6; ++i) sums[i] = sum(all[i]);
 }
 
-/// T ← T · after/before; returns the change of Σ (I − 1 + T)².
-GRAINFIELD_ROW_KERNEL
-float move_row(int n, const float* darkness, float* transmission, const float* before,
-               const float* after) {
-    float change = 0;
-#pragma omp simd reduction(+ : change)
-    for (int i = 0; i < n; ++i) {
-        const float moved = transmission[i] * (after[i] / before[i]);
-        const float old_residual = darkness[i] - 1.0F + transmission[i];
-        const float new_residual = darkness[i] - 1.0F + moved;
-        change += new_residual * new_residual - old_residual * old_residual;
-        transmission[i] = moved;
+double shift_rows(const DiscTerms& disc, const DiscRow* rows, int n) {
+    Vector change = hn::Zero(kTag);
+    for (int j = 0; j < n; ++j) {
+        const DiscRow& row = rows[j];
+        const Vector dy2 = hn::Set(kTag, row.dy * row.dy);
+        for_each_vector(row, [&](Vector dx, int i) HWY_ATTR {
+            const Vector t = profile(dx, dy2, disc).t;
+            const Vector old = hn::LoadU(kTag, row.transmission + i);
+            hn::StoreU(old, kTag, row.kept + i);
+            const Vector moved =
+                hn::Mul(hn::Mul(old, t), reciprocal(hn::LoadU(kTag, row.before + i)));
+            hn::StoreU(moved, kTag, row.transmission + i);
+            // a² − b² = (a − b)(a + b), with residuals a (new) and b (old).
+            const Vector b = residual_of(hn::LoadU(kTag, row.darkness + i), old);
+            const Vector step = hn::Sub(moved, old);
+            change = hn::MulAdd(step, hn::MulAdd(hn::Set(kTag, 2.0F), b, step), change);
+        });
     }
-    return change;
+    return sum(change);
 }
 
-/// Σ [(I − 1 + T/t)² − (I − 1 + T)²].
-GRAINFIELD_ROW_KERNEL
-float explained_row(int n, const float* darkness, const float* transmission, const float* t) {
-    float gain = 0;
-#pragma omp simd reduction(+ : gain)
-    for (int i = 0; i < n; ++i) {
-        const float residual = darkness[i] - 1.0F + transmission[i];
-        const float lifted = darkness[i] - 1.0F + transmission[i] / t[i];
-        gain += lifted * lifted - residual * residual;
-    }
-    return gain;
-}
-
-/// The pixels of one image row that a disc reaches: the chord, widened to whole vectors where the
-/// row has room, because a vector costs as much as the single pixel of a remainder loop.
-struct Chord {
-    int first = 0;
-    int count = 0;
-};
-
-Chord chord_of(int width, double x_low, double x_high, double dy, double reach) {
-    constexpr int kLanes = 8;
-    const double half2 = reach * reach - dy * dy;
-    if (half2 <= 0) return {};
-    const double half = std::sqrt(half2);
-    const int first = std::max(0, static_cast<int>(std::ceil(x_low - half)));
-    const int last = std::min(width - 1, static_cast<int>(std::floor(x_high + half)));
-    if (last < first) return {};
-    const int whole = (last - first + kLanes) / kLanes * kLanes;
-    return {std::max(0, std::min(first, width - whole)), std::min(whole, width)};
-}
-
-/// Calls action(y, chord) for the rows of the image within reach of the segment from–to.
-template <class Action>
-void for_each_row(const Image& image, Vec2 from, Vec2 to, double reach, Action&& action) {
-    const double y_low = std::min(from.y, to.y);
-    const double y_high = std::max(from.y, to.y);
-    const double x_low = std::min(from.x, to.x);
-    const double x_high = std::max(from.x, to.x);
-    const int y1 = std::min(image.height() - 1, static_cast<int>(std::floor(y_high + reach)));
-    for (int y = std::max(0, static_cast<int>(std::ceil(y_low - reach))); y <= y1; ++y) {
-        const double dy = std::max({0.0, y_low - y, y - y_high});
-        const Chord chord = chord_of(image.width(), x_low, x_high, dy, reach);
-        if (chord.count > 0) action(y, chord);
+void undo_rows(const DiscRow* rows, int n) {
+    for (int j = 0; j < n; ++j) {
+        const DiscRow& row = rows[j];
+        for_each_vector(row, [&](Vector, int i) HWY_ATTR {
+            hn::StoreU(hn::LoadU(kTag, row.kept + i), kTag, row.transmission + i);
+        });
     }
 }
 
-RowDisc row_disc(const DiscProfile& disc, Vec2 centre, const Chord& chord, int y) {
-    const double dy = y - centre.y;
-    return {static_cast<float>(centre.x - chord.first), static_cast<float>(dy * dy),
-            static_cast<float>(disc.radius()), static_cast<float>(2 / disc.edge_width),
-            static_cast<float>(disc.reach())};
+void place_rows(const DiscTerms& disc, const DiscRow* rows, int n) {
+    for (int j = 0; j < n; ++j) {
+        const DiscRow& row = rows[j];
+        const Vector dy2 = hn::Set(kTag, row.dy * row.dy);
+        for_each_vector(row, [&](Vector dx, int i) HWY_ATTR {
+            const Vector old = hn::LoadU(kTag, row.transmission + i);
+            hn::StoreU(hn::Mul(old, profile(dx, dy2, disc).t), kTag, row.transmission + i);
+        });
+    }
 }
 
-float* scratch(int n, int which) {
-    thread_local std::vector<float> buffer[2];
-    auto& b = buffer[which];
-    if (b.size() < static_cast<std::size_t>(n)) b.resize(static_cast<std::size_t>(n));
-    return b.data();
+void lift_rows(const DiscTerms& disc, const DiscRow* rows, int n) {
+    for (int j = 0; j < n; ++j) {
+        const DiscRow& row = rows[j];
+        const Vector dy2 = hn::Set(kTag, row.dy * row.dy);
+        for_each_vector(row, [&](Vector dx, int i) HWY_ATTR {
+            const Vector old = hn::LoadU(kTag, row.transmission + i);
+            hn::StoreU(hn::Mul(old, reciprocal(profile(dx, dy2, disc).t)), kTag,
+                       row.transmission + i);
+        });
+    }
+}
+
+double explained_rows(const DiscTerms& disc, const DiscRow* rows, int n) {
+    Vector gain = hn::Zero(kTag);
+    for (int j = 0; j < n; ++j) {
+        const DiscRow& row = rows[j];
+        const Vector dy2 = hn::Set(kTag, row.dy * row.dy);
+        for_each_vector(row, [&](Vector dx, int i) HWY_ATTR {
+            const Vector old = hn::LoadU(kTag, row.transmission + i);
+            const Vector lifted = hn::Mul(old, reciprocal(profile(dx, dy2, disc).t));
+            const Vector b = residual_of(hn::LoadU(kTag, row.darkness + i), old);
+            const Vector step = hn::Sub(lifted, old);
+            gain = hn::MulAdd(step, hn::MulAdd(hn::Set(kTag, 2.0F), b, step), gain);
+        });
+    }
+    return sum(gain);
+}
+
+double misfit_rows(const DiscRow* rows, int n) {
+    Vector misfit = hn::Zero(kTag);
+    for (int j = 0; j < n; ++j) {
+        const DiscRow& row = rows[j];
+        const Vector end = hn::Set(kTag, row.dx + static_cast<float>(row.count) - 0.5F);
+        for_each_vector(row, [&](Vector dx, int i) HWY_ATTR {
+            const Vector all = residual_of(hn::LoadU(kTag, row.darkness + i),
+                                           hn::LoadU(kTag, row.transmission + i));
+            const Vector r = hn::IfThenElseZero(hn::Lt(dx, end), all);
+            misfit = hn::MulAdd(r, r, misfit);
+        });
+    }
+    return sum(misfit);
+}
+
+/// J to `before` (x) and `kept` (y).
+void gradient_rows(const DiscTerms& disc, const DiscRow* rows, int n) {
+    for (int j = 0; j < n; ++j) {
+        const DiscRow& row = rows[j];
+        const Vector dy = hn::Set(kTag, row.dy);
+        const Vector dy2 = hn::Mul(dy, dy);
+        for_each_vector(row, [&](Vector dx, int i) HWY_ATTR {
+            const Profile q = profile(dx, dy2, disc);
+            const Vector g = hn::Mul(
+                hn::Mul(hn::LoadU(kTag, row.transmission + i), hn::Set(kTag, disc.two_over_width)),
+                hn::Mul(q.p, q.r_inv));
+            hn::StoreU(hn::Mul(g, dx), kTag, row.before + i);
+            hn::StoreU(hn::Mul(g, dy), kTag, row.kept + i);
+        });
+    }
+}
+
+/// Beyond the chord of either window J is zero or was never asked for: the tail is masked.
+void cross_rows(const SharedRow* rows, int n, double* sums) {
+    const int lanes = static_cast<int>(hn::Lanes(kTag));
+    Vector xx = hn::Zero(kTag);
+    Vector xy = xx;
+    Vector yx = xx;
+    Vector yy = xx;
+    for (int j = 0; j < n; ++j) {
+        const SharedRow& row = rows[j];
+        for (int i = 0; i < row.count; i += lanes) {
+            const auto inside = hn::FirstN(kTag, static_cast<std::size_t>(row.count - i));
+            const Vector ax = hn::IfThenElseZero(inside, hn::LoadU(kTag, row.ax + i));
+            const Vector ay = hn::IfThenElseZero(inside, hn::LoadU(kTag, row.ay + i));
+            const Vector bx = hn::LoadU(kTag, row.bx + i);
+            const Vector by = hn::LoadU(kTag, row.by + i);
+            xx = hn::MulAdd(ax, bx, xx);
+            xy = hn::MulAdd(ax, by, xy);
+            yx = hn::MulAdd(ay, bx, yx);
+            yy = hn::MulAdd(ay, by, yy);
+        }
+    }
+    sums[0] = sum(xx);
+    sums[1] = sum(xy);
+    sums[2] = sum(yx);
+    sums[3] = sum(yy);
+}
+
+}  // namespace grainfield::tracking::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace grainfield::tracking {
+
+HWY_EXPORT(linearise_rows);
+HWY_EXPORT(shift_rows);
+HWY_EXPORT(undo_rows);
+HWY_EXPORT(place_rows);
+HWY_EXPORT(lift_rows);
+HWY_EXPORT(explained_rows);
+HWY_EXPORT(misfit_rows);
+HWY_EXPORT(gradient_rows);
+HWY_EXPORT(cross_rows);
+
+namespace {
+
+DiscTerms terms_of(const DiscProfile& disc) {
+    const double reach = disc.reach();
+    return {static_cast<float>(disc.diameter / disc.edge_width),
+            static_cast<float>(2 / disc.edge_width), static_cast<float>(reach * reach)};
+}
+
+/// The rows of a window as the kernels want them. Const images are only read.
+const std::vector<DiscRow>& rows_of(const DiscWindow& window, Vec2 centre,
+                                    const PaddedImage* darkness, const PaddedImage& transmission,
+                                    float* before, float* kept) {
+    thread_local std::vector<DiscRow> rows;
+    rows.clear();
+    for (int j = 0; j < window.rows; ++j) {
+        const auto row = static_cast<std::size_t>(j);
+        const int y = window.first_row + j;
+        const int x = window.first[row];
+        const std::size_t at = row * static_cast<std::size_t>(window.stride);
+        rows.push_back({static_cast<float>(x - centre.x), static_cast<float>(y - centre.y),
+                        window.count[row], darkness == nullptr ? nullptr : darkness->row(y) + x,
+                        const_cast<float*>(transmission.row(y)) + x,
+                        before == nullptr ? nullptr : before + at,
+                        kept == nullptr ? nullptr : kept + at});
+    }
+    return rows;
+}
+
+DiscWindow& scratch_window() {
+    thread_local DiscWindow window;
+    return window;
 }
 
 }  // namespace
 
-NormalEquations normal_equations(const Image& darkness, const Image& transmission, Vec2 centre,
-                                 const DiscProfile& disc) {
-    NormalEquations sum;
-    for_each_row(darkness, centre, centre, disc.reach(), [&](int y, const Chord& chord) {
-        const RowSums row =
-            normal_row(row_disc(disc, centre, chord, y), chord.count, darkness.row(y) + chord.first,
-                       transmission.row(y) + chord.first);
-        const double dy = y - centre.y;
-        sum.xx += static_cast<double>(row.xx);
-        sum.xy += dy * static_cast<double>(row.xr);
-        sum.yy += dy * dy * static_cast<double>(row.rr);
-        sum.bx += static_cast<double>(row.bx);
-        sum.by += dy * static_cast<double>(row.br);
-        sum.misfit += static_cast<double>(row.misfit);
-        sum.pixels += chord.count;
-    });
-    return sum;
+double longest_step(const DiscProfile& disc) {
+    return std::max(0.5, 0.15 * disc.diameter);
 }
 
-void place_disc(Image& transmission, Vec2 centre, const DiscProfile& disc) {
-    for_each_row(transmission, centre, centre, disc.reach(), [&](int y, const Chord& chord) {
-        float* t = scratch(chord.count, 0);
-        transmission_row(row_disc(disc, centre, chord, y), chord.count, t);
-        float* row = transmission.row(y) + chord.first;
-        for (int i = 0; i < chord.count; ++i) row[i] *= t[i];
-    });
+int scene_margin(const DiscProfile& disc) {
+    return static_cast<int>(std::ceil(disc.reach() + longest_step(disc))) + 2;
 }
 
-void lift_disc(Image& transmission, Vec2 centre, const DiscProfile& disc) {
-    for_each_row(transmission, centre, centre, disc.reach(), [&](int y, const Chord& chord) {
-        float* t = scratch(chord.count, 0);
-        transmission_row(row_disc(disc, centre, chord, y), chord.count, t);
-        float* row = transmission.row(y) + chord.first;
-        for (int i = 0; i < chord.count; ++i) row[i] /= t[i];
-    });
+PaddedImage padded_darkness(const Image& darkness, const DiscProfile& disc) {
+    return {darkness, scene_margin(disc), 1.0F};
 }
 
-double move_disc(const Image& darkness, Image& transmission, Vec2 from, Vec2 to,
-                 const DiscProfile& disc) {
-    double change = 0;
-    for_each_row(darkness, from, to, disc.reach(), [&](int y, const Chord& chord) {
-        float* before = scratch(chord.count, 0);
-        float* after = scratch(chord.count, 1);
-        transmission_row(row_disc(disc, from, chord, y), chord.count, before);
-        transmission_row(row_disc(disc, to, chord, y), chord.count, after);
-        change += static_cast<double>(move_row(chord.count, darkness.row(y) + chord.first,
-                                               transmission.row(y) + chord.first, before, after));
-    });
-    return change;
+PaddedImage clear_transmission(int width, int height, const DiscProfile& disc) {
+    return {width, height, scene_margin(disc), 1.0F, 0.0F};
 }
 
-double explained_misfit(const Image& darkness, const Image& transmission, Vec2 centre,
+void DiscWindow::enclose(const PaddedImage& image, Vec2 centre, double half) {
+    rows = 0;
+    // Written so that a NaN encloses nothing.
+    if (!(centre.x > -half && centre.x < image.width() - 1 + half && centre.y > -half &&
+          centre.y < image.height() - 1 + half)) {
+        return;
+    }
+    first_row = std::max(0, static_cast<int>(std::ceil(centre.y - half)));
+    const int last_row =
+        std::min(image.height() - 1, static_cast<int>(std::floor(centre.y + half)));
+    rows = std::max(0, last_row - first_row + 1);
+    first.resize(static_cast<std::size_t>(rows));
+    count.resize(static_cast<std::size_t>(rows));
+    const int leftmost = -image.margin();
+    const int rightmost = image.width() - 1 + image.margin();
+    const auto half2 = static_cast<float>(half * half);
+    const auto x = static_cast<float>(centre.x - leftmost);
+    for (int j = 0; j < rows; ++j) {
+        const auto dy = static_cast<float>(first_row + j - centre.y);
+        const float chord = std::sqrt(std::max(0.0F, half2 - dy * dy));
+        // Both ends are positive from here, so that truncation rounds down.
+        const int left =
+            std::max(leftmost + static_cast<int>(std::max(0.0F, x - chord) + 1.0F), leftmost);
+        const int right =
+            std::min(leftmost + static_cast<int>(std::max(0.0F, x + chord)), rightmost);
+        first[static_cast<std::size_t>(j)] = left;
+        count[static_cast<std::size_t>(j)] = std::max(0, right - left + 1);
+    }
+    const int widest = 2 * static_cast<int>(half) + 2;
+    stride = (widest + PaddedImage::kMostLanes) / PaddedImage::kMostLanes * PaddedImage::kMostLanes;
+    const auto floats = static_cast<std::size_t>(rows) * static_cast<std::size_t>(stride);
+    if (before.size() < floats) before.resize(floats);
+    if (kept.size() < floats) kept.resize(floats);
+}
+
+void fetch_window(const PaddedImage& darkness, const PaddedImage& transmission, Vec2 centre,
+                  double half) {
+    constexpr int kLine = 16;  // floats
+    const int top = std::max(0, static_cast<int>(centre.y - half));
+    const int bottom = std::min(darkness.height() - 1, static_cast<int>(centre.y + half));
+    const int left = static_cast<int>(centre.x - half);
+    const int right = static_cast<int>(centre.x + half);
+    for (int y = top; y <= bottom; ++y) {
+        for (int x = left; x <= right; x += kLine) {
+            __builtin_prefetch(darkness.row(y) + x);
+            __builtin_prefetch(transmission.row(y) + x, 1);
+        }
+    }
+}
+
+NormalEquations linearise(const PaddedImage& darkness, const PaddedImage& transmission, Vec2 centre,
+                          const DiscProfile& disc, DiscWindow& window) {
+    const auto& rows =
+        rows_of(window, centre, &darkness, transmission, window.before.data(), window.kept.data());
+    double sums[6] = {};
+    HWY_DYNAMIC_DISPATCH(linearise_rows)
+    (terms_of(disc), rows.data(), static_cast<int>(rows.size()), sums);
+    return {sums[0], sums[1], sums[2], sums[3], sums[4], sums[5]};
+}
+
+double shift_disc(const PaddedImage& darkness, PaddedImage& transmission, Vec2 to,
+                  const DiscProfile& disc, DiscWindow& window) {
+    const auto& rows =
+        rows_of(window, to, &darkness, transmission, window.before.data(), window.kept.data());
+    return HWY_DYNAMIC_DISPATCH(shift_rows)(terms_of(disc), rows.data(),
+                                            static_cast<int>(rows.size()));
+}
+
+void undo_shift(PaddedImage& transmission, const DiscWindow& window) {
+    const auto& rows =
+        rows_of(window, {}, nullptr, transmission, nullptr, const_cast<float*>(window.kept.data()));
+    HWY_DYNAMIC_DISPATCH(undo_rows)(rows.data(), static_cast<int>(rows.size()));
+}
+
+void place_disc(PaddedImage& transmission, Vec2 centre, const DiscProfile& disc) {
+    DiscWindow& window = scratch_window();
+    window.enclose(transmission, centre, disc.reach());
+    const auto& rows = rows_of(window, centre, nullptr, transmission, nullptr, nullptr);
+    HWY_DYNAMIC_DISPATCH(place_rows)
+    (terms_of(disc), rows.data(), static_cast<int>(rows.size()));
+}
+
+void lift_disc(PaddedImage& transmission, Vec2 centre, const DiscProfile& disc) {
+    DiscWindow& window = scratch_window();
+    window.enclose(transmission, centre, disc.reach());
+    const auto& rows = rows_of(window, centre, nullptr, transmission, nullptr, nullptr);
+    HWY_DYNAMIC_DISPATCH(lift_rows)
+    (terms_of(disc), rows.data(), static_cast<int>(rows.size()));
+}
+
+double explained_misfit(const PaddedImage& darkness, const PaddedImage& transmission, Vec2 centre,
                         const DiscProfile& disc) {
-    double gain = 0;
-    for_each_row(darkness, centre, centre, disc.reach(), [&](int y, const Chord& chord) {
-        float* t = scratch(chord.count, 0);
-        transmission_row(row_disc(disc, centre, chord, y), chord.count, t);
-        gain += static_cast<double>(explained_row(chord.count, darkness.row(y) + chord.first,
-                                                  transmission.row(y) + chord.first, t));
-    });
-    return gain;
+    DiscWindow& window = scratch_window();
+    window.enclose(transmission, centre, disc.reach());
+    const auto& rows = rows_of(window, centre, &darkness, transmission, nullptr, nullptr);
+    return HWY_DYNAMIC_DISPATCH(explained_rows)(terms_of(disc), rows.data(),
+                                                static_cast<int>(rows.size()));
+}
+
+double local_residual(const PaddedImage& darkness, const PaddedImage& transmission, Vec2 centre,
+                      const DiscProfile& disc) {
+    DiscWindow& window = scratch_window();
+    window.enclose(transmission, centre, disc.reach());
+    int pixels = 0;
+    for (std::size_t j = 0; j < window.first.size(); ++j) {
+        const int left = std::max(window.first[j], 0);
+        const int right = std::min(window.first[j] + window.count[j], transmission.width());
+        pixels += std::max(0, right - left);
+    }
+    if (pixels == 0) return std::numeric_limits<double>::quiet_NaN();
+    const auto& rows = rows_of(window, centre, &darkness, transmission, nullptr, nullptr);
+    return std::sqrt(HWY_DYNAMIC_DISPATCH(misfit_rows)(rows.data(), static_cast<int>(rows.size())) /
+                     pixels);
+}
+
+void gradient(const PaddedImage& transmission, Vec2 centre, const DiscProfile& disc,
+              DiscWindow& window, DiscGradient& out) {
+    window.enclose(transmission, centre, disc.reach());
+    // Room for a whole vector behind the last row.
+    const auto floats =
+        static_cast<std::size_t>(window.rows) * static_cast<std::size_t>(window.stride) +
+        PaddedImage::kMostLanes;
+    if (out.x.size() < floats) out.x.resize(floats);
+    if (out.y.size() < floats) out.y.resize(floats);
+    const auto& rows = rows_of(window, centre, nullptr, transmission, out.x.data(), out.y.data());
+    HWY_DYNAMIC_DISPATCH(gradient_rows)
+    (terms_of(disc), rows.data(), static_cast<int>(rows.size()));
+}
+
+CrossBlock cross_block(const DiscWindow& a, const DiscGradient& gradient_a, const DiscWindow& b,
+                       const DiscGradient& gradient_b) {
+    thread_local std::vector<SharedRow> rows;
+    rows.clear();
+    const int first = std::max(a.first_row, b.first_row);
+    const int end = std::min(a.first_row + a.rows, b.first_row + b.rows);
+    for (int y = first; y < end; ++y) {
+        const auto i = static_cast<std::size_t>(y - a.first_row);
+        const auto j = static_cast<std::size_t>(y - b.first_row);
+        const int left = std::max(a.first[i], b.first[j]);
+        const int right = std::min(a.first[i] + a.count[i], b.first[j] + b.count[j]);
+        if (right <= left) continue;
+        const std::size_t at =
+            i * static_cast<std::size_t>(a.stride) + static_cast<std::size_t>(left - a.first[i]);
+        const std::size_t bt =
+            j * static_cast<std::size_t>(b.stride) + static_cast<std::size_t>(left - b.first[j]);
+        rows.push_back({gradient_a.x.data() + at, gradient_a.y.data() + at,
+                        gradient_b.x.data() + bt, gradient_b.y.data() + bt, right - left});
+    }
+    double sums[4] = {};
+    HWY_DYNAMIC_DISPATCH(cross_rows)(rows.data(), static_cast<int>(rows.size()), sums);
+    return {sums[0], sums[1], sums[2], sums[3]};
 }
 
 }  // namespace grainfield::tracking
+#endif

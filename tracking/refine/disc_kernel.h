@@ -1,8 +1,10 @@
 #pragma once
 
-#include "core/frame.h"
+#include <vector>
+
 #include "core/vec2.h"
 #include "tracking/disc_profile.h"
+#include "tracking/padded_image.h"
 
 namespace grainfield::tracking {
 
@@ -10,35 +12,83 @@ namespace grainfield::tracking {
 ///
 ///   M(x) = 1 − T(x),   T(x) = Π_j t_j(x),   t_j = 1 − P_j
 ///
-/// All work in single precision on the rows of the window |x − centre| ≤ reach and sum in double.
-/// t is kept within [1e-3, 1], so that a disc can be divided out of T again.
+/// Single precision, explicit vectors chosen for the processor at run time (Highway). t is kept
+/// within [1e-3, 1], so that a disc can be divided out of T again. The margin of the images must
+/// be at least scene_margin(), with darkness 1 and transmission 0 in it: such pixels have neither
+/// residual nor gradient and never change.
+int scene_margin(const DiscProfile& disc);
+
+/// A disc never moves further than this in one step [px].
+double longest_step(const DiscProfile& disc);
+
+PaddedImage padded_darkness(const Image& darkness, const DiscProfile& disc);
+PaddedImage clear_transmission(int width, int height, const DiscProfile& disc);
+
+/// The pixels around one disc, row by row, and what the kernels remember of them between
+/// linearise() and shift_disc(). Reused from disc to disc to save allocations.
+class DiscWindow {
+ public:
+    /// Pixels within `half` of the centre; none if all of them lie outside the image.
+    void enclose(const PaddedImage& image, Vec2 centre, double half);
+
+    int first_row = 0;
+    int rows = 0;
+    std::vector<int> first;     ///< first column of each row
+    std::vector<int> count;     ///< pixels of each row
+    int stride = 0;             ///< floats kept per row
+    std::vector<float> before;  ///< t of the disc where it was linearised
+    std::vector<float> kept;    ///< T before the last shift
+};
 
 /// The normal equations of one disc's position, all others fixed:
 ///   J = ∂M/∂(x, y) = T · (2/w) P · (x − centre)/r,  A = Σ J Jᵀ,  b = Σ J (I − M).
 struct NormalEquations {
     double xx = 0, xy = 0, yy = 0;  ///< A [1/px²]
     double bx = 0, by = 0;          ///< b [1/px]
-    double misfit = 0;              ///< Σ (I − M)² over the window
-    int pixels = 0;                 ///< pixels in the window
-
-    double determinant() const { return xx * yy - xy * xy; }
+    double misfit = 0;              ///< Σ (I − M)² within reach of the disc
 };
 
-NormalEquations normal_equations(const Image& darkness, const Image& transmission, Vec2 centre,
-                                 const DiscProfile& disc);
+/// Asks for the pixels around a disc ahead of their use.
+void fetch_window(const PaddedImage& darkness, const PaddedImage& transmission, Vec2 centre,
+                  double half);
+
+NormalEquations linearise(const PaddedImage& darkness, const PaddedImage& transmission, Vec2 centre,
+                          const DiscProfile& disc, DiscWindow& window);
+
+/// T ← T · t_to / t_before within a window that was linearised and that holds both places; returns
+/// the change of Σ (I − M)² that this brings.
+double shift_disc(const PaddedImage& darkness, PaddedImage& transmission, Vec2 to,
+                  const DiscProfile& disc, DiscWindow& window);
+
+/// Undoes the last shift_disc.
+void undo_shift(PaddedImage& transmission, const DiscWindow& window);
 
 /// T ← T · t_centre.
-void place_disc(Image& transmission, Vec2 centre, const DiscProfile& disc);
+void place_disc(PaddedImage& transmission, Vec2 centre, const DiscProfile& disc);
 
 /// T ← T / t_centre.
-void lift_disc(Image& transmission, Vec2 centre, const DiscProfile& disc);
-
-/// T ← T · t_to / t_from, and the change of Σ (I − M)² that this brings.
-double move_disc(const Image& darkness, Image& transmission, Vec2 from, Vec2 to,
-                 const DiscProfile& disc);
+void lift_disc(PaddedImage& transmission, Vec2 centre, const DiscProfile& disc);
 
 /// By how much Σ (I − M)² would grow if the disc were lifted: what it explains [contrast² px].
-double explained_misfit(const Image& darkness, const Image& transmission, Vec2 centre,
+double explained_misfit(const PaddedImage& darkness, const PaddedImage& transmission, Vec2 centre,
                         const DiscProfile& disc);
+
+/// RMS of I − M on the pixels of the image within reach of a disc; NaN if there are none.
+double local_residual(const PaddedImage& darkness, const PaddedImage& transmission, Vec2 centre,
+                      const DiscProfile& disc);
+
+/// J of a disc on its window: two floats a pixel in planes, `window.stride` floats a row.
+struct DiscGradient {
+    std::vector<float> x, y;
+};
+void gradient(const PaddedImage& transmission, Vec2 centre, const DiscProfile& disc,
+              DiscWindow& window, DiscGradient& out);
+
+/// Σ J_a J_bᵀ over the pixels that two windows share: what couples the positions of two discs.
+struct CrossBlock {
+    double xx = 0, xy = 0, yx = 0, yy = 0;  ///< [1/px²]
+};
+CrossBlock cross_block(const DiscWindow& a, const DiscGradient& gradient_a, const DiscWindow& b,
+                       const DiscGradient& gradient_b);
 
 }  // namespace grainfield::tracking

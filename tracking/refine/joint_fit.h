@@ -1,12 +1,15 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/frame.h"
 #include "core/option_table.h"
 #include "core/vec2.h"
 #include "tracking/disc_profile.h"
+#include "tracking/padded_image.h"
+#include "tracking/refine/disc_kernel.h"
 
 namespace grainfield::tracking {
 
@@ -25,13 +28,14 @@ OptionTable describe(RefinementOptions& options);
 /// are skipped. Fixed points are those of the joint problem.
 ///
 /// Tiles of four colours are swept colour by colour, discs of a tile in order of index: the result
-/// does not depend on the number of threads. Cost about 2 µs per disc and sweep at D = 10 px.
+/// does not depend on the number of threads. Cost about 1 µs per disc and sweep at D = 16 px.
 class JointFit {
  public:
-    /// `darkness` must outlive the fit.
     JointFit(const Image& darkness, const DiscProfile& disc, int threads);
 
-    void add(Vec2 position);
+    /// `explained`: what the disc is known to explain, until something near it moves.
+    void add(Vec2 position, std::optional<double> explained = {});
+    void move(std::size_t j, Vec2 to);
     /// Removes the discs whose entry in `keep` is zero.
     void keep_only(const std::vector<char>& keep);
 
@@ -44,33 +48,33 @@ class JointFit {
     Summary refine(const RefinementOptions& options);
 
     const std::vector<Vec2>& positions() const { return positions_; }
-    const Image& transmission() const { return transmission_; }
+    const PaddedImage& darkness() const { return darkness_; }
+    const PaddedImage& transmission() const { return transmission_; }
     const DiscProfile& disc() const { return disc_; }
 
-    /// Σ (I − M)² that each disc explains (see explained_misfit), in parallel.
-    std::vector<double> explained() const;
+    /// Σ (I − M)² that each disc explains (see explained_misfit). Discs in whose neighbourhood
+    /// nothing has moved by more than 0.05 px since the last call keep their value.
+    const std::vector<double>& explained();
 
-    struct Uncertainty {
-        Vec2 error;       ///< [px] conditional standard error for unit noise: times σ gives pixels
-        double residual;  ///< RMS of I − M over the window [contrast]
-    };
-    std::vector<Uncertainty> uncertainties() const;
+    /// RMS of I − M within reach of each disc [contrast].
+    std::vector<double> residuals() const;
 
     /// RMS of I − M over the frame [contrast].
     double residual_rms() const;
 
  private:
-    double longest_step() const;
     Vec2 step(std::size_t j, double relaxation);
     void sweep(const std::vector<char>& active, double relaxation);
     std::vector<char> active_discs(double tolerance) const;
 
-    const Image* darkness_;
     DiscProfile disc_;
     int threads_;
-    Image transmission_;
+    PaddedImage darkness_;
+    PaddedImage transmission_;
     std::vector<Vec2> positions_;
-    std::vector<float> last_step_;  ///< [px]; large for discs that have not moved yet
+    std::vector<float> last_step_;   ///< [px]; large for discs that have not moved yet
+    std::vector<double> explained_;  ///< as of the last call of explained()
+    std::vector<float> drift_;       ///< [px] path since then; large for new discs
 };
 
 }  // namespace grainfield::tracking

@@ -26,7 +26,7 @@ double kernel(int x, int y) {
 
 TEST(DiscCorrelation, ChiSquaredEqualsItsDefinitionAlsoAtTheBorder) {
     const Image image = random_image(41, 33, 0, 1, 1);
-    const Image map = DiscCorrelation(41, 33, kDisc).chi_squared(image);
+    const Image map = DiscCorrelation(41, 33, kDisc, 1).chi_squared(padded_darkness(image, kDisc));
     for (const auto& [cx, cy] : {std::pair{0, 0}, {40, 32}, {20, 16}, {3, 30}, {40, 5}}) {
         double numerator = 0;
         double denominator = 0;
@@ -45,7 +45,8 @@ TEST(DiscCorrelation, ChiSquaredEqualsItsDefinitionAlsoAtTheBorder) {
 TEST(DiscCorrelation, GainIsTheFallOfTheMisfitWhenOneDiscIsAdded) {
     const Image darkness = random_image(41, 33, 0, 1, 2);
     const Image transmission = random_image(41, 33, 0.1, 1, 3);
-    const Image map = DiscCorrelation(41, 33, kDisc).gain(darkness, transmission);
+    const Image map = DiscCorrelation(41, 33, kDisc, 1)
+                          .gain(padded_darkness(darkness, kDisc), {transmission, 20, 0.0F});
     for (const auto& [cx, cy] : {std::pair{0, 0}, {40, 32}, {20, 16}, {3, 30}}) {
         double gain = 0;
         for (int y = 0; y < 33; ++y) {
@@ -67,13 +68,46 @@ TEST(DiscCorrelation, FullGainIsWhatAnIsolatedDiscExplains) {
             darkness(x, y) = static_cast<float>(kDisc.darkness(std::hypot(x - 30, y - 30)));
         }
     }
-    Image transmission(61, 61, 1.0F);
-    DiscCorrelation correlation(61, 61, kDisc);
-    EXPECT_NEAR(correlation.gain(darkness, transmission)(30, 30), correlation.full_gain(), 1e-3);
+    PaddedImage transmission = clear_transmission(61, 61, kDisc);
+    const PaddedImage padded = padded_darkness(darkness, kDisc);
+    DiscCorrelation correlation(61, 61, kDisc, 1);
+    EXPECT_NEAR(correlation.gain(padded, transmission)(30, 30), correlation.full_gain(), 1e-3);
     place_disc(transmission, {30, 30}, kDisc);
     // The kernels cut P below 1e-3, that is all that is left unexplained.
-    EXPECT_NEAR(explained_misfit(darkness, transmission, {30, 30}, kDisc), correlation.full_gain(),
+    EXPECT_NEAR(explained_misfit(padded, transmission, {30, 30}, kDisc), correlation.full_gain(),
                 1e-3);
+}
+
+TEST(DiscCorrelation, BlocksOfPixelsGiveNearlyTheSameMapsAtAFractionOfTheWork) {
+    const DiscProfile disc{16, 1.2};
+    ASSERT_EQ(DiscCorrelation::suitable_factor(disc), 2);
+    const std::vector<Vec2> centres{{40.2, 41.7}, {57.9, 44.1}, {3.1, 60.2}, {96.3, 20.4}};
+    PaddedImage model = clear_transmission(101, 99, disc);
+    for (const Vec2 c : centres) place_disc(model, c, disc);
+    Image darkness = model.inner();
+    for (float& v : darkness.pixels()) v = 1 - v;
+    const PaddedImage padded = padded_darkness(darkness, disc);
+    const PaddedImage clear = clear_transmission(101, 99, disc);
+    DiscCorrelation blocks(101, 99, disc, 2);
+    DiscCorrelation pixels(101, 99, disc, 1);
+    const Image coarse = blocks.gain(padded, clear);
+    const Image fine = pixels.gain(padded, clear);
+    const Image chi = blocks.chi_squared(padded);
+    for (int y = 0; y < coarse.height() - 1; ++y) {
+        for (int x = 0; x < coarse.width() - 1; ++x) {
+            // The centre of a block is the common corner of four pixels.
+            const float mean = (fine(2 * x, 2 * y) + fine(2 * x + 1, 2 * y) +
+                                fine(2 * x, 2 * y + 1) + fine(2 * x + 1, 2 * y + 1)) /
+                               4;
+            EXPECT_NEAR(coarse(x, y), mean, 0.05 * pixels.full_gain());
+        }
+    }
+    for (const Vec2 c : centres) {
+        const int x = static_cast<int>(std::lround((c.x - 0.5) / 2));
+        const int y = static_cast<int>(std::lround((c.y - 0.5) / 2));
+        EXPECT_LT(chi(x, y), 0.1) << c.x;
+        EXPECT_NEAR(blocks.in_frame({static_cast<double>(x), static_cast<double>(y)}).x, c.x, 1.01);
+    }
 }
 
 }  // namespace

@@ -66,7 +66,6 @@ TEST(JointFit, IsolatedDiscsReachTheCramerRaoBound) {
     const double bound = 0.02 * std::sqrt(6 * 1.2 / (std::numbers::pi * 16));
     // 800 coordinates: the RMS scatters by 2.5 %; ±4 σ.
     EXPECT_NEAR(rms(fit.positions(), truth) / bound, 1.0, 0.10);
-    for (const auto& u : fit.uncertainties()) EXPECT_NEAR(0.02 * u.error.x / bound, 1, 0.05);
 }
 
 TEST(JointFit, OverlappingDiscsReachTheJointBound) {
@@ -118,7 +117,7 @@ TEST(JointFit, TheResultDoesNotDependOnTheNumberOfThreads) {
     one.refine({});
     eight.refine({});
     EXPECT_EQ(one.positions(), eight.positions());
-    EXPECT_EQ(one.transmission(), eight.transmission());
+    EXPECT_EQ(one.transmission().inner(), eight.transmission().inner());
 }
 
 TEST(JointFit, RestingDiscsAreSkippedWithoutChangingTheResult) {
@@ -150,19 +149,31 @@ TEST(JointFit, RemovingADiscLeavesTheModelOfTheOthers) {
     JointFit fresh(darkness, disc, 1);
     fresh.add(centres[0]);
     fresh.add(centres[2]);
+    const Image left = fit.transmission().inner();
+    const Image expected = fresh.transmission().inner();
     for (std::size_t i = 0; i < darkness.size(); ++i) {
-        EXPECT_NEAR(fit.transmission().pixels()[i], fresh.transmission().pixels()[i], 1e-5);
+        EXPECT_NEAR(left.pixels()[i], expected.pixels()[i], 1e-5);
     }
 }
 
-TEST(JointFit, AHiddenDiscHasNoErrorBar) {
-    const DiscProfile disc{12, 0.5};
-    // A disc exactly behind another.
-    const Image darkness = darkness_of({{32, 32}}, disc, 64, 0, 6);
-    JointFit fit(darkness, disc, 1);
-    for (int i = 0; i < 6; ++i) fit.add({32, 32});
-    const auto u = fit.uncertainties();
-    EXPECT_GT(u[0].error.x, 1.0);
+TEST(JointFit, WhatADiscExplainsIsKnownAgainWhenItsNeighboursMove) {
+    const DiscProfile disc{10, 1.2};
+    const auto truth = square_patch(9, 12, 20, 0.3);
+    const Image darkness = darkness_of(truth, disc, 140, 0.02, 7);
+    JointFit fit = started(darkness, truth, disc, 1, 0.5);
+    fit.explained();
+    fit.refine({});
+    std::vector<char> keep(truth.size(), 1);
+    keep[60] = 0;
+    fit.keep_only(keep);
+    fit.refine({});
+    const std::vector<double> kept = fit.explained();
+    for (std::size_t j = 0; j < kept.size(); ++j) {
+        const double fresh =
+            explained_misfit(fit.darkness(), fit.transmission(), fit.positions()[j], disc);
+        // What is kept may be as old as a path of 0.05 px.
+        EXPECT_NEAR(kept[j], fresh, 0.02 * fresh);
+    }
 }
 
 }  // namespace

@@ -1,0 +1,287 @@
+#include "tracking/detect/sphere_search.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <optional>
+
+#include "tracking/detect/local_maxima.h"
+
+namespace grainfield::tracking {
+namespace {
+
+constexpr int kLastRounds = 4;
+constexpr double kCandidateShare = 0.1;
+constexpr double kUnusual = 2;
+constexpr double kSameAgain = 0.25;  // [D]
+constexpr double kHalfSplit = 0.3;   // [D]
+
+/// RMS of the residual where the model is flat (clear background or core), outliers beyond four
+/// robust standard deviations left out; from evenly spaced rows, as many as a percent of accuracy
+/// needs.
+double flat_noise(const PaddedImage& darkness, const PaddedImage& transmission) {
+    constexpr double kSample = 6e4;
+    const double pixels = static_cast<double>(darkness.width()) * darkness.height();
+    const int stride = std::max(1, static_cast<int>(pixels / kSample));
+    std::vector<float> deviations;
+    for (int y = stride / 2; y < darkness.height(); y += stride) {
+        const float* d = darkness.row(y);
+        const float* t = transmission.row(y);
+        for (int x = 0; x < darkness.width(); ++x) {
+            if (t[x] > 0.995F || t[x] < 0.005F) deviations.push_back(std::abs(d[x] - 1.0F + t[x]));
+        }
+    }
+    if (deviations.size() < 100) return 0;
+    const auto middle = deviations.begin() + static_cast<std::ptrdiff_t>(deviations.size() / 2);
+    std::nth_element(deviations.begin(), middle, deviations.end());
+    const float widest = 4 * 1.4826F * *middle;
+    double sum = 0;
+    double n = 0;
+    for (const float d : deviations) {
+        if (d > widest) continue;
+        sum += static_cast<double>(d) * static_cast<double>(d);
+        n += 1;
+    }
+    return std::sqrt(sum / n);
+}
+
+/// Weakest first: discs that explain less than `threshold`, and the weaker of every pair nearer
+/// than `separation`. Neighbours of a disc that goes stay for this pass, since they may explain
+/// more now.
+std::vector<char> discs_to_keep(const JointFit& fit, const std::vector<double>& explained,
+                                double threshold, double separation) {
+    const std::vector<Vec2>& positions = fit.positions();
+    const int width = fit.darkness().width();
+    const int height = fit.darkness().height();
+    PointGrid all(width, height, separation);
+    for (std::size_t j = 0; j < positions.size(); ++j) {
+        all.add(positions[j], static_cast<std::uint32_t>(j));
+    }
+    std::vector<char> keep(positions.size(), 1);
+    const auto is_crowded = [&](std::uint32_t j) {
+        bool crowded = false;
+        all.near(positions[j], separation, [&](std::uint32_t other, Vec2) {
+            if (other != j && keep[other]) crowded = true;
+        });
+        return crowded;
+    };
+    std::vector<std::uint32_t> suspects;
+    for (std::uint32_t j = 0; j < positions.size(); ++j) {
+        if (explained[j] < threshold || is_crowded(j)) suspects.push_back(j);
+    }
+    std::sort(suspects.begin(), suspects.end(), [&](std::uint32_t a, std::uint32_t b) {
+        return explained[a] != explained[b] ? explained[a] < explained[b] : a < b;
+    });
+    const double influence = 2 * fit.disc().reach();
+    PointGrid gone(width, height, influence);
+    for (const std::uint32_t j : suspects) {
+        if (explained[j] >= threshold && !is_crowded(j)) continue;
+        if (gone.any(positions[j], influence)) continue;
+        keep[j] = 0;
+        gone.add(positions[j], j);
+    }
+    return keep;
+}
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+}  // namespace
+
+OptionTable describe(DetectionOptions& options) {
+    OptionTable table("detect");
+    table.number("cutoff", options.cutoff, "-", {1, 1000},
+                 "first candidates need 1/chi-squared above this");
+    table.number("separation", options.separation, "D", {0.05, 2},
+                 "two centres nearer than this are one sphere");
+    table.number("evidence", options.evidence, "-", {0, 1},
+                 "share of an isolated sphere's misfit that each sphere must explain");
+    table.number("border", options.border, "D", {0, 10},
+                 "centres nearer to the image border than this are not reported");
+    table.number("significance", options.significance, "sigma", {0, 1000},
+                 "evidence for a sphere in standard deviations of the noise");
+    table.integer("max-passes", options.max_passes, "-", {1, 1000},
+                  "most rounds of adding and removing spheres");
+    return table;
+}
+
+namespace {
+
+std::optional<std::uint32_t> nearest(const PointGrid& points, Vec2 p, double distance) {
+    std::optional<std::uint32_t> best;
+    double least = 0;
+    points.near(p, distance, [&](std::uint32_t index, Vec2 point) {
+        const double d = squared_norm(point - p);
+        if (best && (d > least || (d == least && index > *best))) return;
+        best = index;
+        least = d;
+    });
+    return best;
+}
+
+}  // namespace
+
+SphereSearch::SphereSearch(const Image& darkness, const DiscProfile& disc,
+                           DiscCorrelation& correlation, const DetectionOptions& options,
+                           int threads)
+    : options_(options),
+      disc_(disc),
+      correlation_(correlation),
+      fit_(darkness, disc, threads),
+      rejected_(darkness.width(), darkness.height(), kSameAgain * disc.diameter),
+      separation_(options.separation * disc.diameter) {}
+
+void SphereSearch::seed() {
+    const auto begin = Clock::now();
+    Image inverse = correlation_.chi_squared(fit_.darkness());
+    for (float& v : inverse.pixels()) v = 1.0F / std::max(v, 1e-3F);
+    const auto cutoff = static_cast<float>(options_.cutoff);
+    std::vector<Vec2> places;
+    for (const Peak& peak :
+         local_maxima(inverse, cutoff, 0.6 * disc_.diameter / correlation_.factor())) {
+        places.push_back(correlation_.in_frame(peak.position));
+    }
+    // Neighbours in the image become neighbours in memory.
+    const double band = 2 * disc_.diameter;
+    std::sort(places.begin(), places.end(), [&](Vec2 a, Vec2 b) {
+        const double row_a = std::floor(a.y / band);
+        const double row_b = std::floor(b.y / band);
+        return row_a != row_b ? row_a < row_b : a.x != b.x ? a.x < b.x : a.y < b.y;
+    });
+    for (const Vec2 p : places) fit_.add(p);
+    summary_.detect_seconds += seconds_since(begin);
+}
+
+std::int64_t SphereSearch::remove_unfounded() {
+    summary_.noise = flat_noise(fit_.darkness(), fit_.transmission());
+    const double noise2 = summary_.noise * summary_.noise;
+    threshold_ = std::max(options_.evidence * correlation_.full_gain(),
+                          options_.significance * options_.significance * noise2);
+    const std::vector<char> keep = discs_to_keep(fit_, fit_.explained(), threshold_, separation_);
+    std::int64_t removed = 0;
+    for (std::size_t j = 0; j < keep.size(); ++j) {
+        if (keep[j]) continue;
+        ++removed;
+        rejected_.add(fit_.positions()[j], 0);
+    }
+    if (removed > 0) fit_.keep_only(keep);
+    summary_.removed += removed;
+    return removed;
+}
+
+/// One disc may have settled halfway between two spheres. It is moved away from `place`, where
+/// another would explain much, and a second one is put on the other side.
+void SphereSearch::split(std::uint32_t j, Vec2 place) {
+    const Vec2 middle = fit_.positions()[j];
+    const Vec2 towards = place - middle;
+    const double length = norm(towards);
+    const Vec2 half = length > 0 ? (kHalfSplit * disc_.diameter / length) * towards
+                                 : Vec2{kHalfSplit * disc_.diameter, 0};
+    fit_.move(j, middle - half);
+    fit_.add(middle + half);
+}
+
+/// A disc can lower the misfit by no more than the misfit within its reach: where that is below
+/// what a candidate needs, there is none, and the map need not be computed.
+bool SphereSearch::may_be_missing(float least_gain) const {
+    const PaddedImage& darkness = fit_.darkness();
+    const int block = static_cast<int>(std::ceil(disc_.reach()));
+    const int columns = (darkness.width() + block - 1) / block;
+    // Two rows above the present one; a window of reach covers at most three blocks each way.
+    std::vector<double> above(static_cast<std::size_t>(columns) + 2, 0.0);
+    std::vector<double> before = above;
+    std::vector<float> sums(static_cast<std::size_t>(columns * block));
+    for (int top = 0; top < darkness.height() + block; top += block) {
+        std::fill(sums.begin(), sums.end(), 0.0F);
+        for (int y = top; y < std::min(darkness.height(), top + block); ++y) {
+            const float* d = darkness.row(y);
+            const float* t = fit_.transmission().row(y);
+            for (int x = 0; x < darkness.width(); ++x) {
+                const float r = d[x] - 1.0F + t[x];
+                sums[static_cast<std::size_t>(x)] += r * r;
+            }
+        }
+        std::vector<double> present(above.size(), 0.0);
+        for (int c = 0; c < columns; ++c) {
+            const auto first = sums.begin() + static_cast<std::ptrdiff_t>(c) * block;
+            present[static_cast<std::size_t>(c) + 1] = std::accumulate(first, first + block, 0.0);
+        }
+        for (std::size_t c = 1; c + 1 < present.size(); ++c) {
+            double window = 0;
+            for (const auto* row : {&above, &before, &present}) {
+                window += (*row)[c - 1] + (*row)[c] + (*row)[c + 1];
+            }
+            if (window >= static_cast<double>(least_gain)) return true;
+        }
+        above = std::move(before);
+        before = std::move(present);
+    }
+    return false;
+}
+
+std::int64_t SphereSearch::add_missing() {
+    // Where the model is not perfect, as on every real image, small gains are to be had anywhere.
+    const double rms = fit_.residual_rms();
+    const double usual = rms * rms * std::numbers::pi * disc_.reach() * disc_.reach();
+    const auto least_gain =
+        static_cast<float>(std::max(kCandidateShare * threshold_, kUnusual * usual));
+    if (!may_be_missing(least_gain)) {
+        ++summary_.maps_skipped;
+        return 0;
+    }
+    PointGrid present(fit_.darkness().width(), fit_.darkness().height(), separation_);
+    for (std::uint32_t j = 0; j < fit_.positions().size(); ++j) present.add(fit_.positions()[j], j);
+    std::vector<char> is_split(fit_.positions().size(), 0);
+    std::int64_t added = 0;
+    // Neighbours have moved to cover for a missing sphere, so its gain before they move back is
+    // only part of what it will explain; whoever disappoints is removed again, for good.
+    for (const Peak& peak :
+         local_maxima(correlation_.gain(fit_.darkness(), fit_.transmission()), least_gain,
+                      0.8 * disc_.diameter / correlation_.factor())) {
+        const Vec2 place = correlation_.in_frame(peak.position);
+        if (rejected_.any(place, kSameAgain * disc_.diameter)) continue;
+        const std::optional<std::uint32_t> blocker = nearest(present, place, separation_);
+        if (!blocker) {
+            fit_.add(place);
+        } else if (is_split[*blocker] == 0) {
+            split(*blocker, place);
+            is_split[*blocker] = 1;
+        } else {
+            continue;
+        }
+        ++added;
+    }
+    summary_.added += added;
+    return added;
+}
+
+void SphereSearch::run(const RefinementOptions& rough) {
+    summary_.settled_detection = false;
+    while (summary_.passes < options_.max_passes && !summary_.settled_detection) {
+        ++summary_.passes;
+        auto begin = Clock::now();
+        summary_.steps += fit_.refine(rough).steps;
+        summary_.refine_seconds += seconds_since(begin);
+        begin = Clock::now();
+        const std::int64_t removed = remove_unfounded();
+        summary_.settled_detection = add_missing() == 0 && removed == 0;
+        summary_.detect_seconds += seconds_since(begin);
+    }
+}
+
+void SphereSearch::finish(const RefinementOptions& refinement) {
+    for (int round = 0; round < kLastRounds; ++round) {
+        const auto begin = Clock::now();
+        const JointFit::Summary refined = fit_.refine(refinement);
+        summary_.unsettled = refined.unsettled;
+        summary_.steps += refined.steps;
+        summary_.refine_seconds += seconds_since(begin);
+        if (remove_unfounded() == 0) break;
+    }
+}
+
+}  // namespace grainfield::tracking

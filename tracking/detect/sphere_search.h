@@ -1,0 +1,81 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/frame.h"
+#include "core/option_table.h"
+#include "tracking/detect/disc_correlation.h"
+#include "tracking/point_grid.h"
+#include "tracking/refine/joint_fit.h"
+
+namespace grainfield::tracking {
+
+struct DetectionOptions {
+    double cutoff = 3;  ///< a first candidate needs 1/χ² above this [-]
+    /// Two centres nearer than this are one sphere [D]. In a cell of height L_z spheres cannot come
+    /// closer in projection than sqrt(a² − (L_z − a)²) = 0.34 a for L_z = 1.94 a.
+    double separation = 0.42;
+    /// A sphere must explain this share of the misfit that an isolated one explains [-]. On the
+    /// real frame spheres lie above 0.25 and doubtful ones below 0.15 (docs/tracking.md).
+    double evidence = 0.15;
+    double border = 0.25;     ///< centres nearer to the image border are not reported [D]
+    double significance = 6;  ///< … and this many standard deviations of the noise [-]
+    int max_passes = 12;      ///< most rounds of adding and removing spheres
+};
+
+OptionTable describe(DetectionOptions& options);
+
+/// The search for the spheres of one darkness image at one resolution.
+///
+/// Peaks of Shattuck's χ² start the scene; then, pass by pass, all positions are refined together,
+/// spheres that explain too little of the image are taken out, and the map of likelihood gain says
+/// where one more sphere would explain what is left. Hidden spheres of the other layer appear this
+/// way, from the residual of what covers them. Ends when a pass changes nothing.
+class SphereSearch {
+ public:
+    /// `correlation` must be made for the size of the image; both outlive the search.
+    SphereSearch(const Image& darkness, const DiscProfile& disc, DiscCorrelation& correlation,
+                 const DetectionOptions& options, int threads);
+
+    JointFit& fit() { return fit_; }
+
+    /// Puts a disc on every peak of 1/χ² above the cutoff.
+    void seed();
+
+    /// Passes until nothing changes.
+    void run(const RefinementOptions& rough);
+
+    /// Refines to the end. Two discs that come together then are one: the weaker one goes and its
+    /// neighbours settle.
+    void finish(const RefinementOptions& refinement);
+
+    struct Summary {
+        int passes = 0;
+        std::int64_t added = 0, removed = 0;
+        std::int64_t steps = 0;         ///< disc updates done
+        int maps_skipped = 0;           ///< maps of gain that the residual made needless
+        std::int64_t unsettled = 0;     ///< discs still moving after the last sweep
+        bool settled_detection = true;  ///< the last pass changed nothing
+        double noise = 0;               ///< robust RMS where the model is flat [contrast]
+        double detect_seconds = 0, refine_seconds = 0;
+    };
+    const Summary& summary() const { return summary_; }
+
+ private:
+    std::int64_t remove_unfounded();
+    void split(std::uint32_t j, Vec2 place);
+    bool may_be_missing(float least_gain) const;
+    std::int64_t add_missing();
+
+    DetectionOptions options_;
+    DiscProfile disc_;
+    DiscCorrelation& correlation_;
+    JointFit fit_;
+    PointGrid rejected_;    ///< places not to be tried again
+    double separation_;     ///< [px]
+    double threshold_ = 0;  ///< least misfit that a sphere must explain [contrast² px]
+    Summary summary_;
+};
+
+}  // namespace grainfield::tracking

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+
+#include "core/frame.h"
+#include "core/huge_pages.h"
+
+namespace grainfield::tracking {
+
+/// An image with a margin of constant pixels around it, so that kernels need not ask where it ends.
+class PaddedImage {
+ public:
+    /// Vectors may run this far beyond the margin.
+    static constexpr int kMostLanes = 16;
+
+    PaddedImage(int width, int height, int margin, float inside, float outside)
+        : width_(width),
+          height_(height),
+          margin_(margin),
+          stride_(static_cast<std::size_t>(width) +
+                  2 * static_cast<std::size_t>(margin + kMostLanes)),
+          pixels_(
+              stride_ * (static_cast<std::size_t>(height) + 2 * static_cast<std::size_t>(margin)),
+              outside) {
+        if (inside == outside) return;
+        for (int y = 0; y < height_; ++y) std::fill_n(row(y), width_, inside);
+    }
+    PaddedImage(const Image& image, int margin, float outside)
+        : PaddedImage(image.width(), image.height(), margin, outside, outside) {
+        for (int y = 0; y < height_; ++y) std::copy_n(image.row(y), width_, row(y));
+    }
+
+    int width() const { return width_; }
+    int height() const { return height_; }
+    int margin() const { return margin_; }
+
+    /// Pixel (0, y), y in [−margin, height + margin); x may run over [−margin, width + margin).
+    float* row(int y) { return pixels_.data() + offset(y); }
+    const float* row(int y) const { return pixels_.data() + offset(y); }
+    float operator()(int x, int y) const { return row(y)[x]; }
+
+    Image inner() const {
+        Image image(width_, height_);
+        for (int y = 0; y < height_; ++y) std::copy_n(row(y), width_, image.row(y));
+        return image;
+    }
+
+ private:
+    std::size_t offset(int y) const {
+        return static_cast<std::size_t>(y + margin_) * stride_ +
+               static_cast<std::size_t>(margin_ + kMostLanes);
+    }
+
+    int width_;
+    int height_;
+    int margin_;
+    std::size_t stride_;
+    HugeVector<float> pixels_;
+};
+
+}  // namespace grainfield::tracking
