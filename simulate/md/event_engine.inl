@@ -1,0 +1,233 @@
+// The body of EventEngine, for the files that instantiate it: windows and the loop over events.
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
+#include "simulate/md/event_engine.h"
+#include "simulate/md/event_engine_collisions.inl"
+#include "simulate/md/event_engine_predictions.inl"
+
+namespace grainfield::simulate {
+
+// Below this size all data stay in the second-level cache.
+constexpr std::size_t cached_grains = 20000;
+
+template <Tangential tangential, bool has_gravity, Plates plates>
+EventEngine<tangential, has_gravity, plates>::EventEngine(const MdSystem& system,
+                                                          const EngineOptions& options)
+    : system_(system), options_(options), plate_solver_(system), cells_(system) {
+    tile_.resize(1);
+}
+
+template <Tangential tangential, bool has_gravity, Plates plates>
+void EventEngine<tangential, has_gravity, plates>::load(const GrainState& state, double end) {
+    const std::size_t count = state.size();
+    grain_.resize(count);
+    plan_.resize(count);
+    if constexpr (has_spin) spin_.assign(state.spin.begin(), state.spin.end());
+    last_contact_ = state.last_contact;
+    std::fill(cells_.head.begin(), cells_.head.end(), -1);
+    for (std::size_t i = 0; i < count; ++i) {
+        const Vec3& r = state.position[i];
+        grain_[i] = {.r = r, .v = state.velocity[i], .t = 0, .next = -1, .events = 0};
+        Plan plan;
+        plan.cell = {static_cast<std::uint16_t>(cells_.coordinate(r.x, 0)),
+                     static_cast<std::uint16_t>(cells_.coordinate(r.y, 1)),
+                     static_cast<std::uint16_t>(cells_.coordinate(r.z, 2))};
+        plan.id = state.id[i];
+        plan_[i] = plan;
+    }
+    for (std::size_t i = count; i-- > 0;) link(static_cast<std::int32_t>(i));
+    fetch_ahead_ = count > cached_grains;
+    now_ = 0;
+    end_ = end;
+    total_ = {};
+    measure_overlap();
+    for (std::size_t i = 0; i < count; ++i) predict(static_cast<std::int32_t>(i));
+    for (Tile& tile : tile_) {
+        tile.ledger = {};
+        tile.taken = 0;
+    }
+    fill_calendar(tile_.front(), 0, end);
+}
+
+template <Tangential tangential, bool has_gravity, Plates plates>
+void EventEngine<tangential, has_gravity, plates>::fill_calendar(Tile& tile, double start,
+                                                                 double end) {
+    const double rate = rate_ > 0 ? rate_ : 20;
+    tile.calendar.reset(start, end, rate * (end - start) * static_cast<double>(grain_.size()));
+    for (std::size_t i = 0; i < grain_.size(); ++i) schedule(tile, static_cast<std::int32_t>(i));
+}
+
+template <Tangential tangential, bool has_gravity, Plates plates>
+void EventEngine<tangential, has_gravity, plates>::schedule(Tile& tile, std::int32_t i) {
+    const Plan& plan = plan_[static_cast<std::size_t>(i)];
+    if (plan.key < end_) tile.calendar.push(plan.key, plan.id, i);
+}
+
+template <Tangential tangential, bool has_gravity, Plates plates>
+void EventEngine<tangential, has_gravity, plates>::advance(double time) {
+    Tile& tile = tile_.front();
+    run(tile, time);
+    now_ = time;
+    total_ = {};
+    for (const Tile& each : tile_) total_.add(each.ledger);
+    if (time >= end_ && end_ > 0 && !grain_.empty()) {
+        rate_ = static_cast<double>(tile.taken) / (end_ * static_cast<double>(grain_.size()));
+        rate_ = std::max(rate_, 1.0);
+    }
+}
+
+template <Tangential tangential, bool has_gravity, Plates plates>
+void EventEngine<tangential, has_gravity, plates>::run(Tile& tile, double end) {
+    const auto entry_of = [this](std::int32_t i) {
+        const Plan& plan = plan_[static_cast<std::size_t>(i)];
+        return EventCalendar::Entry{plan.key, plan.id, i};
+    };
+    const auto fetch = [this, &tile](std::int32_t bucket) {
+        if (fetch_ahead_) look_ahead(tile, bucket);
+    };
+    while (const EventCalendar::Entry* entry = tile.calendar.front(entry_of, fetch)) {
+        if (entry->time >= end) break;
+        const std::int32_t i = entry->grain;
+        const double time = entry->time;
+        tile.calendar.pop();
+        ++tile.taken;
+        if (plan_[static_cast<std::size_t>(i)].key != time) continue;
+        execute(tile, i);
+    }
+}
+
+template <Tangential tangential, bool has_gravity, Plates plates>
+void EventEngine<tangential, has_gravity, plates>::execute(Tile& tile, std::int32_t i) {
+    const Plan& plan = plan_[static_cast<std::size_t>(i)];
+    if (plan.crossing < plan.collision) {
+        cross_cell(tile, i);
+    } else if (plan.partner >= 0) {
+        const Grain& partner = grain_[static_cast<std::size_t>(plan.partner)];
+        if (partner.events == plan.partner_events) {
+            collide_pair(tile, i);
+        } else {
+            ++tile.ledger.outdated;
+            predict(i);
+            schedule(tile, i);
+        }
+    } else if (plan.partner >= high_plate) {
+        if constexpr (plates != Plates::none) collide_plate(tile, i);
+    } else {
+        collide_wall(tile, i);
+    }
+}
+
+// Three buckets ahead: the grain and its plan; two: its cells and its partner; one: the grains
+// around it.
+template <Tangential tangential, bool has_gravity, Plates plates>
+void EventEngine<tangential, has_gravity, plates>::look_ahead(const Tile& tile,
+                                                              std::int32_t bucket) const {
+    tile.calendar.for_each(bucket + 3, [this](std::int32_t i) {
+        __builtin_prefetch(&grain_[static_cast<std::size_t>(i)], 1);
+        __builtin_prefetch(&plan_[static_cast<std::size_t>(i)], 1);
+        if constexpr (has_spin) __builtin_prefetch(&spin_[static_cast<std::size_t>(i)], 1);
+    });
+    const auto rows = [this](const Plan& plan, auto&& f) {
+        const std::size_t cell = cells_.index(plan.cell[0], plan.cell[1], plan.cell[2]);
+        const auto row = static_cast<std::size_t>(cells_.count[0]);
+        const std::size_t plane = row * static_cast<std::size_t>(cells_.count[1]);
+        const std::size_t low = cells_.count[2] > 1 && cell >= plane ? cell - plane : cell;
+        const std::size_t high = cells_.count[2] > 1 ? cell + plane : cell;
+        for (std::size_t c = low; c <= high; c += plane) {
+            f(c >= row ? c - row : c);
+            f(c);
+            f(c + row);
+        }
+    };
+    tile.calendar.for_each(bucket + 2, [this, &rows](std::int32_t i) {
+        const Plan& plan = plan_[static_cast<std::size_t>(i)];
+        if (plan.partner >= 0) {
+            __builtin_prefetch(&plan_[static_cast<std::size_t>(plan.partner)], 1);
+            if constexpr (has_spin) {
+                __builtin_prefetch(&spin_[static_cast<std::size_t>(plan.partner)], 1);
+            }
+        }
+        rows(plan, [this](std::size_t c) {
+            if (c < cells_.size()) __builtin_prefetch(&cells_.head[c]);
+        });
+    });
+    tile.calendar.for_each(bucket + 1, [this, &rows](std::int32_t i) {
+        const Plan& plan = plan_[static_cast<std::size_t>(i)];
+        rows(plan, [this](std::size_t c) {
+            if (c == 0 || c + 1 >= cells_.size()) return;
+            for (std::size_t k = c - 1; k <= c + 1; ++k) {
+                const std::int32_t first = cells_.head[k];
+                if (first >= 0) __builtin_prefetch(&grain_[static_cast<std::size_t>(first)], 1);
+            }
+        });
+    });
+}
+
+template <Tangential tangential, bool has_gravity, Plates plates>
+void EventEngine<tangential, has_gravity, plates>::store(double time, GrainState& state) const {
+    const bool has_contacts = !last_contact_.empty();
+    state.last_contact.resize(last_contact_.size());
+    state.resize(grain_.size());
+    for (std::size_t i = 0; i < grain_.size(); ++i) {
+        Vec3 r = grain_[i].r;
+        Vec3 v = grain_[i].v;
+        fly(r, v, time - grain_[i].t, has_gravity ? system_.gravity : 0);
+        const auto wrap = [](double x, double length) {
+            if (x < 0) x += length;
+            return x >= length ? x - length : x;
+        };
+        if (cells_.periodic[0]) r.x = wrap(r.x, cells_.length[0]);
+        if (cells_.periodic[1]) r.y = wrap(r.y, cells_.length[1]);
+        if (cells_.periodic[2]) r.z = wrap(r.z, cells_.length[2]);
+        state.position[i] = r;
+        state.velocity[i] = v;
+        state.spin[i] = has_spin ? spin_[i] : Vec3{};
+        state.id[i] = plan_[i].id;
+        if (has_contacts) state.last_contact[i] = last_contact_[i] - time;
+    }
+}
+
+template <Tangential tangential, bool has_gravity, Plates plates>
+std::size_t EventEngine<tangential, has_gravity, plates>::bytes() const {
+    std::size_t sum = grain_.capacity() * sizeof(Grain) + plan_.capacity() * sizeof(Plan) +
+                      spin_.capacity() * sizeof(Vec3) + last_contact_.capacity() * sizeof(double) +
+                      cells_.head.capacity() * sizeof(std::int32_t);
+    for (const Tile& tile : tile_) sum += tile.calendar.bytes();
+    return sum;
+}
+
+template <Tangential tangential, bool has_gravity, Plates plates>
+std::string EventEngine<tangential, has_gravity, plates>::policies() const {
+    const char* contact = tangential == Tangential::smooth     ? "smooth"
+                          : tangential == Tangential::sticking ? "sticking"
+                                                               : "Coulomb friction";
+    const char* walls = plates == Plates::none      ? "no plates"
+                        : plates == Plates::at_rest ? "plates at rest"
+                                                    : "vibrating plates";
+    return fmt::format("{}, {}, {}", contact, has_gravity ? "gravity" : "no gravity", walls);
+}
+
+template <Tangential tangential>
+std::unique_ptr<Engine> make_event_engine(const MdSystem& system, const EngineOptions& options) {
+    const bool gravity = system.gravity > 0;
+    if (system.vertical == Vertical::periodic) {
+        return std::make_unique<EventEngine<tangential, false, Plates::none>>(system, options);
+    }
+    if (system.is_vibrating() && gravity) {
+        return std::make_unique<EventEngine<tangential, true, Plates::vibrating>>(system, options);
+    }
+    if (system.is_vibrating()) {
+        return std::make_unique<EventEngine<tangential, false, Plates::vibrating>>(system, options);
+    }
+    if (gravity) {
+        return std::make_unique<EventEngine<tangential, true, Plates::at_rest>>(system, options);
+    }
+    return std::make_unique<EventEngine<tangential, false, Plates::at_rest>>(system, options);
+}
+
+}  // namespace grainfield::simulate
