@@ -2,8 +2,8 @@
 
 #include <array>
 #include <cstdint>
-#include <vector>
 
+#include "simulate/md/huge_pages.h"
 #include "simulate/md/md_system.h"
 
 namespace grainfield::simulate {
@@ -16,7 +16,7 @@ struct CellGrid {
     std::array<double, 3> width{1, 1, 1};  ///< [a]
     std::array<bool, 3> periodic{};
     std::array<double, 3> length{};
-    std::vector<std::int32_t> head;  ///< first grain of each cell, −1: none; x fastest
+    HugeVector<std::int32_t> head;  ///< first grain of each cell, −1: none; x fastest
 
     CellGrid() = default;
     explicit CellGrid(const MdSystem& system);

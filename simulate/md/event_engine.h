@@ -86,6 +86,8 @@ class EventEngine final : public Engine {
     double vertical_crossing(const Grain& grain, const Plan& plan, std::int8_t& direction) const;
     void schedule(Tile& tile, std::int32_t i);
     void look_ahead(const Tile& tile, std::int32_t bucket) const;
+    template <class F>
+    void for_each_row(std::int32_t i, F&& f) const;
     void link(std::int32_t i);
     void unlink(std::int32_t i);
     void count_event(std::int32_t i, double time);

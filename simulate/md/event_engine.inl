@@ -65,7 +65,7 @@ void EventEngine<tangential, has_gravity, plates>::fill_calendar(Tile& tile, dou
 template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::schedule(Tile& tile, std::int32_t i) {
     const Plan& plan = plan_[static_cast<std::size_t>(i)];
-    if (plan.key < end_) tile.calendar.push(plan.key, plan.id, i);
+    if (plan.key < end_) tile.calendar.push({plan.key, plan.id, i});
 }
 
 template <Tangential tangential, bool has_gravity, Plates plates>
@@ -83,14 +83,13 @@ void EventEngine<tangential, has_gravity, plates>::advance(double time) {
 
 template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::run(Tile& tile, double end) {
-    const auto entry_of = [this](std::int32_t i) {
-        const Plan& plan = plan_[static_cast<std::size_t>(i)];
-        return EventCalendar::Entry{plan.key, plan.id, i};
+    const auto time_of = [this](std::int32_t i) {
+        return plan_[static_cast<std::size_t>(i)].key;
     };
     const auto fetch = [this, &tile](std::int32_t bucket) {
         if (fetch_ahead_) look_ahead(tile, bucket);
     };
-    while (const EventCalendar::Entry* entry = tile.calendar.front(entry_of, fetch)) {
+    while (const EventCalendar::Entry* entry = tile.calendar.front(time_of, fetch)) {
         if (entry->time >= end) break;
         const std::int32_t i = entry->grain;
         const double time = entry->time;
@@ -122,50 +121,72 @@ void EventEngine<tangential, has_gravity, plates>::execute(Tile& tile, std::int3
     }
 }
 
-// Three buckets ahead: the grain and its plan; two: its cells and its partner; one: the grains
-// around it.
+// The data of coming events are fetched in stages, each of which needs what the one before it
+// brought: grain and plan; the partner's plan; the cells around both; the first grain of each of
+// these cells; those that share a cell.
 template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::look_ahead(const Tile& tile,
                                                               std::int32_t bucket) const {
+    tile.calendar.for_each(bucket + 5, [this](std::int32_t i) {
+        fetch_line(&grain_[static_cast<std::size_t>(i)]);
+        fetch_line(&plan_[static_cast<std::size_t>(i)]);
+        if constexpr (has_spin) fetch_line(&spin_[static_cast<std::size_t>(i)]);
+    });
+    tile.calendar.for_each(bucket + 4, [this](std::int32_t i) {
+        const std::int32_t partner = plan_[static_cast<std::size_t>(i)].partner;
+        if (partner < 0) return;
+        fetch_line(&plan_[static_cast<std::size_t>(partner)]);
+        if constexpr (has_spin) fetch_line(&spin_[static_cast<std::size_t>(partner)]);
+    });
     tile.calendar.for_each(bucket + 3, [this](std::int32_t i) {
-        __builtin_prefetch(&grain_[static_cast<std::size_t>(i)], 1);
-        __builtin_prefetch(&plan_[static_cast<std::size_t>(i)], 1);
-        if constexpr (has_spin) __builtin_prefetch(&spin_[static_cast<std::size_t>(i)], 1);
+        for_each_row(i, [this](std::size_t first, std::size_t last) {
+            fetch_line(&cells_.head[first]);
+            fetch_line(&cells_.head[last]);
+        });
     });
-    const auto rows = [this](const Plan& plan, auto&& f) {
-        const std::size_t cell = cells_.index(plan.cell[0], plan.cell[1], plan.cell[2]);
-        const auto row = static_cast<std::size_t>(cells_.count[0]);
-        const std::size_t plane = row * static_cast<std::size_t>(cells_.count[1]);
-        const std::size_t low = cells_.count[2] > 1 && cell >= plane ? cell - plane : cell;
-        const std::size_t high = cells_.count[2] > 1 ? cell + plane : cell;
-        for (std::size_t c = low; c <= high; c += plane) {
-            f(c >= row ? c - row : c);
-            f(c);
-            f(c + row);
-        }
+    // Without branches: an empty cell fetches grain 0 once more.
+    const auto line = [this](std::int32_t i) {
+        return &grain_[static_cast<std::size_t>(i < 0 ? 0 : i)];
     };
-    tile.calendar.for_each(bucket + 2, [this, &rows](std::int32_t i) {
-        const Plan& plan = plan_[static_cast<std::size_t>(i)];
-        if (plan.partner >= 0) {
-            __builtin_prefetch(&plan_[static_cast<std::size_t>(plan.partner)], 1);
-            if constexpr (has_spin) {
-                __builtin_prefetch(&spin_[static_cast<std::size_t>(plan.partner)], 1);
+    tile.calendar.for_each(bucket + 2, [this, &line](std::int32_t i) {
+        for_each_row(i, [this, &line](std::size_t first, std::size_t last) {
+            for (std::size_t c = first; c <= last; ++c) fetch_line(line(cells_.head[c]));
+        });
+    });
+    tile.calendar.for_each(bucket + 1, [this, &line](std::int32_t i) {
+        for_each_row(i, [this, &line](std::size_t first, std::size_t last) {
+            for (std::size_t c = first; c <= last; ++c) {
+                fetch_line(line(line(cells_.head[c])->next));
+            }
+        });
+    });
+}
+
+// The rows of cells around a grain and its partner, as indices of the first and the last cell.
+// Nothing for grains at the rim, nor twice for a pair that both partners have planned.
+template <Tangential tangential, bool has_gravity, Plates plates>
+template <class F>
+void EventEngine<tangential, has_gravity, plates>::for_each_row(std::int32_t i, F&& f) const {
+    const Plan& plan = plan_[static_cast<std::size_t>(i)];
+    if (!cells_.is_inside(plan.cell[0], plan.cell[1], plan.cell[2])) return;
+    std::array<int, 3> low{plan.cell[0], plan.cell[1], plan.cell[2]};
+    std::array<int, 3> high = low;
+    if (plan.partner >= 0) {
+        const Plan& other = plan_[static_cast<std::size_t>(plan.partner)];
+        if (other.partner == i && plan.partner < i) return;
+        if (cells_.is_inside(other.cell[0], other.cell[1], other.cell[2])) {
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                low[axis] = std::min<int>(low[axis], other.cell[axis]);
+                high[axis] = std::max<int>(high[axis], other.cell[axis]);
             }
         }
-        rows(plan, [this](std::size_t c) {
-            if (c < cells_.size()) __builtin_prefetch(&cells_.head[c]);
-        });
-    });
-    tile.calendar.for_each(bucket + 1, [this, &rows](std::int32_t i) {
-        const Plan& plan = plan_[static_cast<std::size_t>(i)];
-        rows(plan, [this](std::size_t c) {
-            if (c == 0 || c + 1 >= cells_.size()) return;
-            for (std::size_t k = c - 1; k <= c + 1; ++k) {
-                const std::int32_t first = cells_.head[k];
-                if (first >= 0) __builtin_prefetch(&grain_[static_cast<std::size_t>(first)], 1);
-            }
-        });
-    });
+    }
+    const int deep = cells_.count[2] > 1 ? 1 : 0;
+    for (int z = low[2] - deep; z <= high[2] + deep; ++z) {
+        for (int y = low[1] - 1; y <= high[1] + 1; ++y) {
+            f(cells_.index(low[0] - 1, y, z), cells_.index(high[0] + 1, y, z));
+        }
+    }
 }
 
 template <Tangential tangential, bool has_gravity, Plates plates>
