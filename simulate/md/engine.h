@@ -16,6 +16,16 @@ struct EngineOptions {
     double event_limit = 1e6;              ///< events of one grain in a window that mean collapse
 };
 
+/// Energies and mean squares of all grains at one instant.
+struct Energies {
+    double horizontal = 0;  ///< ½ Σ (v_x² + v_y²) [m g a]
+    double vertical = 0;    ///< ½ Σ v_z²
+    double rotational = 0;  ///< ½ I Σ ω²
+    double potential = 0;   ///< Σ g z
+
+    double total() const { return horizontal + vertical + rotational + potential; }
+};
+
 /// Event-driven molecular dynamics of one MdSystem (docs/md.md).
 ///
 /// Between two calls of load() lies a *window*: times count from its beginning and every grain
@@ -35,6 +45,9 @@ class Engine {
 
     /// All grains flown to `time`, which no event may separate from the present; changes nothing.
     virtual void store(double time, GrainState& state) const = 0;
+
+    /// The same of all grains, compensated sums.
+    virtual Energies energies(double time) const = 0;
 
     /// What happened since load().
     virtual const Ledger& ledger() const = 0;

@@ -62,6 +62,7 @@ class EventEngine final : public Engine {
     void load(const GrainState& state, double end) override;
     void advance(double time) override;
     void store(double time, GrainState& state) const override;
+    Energies energies(double time) const override;
     const Ledger& ledger() const override { return total_; }
     double max_overlap() const override { return max_overlap_; }
     std::size_t bytes() const override;

@@ -214,6 +214,36 @@ void EventEngine<tangential, has_gravity, plates>::store(double time, GrainState
 }
 
 template <Tangential tangential, bool has_gravity, Plates plates>
+Energies EventEngine<tangential, has_gravity, plates>::energies(double time) const {
+    // Neumaier's sum: an audit to 1e-10 over 1e7 events leaves no room for the rounding of N terms.
+    struct Sum {
+        double sum = 0;
+        double rest = 0;
+        void add(double x) {
+            const double t = sum + x;
+            rest += std::abs(sum) >= std::abs(x) ? (sum - t) + x : (x - t) + sum;
+            sum = t;
+        }
+    };
+    Sum horizontal;
+    Sum vertical;
+    Sum rotational;
+    Sum potential;
+    const double g = has_gravity ? system_.gravity : 0;
+    for (std::size_t i = 0; i < grain_.size(); ++i) {
+        Vec3 r = grain_[i].r;
+        Vec3 v = grain_[i].v;
+        fly(r, v, time - grain_[i].t, g);
+        horizontal.add(0.5 * (v.x * v.x + v.y * v.y));
+        vertical.add(0.5 * v.z * v.z);
+        if constexpr (has_spin) rotational.add(0.05 * squared_norm(spin_[i]));
+        if constexpr (has_gravity) potential.add(g * r.z);
+    }
+    return {horizontal.sum + horizontal.rest, vertical.sum + vertical.rest,
+            rotational.sum + rotational.rest, potential.sum + potential.rest};
+}
+
+template <Tangential tangential, bool has_gravity, Plates plates>
 std::size_t EventEngine<tangential, has_gravity, plates>::bytes() const {
     std::size_t sum = grain_.capacity() * sizeof(Grain) + plan_.capacity() * sizeof(Plan) +
                       spin_.capacity() * sizeof(Vec3) + last_contact_.capacity() * sizeof(double) +
