@@ -36,7 +36,8 @@ class Engine {
     virtual ~Engine() = default;
 
     /// Starts a window with this state at time 0, at which the plates pass their mean position
-    /// upwards. `end`: longest time that advance() will be asked for.
+    /// upwards. `end`: longest time that advance() will be asked for. The state must stay as it is
+    /// until the window ends.
     virtual void load(const GrainState& state, double end) = 0;
 
     /// Executes all events up to `time` (of the window). Throws PhysicsError naming pair and time

@@ -39,13 +39,24 @@ struct Plan {
     std::int32_t id = 0;
 };
 
-/// What one strip of cell rows needs for itself.
+/// What a tile may rely on: everything is its own; or its rim is unknown (core of a strip); or all
+/// others are done (the seam between two cores).
+enum class TileKind { whole, core, seam };
+
+/// A strip of cell rows worked on by one thread, with what it needs for itself.
 struct Tile {
+    TileKind kind = TileKind::whole;
     EventCalendar calendar;
     Ledger ledger;
+    std::int64_t taken = 0;  ///< entries taken from the calendar, for its bucket width
+    double now = 0;
+    double end = 0;          ///< events from here on are left to later
     int first_row = 0;
     int end_row = 0;
-    std::int64_t taken = 0;  ///< entries taken from the calendar, for its bucket width
+    int low_front = 0;   ///< highest row that the unknown reached from below
+    int high_front = 0;  ///< lowest row that it reached from above
+    std::vector<std::int32_t> unknown;
+    bool is_violated = false;  ///< a grain was faster than the front
 };
 
 /// The engine for one combination of policies (docs/md.md).
@@ -72,6 +83,24 @@ class EventEngine final : public Engine {
     static constexpr bool has_spin = tangential != Tangential::smooth;
 
     void fill_calendar(Tile& tile, double start, double end);
+    void predict_all();
+    void start_whole(double start);
+
+    // Strips (event_engine_strips.inl).
+    int strip_count() const;
+    void advance_strips(double time);
+    double greatest_speed(double time) const;
+    void run_cores(double start, double end, int strips);
+    void run_core(Tile& tile, double start, double end);
+    bool run_seams(double start, double end, int strips);
+    void run_seam(Tile& tile, double end);
+    void lose(Tile& tile, std::int32_t i);
+    void loses_neighbours(Tile& tile, std::int32_t lost);
+    double time_lost(const Tile& tile, std::int32_t i) const;
+    double time_reached(std::int32_t i, std::int32_t lost, double now) const;
+    bool is_known(std::int32_t i) const {
+        return lost_at_.empty() || lost_at_[static_cast<std::size_t>(i)] == never;
+    }
     void run(Tile& tile, double end);
     void execute(Tile& tile, std::int32_t i);
     void collide_pair(Tile& tile, std::int32_t i);
@@ -82,19 +111,22 @@ class EventEngine final : public Engine {
     void consider_cell(const Grain& grain, Plan& plan, std::int32_t first, const Vec3& shift) const;
     void consider_around(const Grain& grain, Plan& plan, const std::array<int, 3>& low,
                          const std::array<int, 3>& high) const;
+    template <class F>
+    void for_each_image(const std::array<int, 3>& low, const std::array<int, 3>& high,
+                        F&& f) const;
     void consider_side_walls(const Grain& grain, Plan& plan) const;
     void plan_crossing(const Grain& grain, Plan& plan) const;
     double vertical_crossing(const Grain& grain, const Plan& plan, std::int8_t& direction) const;
     void schedule(Tile& tile, std::int32_t i);
     void look_ahead(const Tile& tile, std::int32_t bucket) const;
     template <class F>
-    void for_each_row(std::int32_t i, F&& f) const;
+    void for_each_row(const Tile& tile, std::int32_t i, F&& f) const;
     void link(std::int32_t i);
     void unlink(std::int32_t i);
     void count_event(std::int32_t i, double time);
     double restitution_of(const ContactLaw& law, Tile& tile, std::int32_t i, std::int32_t j,
                           double time);
-    void measure_overlap();
+    double overlap_of(std::size_t i) const;
     [[noreturn]] void report_collapse(std::int32_t i, double time) const;
 
     MdSystem system_;
@@ -105,7 +137,15 @@ class EventEngine final : public Engine {
     HugeVector<Plan> plan_;
     HugeVector<Vec3> spin_;
     std::vector<double> last_contact_;
-    std::vector<Tile> tile_;
+    std::vector<Tile> tile_;  ///< one; or all cores, then all seams
+    const GrainState* loaded_ = nullptr;
+    bool is_whole_ = true;
+    std::vector<double> lost_at_;    ///< since when a grain is unknown to its core; strips only
+    std::vector<double> loses_at_;   ///< when that will happen as things stand
+    double front_start_ = 0;
+    double front_speed_ = 0;
+    double front_margin_ = 0;
+    std::int64_t fallbacks_ = 0;  ///< windows that had to be done again with one queue
     Ledger total_;
     double now_ = 0;
     double end_ = 0;

@@ -6,9 +6,11 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "core/parallel.h"
 #include "simulate/md/event_engine.h"
 #include "simulate/md/event_engine_collisions.inl"
 #include "simulate/md/event_engine_predictions.inl"
+#include "simulate/md/event_engine_strips.inl"
 
 namespace grainfield::simulate {
 
@@ -44,40 +46,87 @@ void EventEngine<tangential, has_gravity, plates>::load(const GrainState& state,
     fetch_ahead_ = count > cached_grains;
     now_ = 0;
     end_ = end;
+    loaded_ = &state;
     total_ = {};
-    measure_overlap();
-    for (std::size_t i = 0; i < count; ++i) predict(static_cast<std::int32_t>(i));
     for (Tile& tile : tile_) {
         tile.ledger = {};
         tile.taken = 0;
     }
-    fill_calendar(tile_.front(), 0, end);
+    predict_all();
+    is_whole_ = strip_count() < 2;
+    if (is_whole_) start_whole(0);
+}
+
+template <Tangential tangential, bool has_gravity, Plates plates>
+void EventEngine<tangential, has_gravity, plates>::predict_all() {
+    constexpr std::size_t chunk = 4096;
+    const std::size_t count = grain_.size();
+    const auto chunks = static_cast<std::int64_t>((count + chunk - 1) / chunk);
+    std::vector<double> overlap(static_cast<std::size_t>(chunks), 0);
+    parallel_for(chunks, options_.threads, [&](std::int64_t c) {
+        const auto k = static_cast<std::size_t>(c);
+        for (std::size_t i = k * chunk; i < std::min(count, (k + 1) * chunk); ++i) {
+            overlap[k] = std::max(overlap[k], overlap_of(i));
+            predict(static_cast<std::int32_t>(i));
+        }
+    });
+    max_overlap_ = 0;
+    for (const double o : overlap) max_overlap_ = std::max(max_overlap_, o);
+}
+
+template <Tangential tangential, bool has_gravity, Plates plates>
+void EventEngine<tangential, has_gravity, plates>::start_whole(double start) {
+    is_whole_ = true;
+    lost_at_.clear();
+    Tile& tile = tile_.front();
+    tile.kind = TileKind::whole;
+    fill_calendar(tile, start, end_);
+    for (std::size_t i = 0; i < grain_.size(); ++i) schedule(tile, static_cast<std::int32_t>(i));
 }
 
 template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::fill_calendar(Tile& tile, double start,
                                                                  double end) {
     const double rate = rate_ > 0 ? rate_ : 20;
-    tile.calendar.reset(start, end, rate * (end - start) * static_cast<double>(grain_.size()));
-    for (std::size_t i = 0; i < grain_.size(); ++i) schedule(tile, static_cast<std::int32_t>(i));
+    const double share = tile.kind == TileKind::whole ? 1 : 2.0 / static_cast<double>(tile_.size());
+    tile.end = end;
+    tile.calendar.reset(start, end,
+                        rate * share * (end - start) * static_cast<double>(grain_.size()));
 }
 
 template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::schedule(Tile& tile, std::int32_t i) {
-    const Plan& plan = plan_[static_cast<std::size_t>(i)];
-    if (plan.key < end_) tile.calendar.push({plan.key, plan.id, i});
+    Plan& plan = plan_[static_cast<std::size_t>(i)];
+    if (tile.kind == TileKind::core) {
+        const double lost = time_lost(tile, i);
+        loses_at_[static_cast<std::size_t>(i)] = lost;
+        plan.key = std::min(plan.key, lost);
+    }
+    if (tile.kind != TileKind::whole) {
+        const Vec3& v = grain_[static_cast<std::size_t>(i)].v;
+        const double bound = front_speed_ - front_margin_;
+        if (squared_norm(v) > bound * bound) tile.is_violated = true;
+    }
+    if (plan.key < tile.end) tile.calendar.push({plan.key, plan.id, i});
 }
 
 template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::advance(double time) {
-    Tile& tile = tile_.front();
-    run(tile, time);
+    if (is_whole_) {
+        run(tile_.front(), time);
+    } else {
+        advance_strips(time);
+    }
     now_ = time;
     total_ = {};
-    for (const Tile& each : tile_) total_.add(each.ledger);
+    std::int64_t taken = 0;
+    for (const Tile& tile : tile_) {
+        total_.add(tile.ledger);
+        taken += tile.taken;
+    }
     if (time >= end_ && end_ > 0 && !grain_.empty()) {
-        rate_ = static_cast<double>(tile.taken) / (end_ * static_cast<double>(grain_.size()));
-        rate_ = std::max(rate_, 1.0);
+        rate_ = std::max(static_cast<double>(taken) / (end_ * static_cast<double>(grain_.size())),
+                         1.0);
     }
 }
 
@@ -96,6 +145,14 @@ void EventEngine<tangential, has_gravity, plates>::run(Tile& tile, double end) {
         tile.calendar.pop();
         ++tile.taken;
         if (plan_[static_cast<std::size_t>(i)].key != time) continue;
+        tile.now = time;
+        if (tile.kind == TileKind::core) {
+            if (!is_known(i)) continue;
+            if (loses_at_[static_cast<std::size_t>(i)] == time) {
+                lose(tile, i);
+                continue;
+            }
+        }
         execute(tile, i);
     }
 }
@@ -108,6 +165,7 @@ void EventEngine<tangential, has_gravity, plates>::execute(Tile& tile, std::int3
     } else if (plan.partner >= 0) {
         const Grain& partner = grain_[static_cast<std::size_t>(plan.partner)];
         if (partner.events == plan.partner_events) {
+            if (tile.kind == TileKind::seam && is_known(plan.partner)) tile.is_violated = true;
             collide_pair(tile, i);
         } else {
             ++tile.ledger.outdated;
@@ -138,8 +196,8 @@ void EventEngine<tangential, has_gravity, plates>::look_ahead(const Tile& tile,
         fetch_line(&plan_[static_cast<std::size_t>(partner)]);
         if constexpr (has_spin) fetch_line(&spin_[static_cast<std::size_t>(partner)]);
     });
-    tile.calendar.for_each(bucket + 3, [this](std::int32_t i) {
-        for_each_row(i, [this](std::size_t first, std::size_t last) {
+    tile.calendar.for_each(bucket + 3, [this, &tile](std::int32_t i) {
+        for_each_row(tile, i, [this](std::size_t first, std::size_t last) {
             fetch_line(&cells_.head[first]);
             fetch_line(&cells_.head[last]);
         });
@@ -148,13 +206,13 @@ void EventEngine<tangential, has_gravity, plates>::look_ahead(const Tile& tile,
     const auto line = [this](std::int32_t i) {
         return &grain_[static_cast<std::size_t>(i < 0 ? 0 : i)];
     };
-    tile.calendar.for_each(bucket + 2, [this, &line](std::int32_t i) {
-        for_each_row(i, [this, &line](std::size_t first, std::size_t last) {
+    tile.calendar.for_each(bucket + 2, [this, &tile, &line](std::int32_t i) {
+        for_each_row(tile, i, [this, &line](std::size_t first, std::size_t last) {
             for (std::size_t c = first; c <= last; ++c) fetch_line(line(cells_.head[c]));
         });
     });
-    tile.calendar.for_each(bucket + 1, [this, &line](std::int32_t i) {
-        for_each_row(i, [this, &line](std::size_t first, std::size_t last) {
+    tile.calendar.for_each(bucket + 1, [this, &tile, &line](std::int32_t i) {
+        for_each_row(tile, i, [this, &line](std::size_t first, std::size_t last) {
             for (std::size_t c = first; c <= last; ++c) {
                 fetch_line(line(line(cells_.head[c])->next));
             }
@@ -166,8 +224,14 @@ void EventEngine<tangential, has_gravity, plates>::look_ahead(const Tile& tile,
 // Nothing for grains at the rim, nor twice for a pair that both partners have planned.
 template <Tangential tangential, bool has_gravity, Plates plates>
 template <class F>
-void EventEngine<tangential, has_gravity, plates>::for_each_row(std::int32_t i, F&& f) const {
+void EventEngine<tangential, has_gravity, plates>::for_each_row(const Tile& tile, std::int32_t i,
+                                                               F&& f) const {
     const Plan& plan = plan_[static_cast<std::size_t>(i)];
+    // Near the rim of a core, partner and cells may belong to another thread.
+    if (tile.kind == TileKind::core &&
+        (plan.cell[1] < tile.first_row + 3 || plan.cell[1] + 3 >= tile.end_row)) {
+        return;
+    }
     if (!cells_.is_inside(plan.cell[0], plan.cell[1], plan.cell[2])) return;
     std::array<int, 3> low{plan.cell[0], plan.cell[1], plan.cell[2]};
     std::array<int, 3> high = low;
@@ -247,7 +311,8 @@ template <Tangential tangential, bool has_gravity, Plates plates>
 std::size_t EventEngine<tangential, has_gravity, plates>::bytes() const {
     std::size_t sum = grain_.capacity() * sizeof(Grain) + plan_.capacity() * sizeof(Plan) +
                       spin_.capacity() * sizeof(Vec3) + last_contact_.capacity() * sizeof(double) +
-                      cells_.head.capacity() * sizeof(std::int32_t);
+                      cells_.head.capacity() * sizeof(std::int32_t) +
+                      (lost_at_.capacity() + loses_at_.capacity()) * sizeof(double);
     for (const Tile& tile : tile_) sum += tile.calendar.bytes();
     return sum;
 }

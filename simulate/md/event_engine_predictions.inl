@@ -62,42 +62,50 @@ inline void EventEngine<tangential, has_gravity, plates>::consider_cell(const Gr
     }
 }
 
-// Cells low … high, wrapped around periodic axes with the shift of the image, cut at walls.
 template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::consider_around(
     const Grain& grain, Plan& plan, const std::array<int, 3>& low,
     const std::array<int, 3>& high) const {
+    for_each_image(low, high, [&](std::int32_t first, const Vec3& shift) {
+        consider_cell(grain, plan, first, shift);
+    });
+}
+
+// f(first grain, shift) for cells low … high, at most five an axis, wrapped around periodic axes
+// with the shift of the image, cut at walls.
+template <Tangential tangential, bool has_gravity, Plates plates>
+template <class F>
+void EventEngine<tangential, has_gravity, plates>::for_each_image(const std::array<int, 3>& low,
+                                                                  const std::array<int, 3>& high,
+                                                                  F&& f) const {
     struct Image {
         int cell;
         double shift;
     };
-    const auto images = [this, &low, &high](std::size_t axis, std::array<Image, 3>& image) {
-        int count = 0;
+    const auto images = [this, &low, &high](std::size_t axis, std::array<Image, 5>& image) {
+        std::size_t count = 0;
         const int n = cells_.count[axis];
         for (int c = low[axis]; c <= high[axis]; ++c) {
             if (c >= 0 && c < n) {
-                image[static_cast<std::size_t>(count++)] = {c, 0};
+                image[count++] = {c, 0};
             } else if (cells_.periodic[axis]) {
                 const double shift = c < 0 ? -cells_.length[axis] : cells_.length[axis];
-                image[static_cast<std::size_t>(count++)] = {c < 0 ? c + n : c - n, shift};
+                image[count++] = {c < 0 ? c + n : c - n, shift};
             }
         }
         return count;
     };
-    std::array<Image, 3> xs{};
-    std::array<Image, 3> ys{};
-    std::array<Image, 3> zs{};
-    const int nx = images(0, xs);
-    const int ny = images(1, ys);
-    const int nz = images(2, zs);
-    for (int c = 0; c < nz; ++c) {
-        const Image& z = zs[static_cast<std::size_t>(c)];
-        for (int b = 0; b < ny; ++b) {
-            const Image& y = ys[static_cast<std::size_t>(b)];
-            for (int a = 0; a < nx; ++a) {
-                const Image& x = xs[static_cast<std::size_t>(a)];
-                consider_cell(grain, plan, cells_.head[cells_.index(x.cell, y.cell, z.cell)],
-                              {x.shift, y.shift, z.shift});
+    std::array<Image, 5> xs{};
+    std::array<Image, 5> ys{};
+    std::array<Image, 5> zs{};
+    const std::size_t nx = images(0, xs);
+    const std::size_t ny = images(1, ys);
+    const std::size_t nz = images(2, zs);
+    for (std::size_t c = 0; c < nz; ++c) {
+        for (std::size_t b = 0; b < ny; ++b) {
+            for (std::size_t a = 0; a < nx; ++a) {
+                f(cells_.head[cells_.index(xs[a].cell, ys[b].cell, zs[c].cell)],
+                  Vec3{xs[a].shift, ys[b].shift, zs[c].shift});
             }
         }
     }
@@ -190,57 +198,29 @@ double EventEngine<tangential, has_gravity, plates>::vertical_crossing(
     return v < 0 ? 2 * down / (root - v) : (v + root) / g;
 }
 
+// Deepest overlap of grain i with what is around it; all grains are at the same time.
 template <Tangential tangential, bool has_gravity, Plates plates>
-void EventEngine<tangential, has_gravity, plates>::measure_overlap() {
+double EventEngine<tangential, has_gravity, plates>::overlap_of(std::size_t i) const {
+    const Vec3& r = grain_[i].r;
+    const auto& cell = plan_[i].cell;
     double least = 1;
-    for (std::size_t i = 0; i < grain_.size(); ++i) {
-        const auto& cell = plan_[i].cell;
-        for (int z = -1; z <= 1; ++z) {
-            for (int y = -1; y <= 1; ++y) {
-                for (int x = -1; x <= 1; ++x) {
-                    const std::array<int, 3> offset{x, y, z};
-                    std::array<int, 3> other{};
-                    Vec3 shift;
-                    bool exists = true;
-                    for (std::size_t axis = 0; axis < 3; ++axis) {
-                        int c = cell[axis] + offset[axis];
-                        const int n = cells_.count[axis];
-                        double& s = axis == 0 ? shift.x : (axis == 1 ? shift.y : shift.z);
-                        if (c < 0 || c >= n) {
-                            exists = exists && cells_.periodic[axis];
-                            s = c < 0 ? -cells_.length[axis] : cells_.length[axis];
-                            c = c < 0 ? c + n : c - n;
-                        }
-                        other[axis] = c;
-                    }
-                    if (!exists) continue;
-                    for (std::int32_t j = cells_.head[cells_.index(other[0], other[1], other[2])];
-                         j >= 0; j = grain_[static_cast<std::size_t>(j)].next) {
-                        if (static_cast<std::size_t>(j) <= i) continue;
-                        const Vec3 d = grain_[static_cast<std::size_t>(j)].r + shift - grain_[i].r;
-                        least = std::min(least, squared_norm(d));
-                    }
-                }
-            }
+    const auto compare = [&](std::int32_t first, const Vec3& shift) {
+        for (std::int32_t j = first; j >= 0; j = grain_[static_cast<std::size_t>(j)].next) {
+            if (static_cast<std::size_t>(j) <= i) continue;
+            const Vec3 d = grain_[static_cast<std::size_t>(j)].r + shift - r;
+            least = std::min(least, squared_norm(d));
         }
-    }
-    max_overlap_ = 1 - std::sqrt(least);
+    };
+    const std::array<int, 3> low{cell[0] - 1, cell[1] - 1, cell[2] - 1};
+    const std::array<int, 3> high{cell[0] + 1, cell[1] + 1, cell[2] + 1};
+    for_each_image(low, high, compare);
+    double overlap = 1 - std::sqrt(least);
     if constexpr (plates != Plates::none) {
-        for (const Grain& grain : grain_) {
-            max_overlap_ = std::max({max_overlap_, 0.5 - grain.r.z,
-                                     grain.r.z + 0.5 - plate_solver_.height});
-        }
+        overlap = std::max({overlap, 0.5 - r.z, r.z + 0.5 - plate_solver_.height});
     }
-    for (const Grain& grain : grain_) {
-        if (system_.walls_x) {
-            max_overlap_ = std::max({max_overlap_, 0.5 - grain.r.x,
-                                     grain.r.x + 0.5 - cells_.length[0]});
-        }
-        if (system_.walls_y) {
-            max_overlap_ = std::max({max_overlap_, 0.5 - grain.r.y,
-                                     grain.r.y + 0.5 - cells_.length[1]});
-        }
-    }
+    if (system_.walls_x) overlap = std::max({overlap, 0.5 - r.x, r.x + 0.5 - cells_.length[0]});
+    if (system_.walls_y) overlap = std::max({overlap, 0.5 - r.y, r.y + 0.5 - cells_.length[1]});
+    return overlap;
 }
 
 }  // namespace grainfield::simulate
