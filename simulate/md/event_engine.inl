@@ -6,11 +6,11 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
-#include "core/parallel.h"
 #include "simulate/md/event_engine.h"
 #include "simulate/md/event_engine_collisions.inl"
 #include "simulate/md/event_engine_predictions.inl"
 #include "simulate/md/event_engine_strips.inl"
+#include "simulate/md/team.h"
 
 namespace grainfield::simulate {
 
@@ -63,7 +63,7 @@ void EventEngine<tangential, has_gravity, plates>::predict_all() {
     const std::size_t count = grain_.size();
     const auto chunks = static_cast<std::int64_t>((count + chunk - 1) / chunk);
     std::vector<double> overlap(static_cast<std::size_t>(chunks), 0);
-    parallel_for(chunks, options_.threads, [&](std::int64_t c) {
+    on_team(chunks, options_.threads, [&](std::int64_t c) {
         const auto k = static_cast<std::size_t>(c);
         for (std::size_t i = k * chunk; i < std::min(count, (k + 1) * chunk); ++i) {
             overlap[k] = std::max(overlap[k], overlap_of(i));

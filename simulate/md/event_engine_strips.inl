@@ -9,8 +9,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/parallel.h"
 #include "simulate/md/event_engine.h"
+#include "simulate/md/team.h"
 
 namespace grainfield::simulate {
 
@@ -25,7 +25,7 @@ template <Tangential tangential, bool has_gravity, Plates plates>
 int EventEngine<tangential, has_gravity, plates>::strip_count() const {
     if (grain_.empty()) return 1;
     int wanted = options_.tiles;
-    if (wanted == 0) wanted = options_.threads > 1 ? 2 * options_.threads : 1;
+    if (wanted == 0) wanted = options_.threads > 1 ? options_.threads : 1;
     return std::min(wanted, cells_.count[1] / least_rows);
 }
 
@@ -35,7 +35,7 @@ double EventEngine<tangential, has_gravity, plates>::greatest_speed(double time)
     const std::size_t count = grain_.size();
     const auto chunks = static_cast<std::int64_t>((count + chunk - 1) / chunk);
     std::vector<double> greatest(static_cast<std::size_t>(chunks), 0);
-    parallel_for(chunks, options_.threads, [&](std::int64_t c) {
+    on_team(chunks, options_.threads, [&](std::int64_t c) {
         const auto k = static_cast<std::size_t>(c);
         for (std::size_t i = k * chunk; i < std::min(count, (k + 1) * chunk); ++i) {
             Vec3 v = grain_[i].v;
@@ -90,7 +90,7 @@ void EventEngine<tangential, has_gravity, plates>::run_cores(double start, doubl
         tile.first_row = s * cells_.count[1] / strips;
         tile.end_row = (s + 1) * cells_.count[1] / strips;
     }
-    parallel_for(strips, options_.threads, [&](std::int64_t s) {
+    on_team(strips, options_.threads, [&](std::int64_t s) {
         run_core(tile_[static_cast<std::size_t>(s)], start, end);
     });
 }
@@ -149,7 +149,7 @@ bool EventEngine<tangential, has_gravity, plates>::run_seams(double start, doubl
             tile_[n + seam].unknown.push_back(i);
         }
     }
-    parallel_for(is_apart ? strips : 1, options_.threads, [&](std::int64_t s) {
+    on_team(is_apart ? strips : 1, options_.threads, [&](std::int64_t s) {
         run_seam(tile_[n + static_cast<std::size_t>(s)], end);
     });
     for (std::size_t s = 0; s < n; ++s) {
