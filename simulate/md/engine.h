@@ -36,7 +36,7 @@ class Engine {
     virtual ~Engine() = default;
 
     /// Starts a window with this state at time 0, at which the plates pass their mean position
-    /// upwards. `end`: longest time that advance() will be asked for. The state must stay as it is
+    /// upwards: where plates vibrate, windows must last whole periods. `end`: longest time that advance() will be asked for. The state must stay as it is
     /// until the window ends.
     virtual void load(const GrainState& state, double end) = 0;
 

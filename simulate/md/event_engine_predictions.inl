@@ -148,7 +148,10 @@ void EventEngine<tangential, has_gravity, plates>::plan_crossing(const Grain& gr
         if (!cells_.periodic[a] && (up ? plan.cell[a] + 1 == cells_.count[a] : plan.cell[a] == 0)) {
             return;
         }
-        const double edge = (plan.cell[a] + (up ? 1 : 0)) * cells_.width[a];
+        // The last edge is the box's own, without rounding.
+        const double edge = up && plan.cell[a] + 1 == cells_.count[a]
+                                ? cells_.length[a]
+                                : (plan.cell[a] + (up ? 1 : 0)) * cells_.width[a];
         const double tau = (edge - x) / v;
         if (tau < best) {
             best = tau;
