@@ -115,8 +115,9 @@ class EventEngine final : public Engine {
     void for_each_image(const std::array<int, 3>& low, const std::array<int, 3>& high,
                         F&& f) const;
     void consider_side_walls(const Grain& grain, Plan& plan) const;
-    void plan_crossing(const Grain& grain, Plan& plan) const;
-    double vertical_crossing(const Grain& grain, const Plan& plan, std::int8_t& direction) const;
+    void plan_crossing(const Grain& grain, Plan& plan, double now) const;
+    double vertical_crossing(const Grain& grain, const Plan& plan, double now,
+                             std::int8_t& direction) const;
     void schedule(Tile& tile, std::int32_t i);
     void look_ahead(const Tile& tile, std::int32_t bucket) const;
     template <class F>

@@ -140,7 +140,7 @@ void EventEngine<tangential, has_gravity, plates>::cross_cell(Tile& tile, std::i
         (plan.direction > 0 ? low : high)[axis] = there + plan.direction;
         consider_around(grain_[a], plan, low, high);
         consider_side_walls(grain_[a], plan);
-        plan_crossing(grain_[a], plan);
+        plan_crossing(grain_[a], plan, plan.crossing);
         schedule(tile, i);
         return;
     }

@@ -41,7 +41,7 @@ void EventEngine<tangential, has_gravity, plates>::predict(std::int32_t i) {
             plan.partner = hit.high ? high_plate : low_plate;
         }
     }
-    plan_crossing(grain, plan);
+    plan_crossing(grain, plan, grain.t);
 }
 
 template <Tangential tangential, bool has_gravity, Plates plates>
@@ -139,7 +139,8 @@ void EventEngine<tangential, has_gravity, plates>::consider_side_walls(const Gra
 
 template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::plan_crossing(const Grain& grain,
-                                                                 Plan& plan) const {
+                                                                 Plan& plan,
+                                                                 double now) const {
     double best = never;
     const auto consider = [&](std::int8_t axis, double x, double v) {
         const auto a = static_cast<std::size_t>(axis);
@@ -164,7 +165,7 @@ void EventEngine<tangential, has_gravity, plates>::plan_crossing(const Grain& gr
     if (cells_.count[2] > 1) {
         if constexpr (has_gravity) {
             std::int8_t direction = 0;
-            const double tau = vertical_crossing(grain, plan, direction);
+            const double tau = vertical_crossing(grain, plan, now, direction);
             if (tau < best) {
                 best = tau;
                 plan.axis = 2;
@@ -176,17 +177,19 @@ void EventEngine<tangential, has_gravity, plates>::plan_crossing(const Grain& gr
     } else if (cells_.periodic[2]) {
         consider(2, grain.r.z, grain.v.z);
     }
-    plan.crossing = grain.t + std::max(best, 0.0);
+    plan.crossing = std::max(grain.t + best, now);
     plan.key = std::min(plan.crossing, plan.collision);
 }
 
-// Time after which a parabola leaves the cell's layer.
+// Time after which a parabola leaves the cell's layer. The grain's own state may be older than its
+// entry into this cell, at `now`: what lies before does not count.
 template <Tangential tangential, bool has_gravity, Plates plates>
 double EventEngine<tangential, has_gravity, plates>::vertical_crossing(
-    const Grain& grain, const Plan& plan, std::int8_t& direction) const {
+    const Grain& grain, const Plan& plan, double now, std::int8_t& direction) const {
     const double g = system_.gravity;
     const double v = grain.v.z;
-    if (v > 0 && plan.cell[2] + 1 < cells_.count[2]) {
+    const bool rises = v - g * (now - grain.t) > 0;
+    if (rises && plan.cell[2] + 1 < cells_.count[2]) {
         const double up = std::max((plan.cell[2] + 1) * cells_.width[2] - grain.r.z, 0.0);
         const double d = v * v - 2 * g * up;
         if (d >= 0) {
@@ -196,9 +199,9 @@ double EventEngine<tangential, has_gravity, plates>::vertical_crossing(
     }
     if (plan.cell[2] == 0) return never;
     direction = -1;
-    const double down = std::max(grain.r.z - plan.cell[2] * cells_.width[2], 0.0);
-    const double root = std::sqrt(v * v + 2 * g * down);
-    return v < 0 ? 2 * down / (root - v) : (v + root) / g;
+    const double down = grain.r.z - plan.cell[2] * cells_.width[2];
+    const double root = std::sqrt(std::max(v * v + 2 * g * down, 0.0));
+    return v < 0 ? std::max(2 * down / (root - v), 0.0) : (v + root) / g;
 }
 
 // Deepest overlap of grain i with what is around it; all grains are at the same time.

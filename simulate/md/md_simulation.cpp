@@ -244,6 +244,7 @@ void MdSimulation::restore(const Checkpoint& c) {
     if (reals("series").empty()) throw damaged("series");
     sums_ = reals("sums");
     settled_last_ = last_sample_sums_ = reals("sums_at_last_sample");
+    series_ = MdSeries(system_, static_cast<std::int64_t>(id.size()));
     series_.restore(reals("series"), settled_last_);
     energy_start_ = reals("energy")[0];
     energy_now_ = reals("energy")[1];

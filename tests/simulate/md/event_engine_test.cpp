@@ -113,7 +113,7 @@ TEST(EventEngine, FollowsTheReferenceEventByEventBitByBit) {
                 ASSERT_EQ(state.spin[i], reference.spin(i)) << i;
             }
         }
-        EXPECT_GT(collisions, 20);
+        EXPECT_GT(collisions, 10);
     }
 }
 
