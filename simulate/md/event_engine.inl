@@ -14,7 +14,7 @@
 
 namespace grainfield::simulate {
 
-// Below this size all data stay in the second-level cache.
+// Below this size data are near anyway and looking ahead costs more than it saves.
 constexpr std::size_t cached_grains = 20000;
 
 template <Tangential tangential, bool has_gravity, Plates plates>
