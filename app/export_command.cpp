@@ -27,8 +27,7 @@ Form form_for(const fs::path& input, io::FileKind kind, const fs::path& output) 
     const bool has_points = kind == io::FileKind::trajectory || kind == io::FileKind::points;
     if (has_points && extension == ".csv") return Form::csv;
     if (has_points && extension == ".xyz") return Form::xyz;
-    const bool has_curves =
-        kind == io::FileKind::results || kind == io::FileKind::trajectory;
+    const bool has_curves = kind == io::FileKind::results || kind == io::FileKind::trajectory;
     if (has_curves && is_folder_name(output)) return Form::curves;
     if (!has_points && kind != io::FileKind::results) {
         throw InputError({.problem = fmt::format("cannot export '{}'", input.string()),

@@ -47,19 +47,19 @@ ordered_json facts(const MdSimulation& simulation, std::int64_t events, double s
 }
 
 std::string words(const std::string& output, const ordered_json& facts, double seconds) {
-    std::string text = fmt::format("{}: {:g} periods, {} events in {}, {:.3g} events/s\n", output,
-                                   facts["periods"].get<double>(),
-                                   facts["events"].get<std::int64_t>(), format_duration(seconds),
-                                   facts["events_per_second"].get<double>());
+    std::string text =
+        fmt::format("{}: {:g} periods, {} events in {}, {:.3g} events/s\n", output,
+                    facts["periods"].get<double>(), facts["events"].get<std::int64_t>(),
+                    format_duration(seconds), facts["events_per_second"].get<double>());
     text += fmt::format(
         "  per grain and period (later half)  pair {:.3f}, low plate {:.3f}, high plate {:.3f}\n",
         facts["pair_per_grain_period"].get<double>(),
         facts["low_plate_per_grain_period"].get<double>(),
         facts["high_plate_per_grain_period"].get<double>());
-    text += fmt::format(
-        "  energy per grain                   xy {:.4f}, z {:.4f}, rotation {:.4f}\n",
-        facts["energy_xy"].get<double>(), facts["energy_z"].get<double>(),
-        facts["energy_rotation"].get<double>());
+    text +=
+        fmt::format("  energy per grain                   xy {:.4f}, z {:.4f}, rotation {:.4f}\n",
+                    facts["energy_xy"].get<double>(), facts["energy_z"].get<double>(),
+                    facts["energy_rotation"].get<double>());
     text += fmt::format("  energy audit {:.1e}, largest overlap {:.1e} a, memory {:.0f} MB\n",
                         facts["energy_audit_relative_error"].get<double>(),
                         facts["max_overlap"].get<double>(), facts["memory_mb"].get<double>());
@@ -160,11 +160,11 @@ Summary SimulateMdCommand::run(Session& session) {
     if (resume_) {
         checkpoint = io::read_checkpoint(checkpoint_path());
         if (checkpoint->kind != "md") {
-            throw InputError({.problem = fmt::format("cannot go on from '{}'",
-                                                     checkpoint_path().string()),
-                              .actual = fmt::format("a checkpoint of kind '{}'", checkpoint->kind),
-                              .expected = "md",
-                              .suggestion = {}});
+            throw InputError(
+                {.problem = fmt::format("cannot go on from '{}'", checkpoint_path().string()),
+                 .actual = fmt::format("a checkpoint of kind '{}'", checkpoint->kind),
+                 .expected = "md",
+                 .suggestion = {}});
         }
         io::require_same_configuration(*checkpoint, physics(session), checkpoint_path());
     }

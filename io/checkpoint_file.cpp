@@ -66,8 +66,7 @@ void append_columns(std::string& bytes, const std::map<std::string, std::vector<
 
 class Reader {
  public:
-    Reader(std::string_view bytes, const std::filesystem::path& path)
-        : rest_(bytes), path_(path) {}
+    Reader(std::string_view bytes, const std::filesystem::path& path) : rest_(bytes), path_(path) {}
 
     std::string_view take(std::uint64_t size) {
         if (size > rest_.size()) refuse(path_, "it ends too early");

@@ -45,8 +45,8 @@ std::vector<Curve> read_curves(const H5Group& group) {
                      .meaning = entry.at("meaning").get<std::string>(),
                      .values = own.dataset(std::to_string(c++)).read<double>()});
                 if (curve.columns.back().values.size() != curve.columns.front().values.size()) {
-                    group.file().fail(fmt::format("the columns of curve '{}' have different lengths",
-                                                  curve.name));
+                    group.file().fail(fmt::format(
+                        "the columns of curve '{}' have different lengths", curve.name));
                 }
             }
             curves.push_back(std::move(curve));

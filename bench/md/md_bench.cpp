@@ -80,11 +80,12 @@ void run(const std::string& name, const Case& c) {
     const double end = engine->energies(window).total();
     const double scale = std::max({std::abs(work), losses, start});
     std::sort(rate.begin(), rate.end());
-    fmt::print("{:22} N {:7} threads {} {:9.3g} events/s  (min {:.3g}, max {:.3g})  audit {:.1e}  "
-               "{:.0f} MB  {}\n",
-               name, state.size(), c.threads, rate[rate.size() / 2], rate.front(), rate.back(),
-               std::abs(end - start + losses - work) / scale,
-               static_cast<double>(engine->bytes()) / 1e6, engine->policies());
+    fmt::print(
+        "{:22} N {:7} threads {} {:9.3g} events/s  (min {:.3g}, max {:.3g})  audit {:.1e}  "
+        "{:.0f} MB  {}\n",
+        name, state.size(), c.threads, rate[rate.size() / 2], rate.front(), rate.back(),
+        std::abs(end - start + losses - work) / scale, static_cast<double>(engine->bytes()) / 1e6,
+        engine->policies());
     std::fflush(stdout);
 }
 

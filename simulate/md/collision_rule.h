@@ -13,13 +13,13 @@ enum class Tangential { smooth, sticking, coulomb };
 
 /// What a contact does to the body on the side that n points to.
 struct Impulse {
-    Vec3 j;              ///< [m sqrt(g a)]
-    double normal = 0;   ///< n·j ≥ 0
-    double loss = 0;     ///< energy turned into heat [m g a]
+    Vec3 j;             ///< [m sqrt(g a)]
+    double normal = 0;  ///< n·j ≥ 0
+    double loss = 0;    ///< energy turned into heat [m g a]
     bool slides = false;
 };
 
-/// The impulse of a collision of rough hard spheres (walton1993, herrmann1998):
+/// The impulse of a collision of rough hard spheres (walton1993):
 ///
 ///   J_n = −m_eff (1 + e) u_n,
 ///   |J_t| = m_eff (2/7)(1 + β0)|u_t|  if that is ≤ μ_s J_n, else μ_d J_n,  along −u_t,

@@ -12,8 +12,8 @@ namespace grainfield::simulate {
 
 struct EngineOptions {
     int threads = 1;
-    int tiles = 0;                         ///< strips of cell rows; 0: as the threads need
-    double event_limit = 1e6;              ///< events of one grain in a window that mean collapse
+    int tiles = 0;             ///< strips of cell rows; 0: as the threads need
+    double event_limit = 1e6;  ///< events of one grain in a window that mean collapse
 };
 
 /// Energies and mean squares of all grains at one instant.
@@ -36,8 +36,8 @@ class Engine {
     virtual ~Engine() = default;
 
     /// Starts a window with this state at time 0, at which the plates pass their mean position
-    /// upwards: where plates vibrate, windows must last whole periods. `end`: longest time that advance() will be asked for. The state must stay as it is
-    /// until the window ends.
+    /// upwards: where plates vibrate, windows must last whole periods. `end`: longest time that
+    /// advance() will be asked for. The state must stay as it is until the window ends.
     virtual void load(const GrainState& state, double end) = 0;
 
     /// Executes all events up to `time` (of the window). Throws PhysicsError naming pair and time

@@ -80,7 +80,8 @@ class EventCalendar {
     }
 
     std::size_t bytes() const {
-        std::size_t sum = head_.capacity() * sizeof(std::int32_t) + pool_.capacity() * sizeof(Chunk);
+        std::size_t sum =
+            head_.capacity() * sizeof(std::int32_t) + pool_.capacity() * sizeof(Chunk);
         for (const auto& bucket : near_) sum += bucket.capacity() * sizeof(Entry);
         return sum;
     }

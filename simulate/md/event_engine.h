@@ -50,7 +50,7 @@ struct Tile {
     Ledger ledger;
     std::int64_t taken = 0;  ///< entries taken from the calendar, for its bucket width
     double now = 0;
-    double end = 0;          ///< events from here on are left to later
+    double end = 0;  ///< events from here on are left to later
     int first_row = 0;
     int end_row = 0;
     int low_front = 0;   ///< highest row that the unknown reached from below
@@ -112,8 +112,7 @@ class EventEngine final : public Engine {
     void consider_around(const Grain& grain, Plan& plan, const std::array<int, 3>& low,
                          const std::array<int, 3>& high) const;
     template <class F>
-    void for_each_image(const std::array<int, 3>& low, const std::array<int, 3>& high,
-                        F&& f) const;
+    void for_each_image(const std::array<int, 3>& low, const std::array<int, 3>& high, F&& f) const;
     void consider_side_walls(const Grain& grain, Plan& plan) const;
     void plan_crossing(const Grain& grain, Plan& plan, double now) const;
     double vertical_crossing(const Grain& grain, const Plan& plan, double now,
@@ -141,8 +140,8 @@ class EventEngine final : public Engine {
     std::vector<Tile> tile_;  ///< one; or all cores, then all seams
     const GrainState* loaded_ = nullptr;
     bool is_whole_ = true;
-    std::vector<double> lost_at_;    ///< since when a grain is unknown to its core; strips only
-    std::vector<double> loses_at_;   ///< when that will happen as things stand
+    std::vector<double> lost_at_;   ///< since when a grain is unknown to its core; strips only
+    std::vector<double> loses_at_;  ///< when that will happen as things stand
     double front_start_ = 0;
     double front_speed_ = 0;
     double front_margin_ = 0;

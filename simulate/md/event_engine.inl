@@ -125,16 +125,14 @@ void EventEngine<tangential, has_gravity, plates>::advance(double time) {
         taken += tile.taken;
     }
     if (time >= end_ && end_ > 0 && !grain_.empty()) {
-        rate_ = std::max(static_cast<double>(taken) / (end_ * static_cast<double>(grain_.size())),
-                         1.0);
+        rate_ =
+            std::max(static_cast<double>(taken) / (end_ * static_cast<double>(grain_.size())), 1.0);
     }
 }
 
 template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::run(Tile& tile, double end) {
-    const auto time_of = [this](std::int32_t i) {
-        return plan_[static_cast<std::size_t>(i)].key;
-    };
+    const auto time_of = [this](std::int32_t i) { return plan_[static_cast<std::size_t>(i)].key; };
     const auto fetch = [this, &tile](std::int32_t bucket) {
         if (fetch_ahead_) look_ahead(tile, bucket);
     };
@@ -225,7 +223,7 @@ void EventEngine<tangential, has_gravity, plates>::look_ahead(const Tile& tile,
 template <Tangential tangential, bool has_gravity, Plates plates>
 template <class F>
 void EventEngine<tangential, has_gravity, plates>::for_each_row(const Tile& tile, std::int32_t i,
-                                                               F&& f) const {
+                                                                F&& f) const {
     const Plan& plan = plan_[static_cast<std::size_t>(i)];
     // Near the rim of a core, partner and cells may belong to another thread.
     if (tile.kind == TileKind::core &&

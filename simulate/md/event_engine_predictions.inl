@@ -138,8 +138,7 @@ void EventEngine<tangential, has_gravity, plates>::consider_side_walls(const Gra
 }
 
 template <Tangential tangential, bool has_gravity, Plates plates>
-void EventEngine<tangential, has_gravity, plates>::plan_crossing(const Grain& grain,
-                                                                 Plan& plan,
+void EventEngine<tangential, has_gravity, plates>::plan_crossing(const Grain& grain, Plan& plan,
                                                                  double now) const {
     double best = never;
     const auto consider = [&](std::int8_t axis, double x, double v) {

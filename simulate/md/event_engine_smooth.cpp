@@ -3,6 +3,6 @@
 namespace grainfield::simulate {
 
 template std::unique_ptr<Engine> make_event_engine<Tangential::smooth>(const MdSystem&,
-                                                                   const EngineOptions&);
+                                                                       const EngineOptions&);
 
 }  // namespace grainfield::simulate

@@ -82,17 +82,15 @@ void EventEngine<tangential, has_gravity, plates>::advance_strips(double time) {
 }
 
 template <Tangential tangential, bool has_gravity, Plates plates>
-void EventEngine<tangential, has_gravity, plates>::run_cores(double start, double end,
-                                                             int strips) {
+void EventEngine<tangential, has_gravity, plates>::run_cores(double start, double end, int strips) {
     for (int s = 0; s < strips; ++s) {
         Tile& tile = tile_[static_cast<std::size_t>(s)];
         tile.kind = TileKind::core;
         tile.first_row = s * cells_.count[1] / strips;
         tile.end_row = (s + 1) * cells_.count[1] / strips;
     }
-    on_team(strips, options_.threads, [&](std::int64_t s) {
-        run_core(tile_[static_cast<std::size_t>(s)], start, end);
-    });
+    on_team(strips, options_.threads,
+            [&](std::int64_t s) { run_core(tile_[static_cast<std::size_t>(s)], start, end); });
 }
 
 template <Tangential tangential, bool has_gravity, Plates plates>
@@ -124,8 +122,7 @@ void EventEngine<tangential, has_gravity, plates>::run_core(Tile& tile, double s
 }
 
 template <Tangential tangential, bool has_gravity, Plates plates>
-bool EventEngine<tangential, has_gravity, plates>::run_seams(double start, double end,
-                                                             int strips) {
+bool EventEngine<tangential, has_gravity, plates>::run_seams(double start, double end, int strips) {
     const auto n = static_cast<std::size_t>(strips);
     bool is_good = true;
     bool is_apart = true;
@@ -149,9 +146,8 @@ bool EventEngine<tangential, has_gravity, plates>::run_seams(double start, doubl
             tile_[n + seam].unknown.push_back(i);
         }
     }
-    on_team(is_apart ? strips : 1, options_.threads, [&](std::int64_t s) {
-        run_seam(tile_[n + static_cast<std::size_t>(s)], end);
-    });
+    on_team(is_apart ? strips : 1, options_.threads,
+            [&](std::int64_t s) { run_seam(tile_[n + static_cast<std::size_t>(s)], end); });
     for (std::size_t s = 0; s < n; ++s) {
         is_good = is_good && !tile_[n + s].is_violated;
         for (const std::int32_t i : tile_[n + s].unknown) {
@@ -187,8 +183,7 @@ void EventEngine<tangential, has_gravity, plates>::lose(Tile& tile, std::int32_t
 }
 
 template <Tangential tangential, bool has_gravity, Plates plates>
-void EventEngine<tangential, has_gravity, plates>::loses_neighbours(Tile& tile,
-                                                                    std::int32_t lost) {
+void EventEngine<tangential, has_gravity, plates>::loses_neighbours(Tile& tile, std::int32_t lost) {
     const auto& cell = plan_[static_cast<std::size_t>(lost)].cell;
     const std::array<int, 3> low{cell[0] - 2, std::max(cell[1] - 2, tile.first_row), cell[2] - 2};
     const std::array<int, 3> high{cell[0] + 2, std::min(cell[1] + 2, tile.end_row - 1),
@@ -247,8 +242,7 @@ double EventEngine<tangential, has_gravity, plates>::time_lost(const Tile& tile,
 // When the sphere of reach of a lost grain, growing with the front speed, touches grain i:
 // |d + v τ| = R + V τ.
 template <Tangential tangential, bool has_gravity, Plates plates>
-double EventEngine<tangential, has_gravity, plates>::time_reached(std::int32_t i,
-                                                                  std::int32_t lost,
+double EventEngine<tangential, has_gravity, plates>::time_reached(std::int32_t i, std::int32_t lost,
                                                                   double now) const {
     const Grain& g1 = grain_[static_cast<std::size_t>(i)];
     const Grain& g2 = grain_[static_cast<std::size_t>(lost)];

@@ -13,10 +13,10 @@ constexpr double never = std::numeric_limits<double>::infinity();
 
 /// One grain between two of its events: where it was at its own last event, one cache line.
 struct alignas(64) Grain {
-    Vec3 r;                   ///< at time t [a]
-    Vec3 v;                   ///< at time t [sqrt(g a)]
-    double t = 0;             ///< of the last event, relative to the window's origin [sqrt(a/g)]
-    std::int32_t next = -1;   ///< in the list of its cell
+    Vec3 r;                    ///< at time t [a]
+    Vec3 v;                    ///< at time t [sqrt(g a)]
+    double t = 0;              ///< of the last event, relative to the window's origin [sqrt(a/g)]
+    std::int32_t next = -1;    ///< in the list of its cell
     std::uint32_t events = 0;  ///< so far in this window; tells outdated predictions
 };
 

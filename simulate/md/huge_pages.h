@@ -41,8 +41,8 @@ struct HugePageAllocator {
     static constexpr std::size_t huge = std::size_t{1} << 21;
 };
 
-/// Asks for the cache line of `address`. An instruction of its own, because compilers may drop calls
-/// of functions that do nothing but prefetch.
+/// Asks for the cache line of `address`. An instruction of its own, because compilers may drop
+/// calls of functions that do nothing but prefetch.
 inline void fetch_line(const void* address) {
 #if defined(__x86_64__)
     asm volatile("prefetcht0 %0" : : "m"(*static_cast<const char*>(address)));

@@ -94,7 +94,8 @@ std::vector<Vec3> bilayer_sites(const Axis& x, const Axis& y, double height, std
         const bool x_tighter = x.spacing(nx) < y.spacing(ny);
         const int step_x = x.walls ? 1 : 2;
         const int step_y = y.walls ? 1 : 2;
-        if (x_tighter && static_cast<std::size_t>(nx - step_x) * static_cast<std::size_t>(ny) >= wanted) {
+        if (x_tighter &&
+            static_cast<std::size_t>(nx - step_x) * static_cast<std::size_t>(ny) >= wanted) {
             nx -= step_x;
         } else if (static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny - step_y) >= wanted) {
             ny -= step_y;
@@ -117,7 +118,8 @@ std::vector<Vec3> cubic_sites(const std::array<Axis, 3>& axes, std::size_t wante
     };
     double volume = 1;
     for (const Axis& axis : axes) volume *= axis.length;
-    const double edge = std::cbrt(4 * volume / static_cast<double>(std::max<std::size_t>(wanted, 1)));
+    const double edge =
+        std::cbrt(4 * volume / static_cast<double>(std::max<std::size_t>(wanted, 1)));
     std::array<int, 3> base{};
     for (std::size_t k = 0; k < 3; ++k) base[k] = static_cast<int>(axes[k].length / edge);
     std::array<int, 3> best{};
@@ -171,9 +173,9 @@ std::vector<Vec3> patch_sites(const MdOptions& options, const Axis& x, const Axi
     if (s * s * 2 < 1 || s * s + gap * gap < 1) {
         throw OptionError({.problem = "initial.crystal-spacing: the layers of the patch overlap",
                            .actual = fmt::format("{:g}", s),
-                           .expected = fmt::format("at least {:.4f} a in this cell",
-                                                   std::max(std::sqrt(0.5), std::sqrt(std::max(
-                                                                                0.0, 1 - gap * gap)))),
+                           .expected = fmt::format(
+                               "at least {:.4f} a in this cell",
+                               std::max(std::sqrt(0.5), std::sqrt(std::max(0.0, 1 - gap * gap)))),
                            .suggestion = {}});
     }
     const double side = std::sqrt(options.initial.crystal_fraction);
@@ -183,7 +185,8 @@ std::vector<Vec3> patch_sites(const MdOptions& options, const Axis& x, const Axi
     const Vec2 corner{0.5 * (x.length - (nx - 1) * s), 0.5 * (y.length - (ny - 1) * s)};
     for (int j = 0; j < ny; ++j) {
         for (int i = 0; i < nx; ++i) {
-            places.push_back({corner.x + i * s, corner.y + j * s, (i + j) % 2 == 0 ? 0.5 : height - 0.5});
+            places.push_back(
+                {corner.x + i * s, corner.y + j * s, (i + j) % 2 == 0 ? 0.5 : height - 0.5});
         }
     }
     const auto near_patch = [&](const Vec3& p) {

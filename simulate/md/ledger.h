@@ -24,17 +24,17 @@ struct Ledger {
     std::int64_t low_plate = 0;
     std::int64_t high_plate = 0;
     std::int64_t wall = 0;
-    std::int64_t sliding = 0;        ///< contacts that slid, of all that have friction
-    std::int64_t contact_time = 0;   ///< collisions that the TC model made elastic
-    std::int64_t crossing = 0;       ///< into another cell
-    std::int64_t outdated = 0;       ///< predictions that had to be made again
+    std::int64_t sliding = 0;       ///< contacts that slid, of all that have friction
+    std::int64_t contact_time = 0;  ///< collisions that the TC model made elastic
+    std::int64_t crossing = 0;      ///< into another cell
+    std::int64_t outdated = 0;      ///< predictions that had to be made again
 
-    ExactSum pair_loss;      ///< energy lost between grains [m g a]
-    ExactSum plate_loss;     ///< energy lost at plates and walls
-    ExactSum work;           ///< energy that the plates put in
-    ExactSum low_impulse;    ///< on the grains, upwards [m sqrt(g a)]
-    ExactSum high_impulse;   ///< on the grains, downwards
-    ExactSum pair_virial;    ///< Σ r·J over pair collisions [m a sqrt(g a)]
+    ExactSum pair_loss;     ///< energy lost between grains [m g a]
+    ExactSum plate_loss;    ///< energy lost at plates and walls
+    ExactSum work;          ///< energy that the plates put in
+    ExactSum low_impulse;   ///< on the grains, upwards [m sqrt(g a)]
+    ExactSum high_impulse;  ///< on the grains, downwards
+    ExactSum pair_virial;   ///< Σ r·J over pair collisions [m a sqrt(g a)]
 
     std::int64_t real_events() const { return pair + low_plate + high_plate + wall; }
 

@@ -15,8 +15,7 @@ OptionTable describe(CellOptions& o) {
     t.choice("sides-y", o.sides_y, {{"periodic", Side::periodic}, {"walls", Side::walls}},
              "boundaries in y");
     t.choice("vertical", o.vertical,
-             {{"plates", Vertical::plates}, {"periodic", Vertical::periodic}},
-             "boundaries in z");
+             {{"plates", Vertical::plates}, {"periodic", Vertical::periodic}}, "boundaries in z");
     t.number("gravity", o.gravity, "g", {0, 1e6}, "0 switches gravity off");
     return t;
 }

@@ -60,8 +60,8 @@ void MdSeries::add(double periods, const Energies& energies, const std::vector<d
     const double kinetic = energies.horizontal + energies.vertical;
     const double pressure =
         (2 * kinetic / 3 + (time > 0 ? delta(sum_virial) / (3 * time) : 0)) / volume;
-    const double balance = energies.total() + sums[sum_pair_loss] + sums[sum_plate_loss] -
-                           sums[sum_work];
+    const double balance =
+        energies.total() + sums[sum_pair_loss] + sums[sum_plate_loss] - sums[sum_work];
     const double start = rows_ == 0 ? balance : audit_origin_;
     if (rows_ == 0) audit_origin_ = balance;
     const double values[] = {periods,

@@ -57,8 +57,7 @@ void explain(const MdSystem& system, RunPlan& plan) {
 
 }  // namespace
 
-MdSimulation::MdSimulation(const MdOptions& options, GrainState initial, int threads,
-                           RunPlan& plan)
+MdSimulation::MdSimulation(const MdOptions& options, GrainState initial, int threads, RunPlan& plan)
     : options_(options),
       system_(options.system()),
       state_(std::move(initial)),
@@ -285,8 +284,7 @@ double MdSimulation::outdated_per_event() const {
 }
 
 std::size_t MdSimulation::bytes() const {
-    return engine_->bytes() +
-           state_.size() * (3 * sizeof(Vec3) + sizeof(std::int32_t)) +
+    return engine_->bytes() + state_.size() * (3 * sizeof(Vec3) + sizeof(std::int32_t)) +
            state_.last_contact.size() * sizeof(double);
 }
 

@@ -29,12 +29,12 @@ struct MdSystem {
     bool walls_x = false;         ///< hard side walls instead of periodic images
     bool walls_y = false;
     Vertical vertical = Vertical::plates;
-    double gravity = 1;            ///< [g]
-    double amplitude = 0;          ///< A [a]
-    double angular_frequency = 0;  ///< ω [sqrt(g/a)]
-    ContactLaw grain;              ///< grain against grain
-    ContactLaw plate;              ///< grain against plates and side walls
-    double contact_time = 0;       ///< t_c of the TC model, 0: off [sqrt(a/g)] (luding1998)
+    double gravity = 1;              ///< [g]
+    double amplitude = 0;            ///< A [a]
+    double angular_frequency = 0;    ///< ω [sqrt(g/a)]
+    ContactLaw grain;                ///< grain against grain
+    ContactLaw plate;                ///< grain against plates and side walls
+    double contact_time = 0;         ///< t_c of the TC model, 0: off [sqrt(a/g)] (luding1998)
     double plate_tolerance = 1e-15;  ///< gap at which a grain counts as touching a plate [a]
 
     bool is_vibrating() const { return amplitude > 0 && angular_frequency > 0; }

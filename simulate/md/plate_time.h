@@ -20,16 +20,17 @@ enum class Plates { none, at_rest, vibrating };
 /// ends before or at the next root, whatever the plate does, so no root can be skipped; from f = 0
 /// while receding it cannot find the same root again. M = g + Aω² below, Aω² − g above (at least
 /// M_min, as any larger M is a bound too). Converges quadratically on transversal roots; iteration
-/// ends at a gap of `tolerance` or once the limit is passed, which is typical: 1.6 steps on average.
+/// ends at a gap of `tolerance` or once the limit is passed, which is typical: 1.6 steps on
+/// average.
 struct PlateSolver {
     double gravity = 1;
     double amplitude = 0;
     double omega = 0;
     double height = 1;  ///< L_z
     double tolerance = 1e-15;
-    double speed_bound = 0;      ///< Aω
-    double low_curvature = 1;    ///< M of the low plate
-    double high_curvature = 1;   ///< M of the high plate
+    double speed_bound = 0;     ///< Aω
+    double low_curvature = 1;   ///< M of the low plate
+    double high_curvature = 1;  ///< M of the high plate
 
     explicit PlateSolver(const MdSystem& system);
 
@@ -46,9 +47,7 @@ struct PlateSolver {
     }
 
     /// Velocity of both plates at time t.
-    double plate_velocity(double t) const {
-        return speed_bound * sine_cosine(omega * t).cosine;
-    }
+    double plate_velocity(double t) const { return speed_bound * sine_cosine(omega * t).cosine; }
 
  private:
     /// Longest τ that surely ends before contact for gap f, its rate and curvature bound m.
@@ -65,11 +64,9 @@ struct PlateSolver {
         const double low_least = low_centre - amplitude;
         const double high_least = high_centre - amplitude;
         const bool low_far =
-            low_least > 0 &&
-            safe_step(low_least, grain.v.z - speed_bound, low_curvature) > span;
-        const bool high_far =
-            high_least > 0 &&
-            safe_step(high_least, -speed_bound - grain.v.z, high_curvature) > span;
+            low_least > 0 && safe_step(low_least, grain.v.z - speed_bound, low_curvature) > span;
+        const bool high_far = high_least > 0 && safe_step(high_least, -speed_bound - grain.v.z,
+                                                          high_curvature) > span;
         if (low_far && high_far) return {};
         const SineCosine plate = sine_cosine(omega * grain.t);
         const double shift = amplitude * plate.sine;

@@ -7,9 +7,9 @@
 
 namespace grainfield::simulate {
 
-/// Runs body(i) for i in [0, count) on a team of threads that stays alive between calls (OpenMP), as
-/// steps of some milliseconds need. OMP_PROC_BIND=true keeps each thread on its core. The exception
-/// of the smallest i that failed is rethrown.
+/// Runs body(i) for i in [0, count) on a team of threads that stays alive between calls (OpenMP),
+/// as steps of some milliseconds need. OMP_PROC_BIND=true keeps each thread on its core. The
+/// exception of the smallest i that failed is rethrown.
 template <class Body>
 void on_team(std::int64_t count, int threads, Body&& body) {
     if (threads <= 1 || count <= 1) {

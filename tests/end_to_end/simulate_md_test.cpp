@@ -20,8 +20,9 @@ using testing::Process;
 using testing::ScratchFolder;
 
 std::vector<std::string> small_run(const std::string& output) {
-    return {"simulate", "md",  "-o",  output, "--grains", "400", "--length-x", "20.5",
-            "--length-y", "20.5", "--periods", "400", "--snapshot-every", "7.3", "--json"};
+    return {"simulate",         "md",   "-o",         output, "--grains",  "400",
+            "--length-x",       "20.5", "--length-y", "20.5", "--periods", "400",
+            "--snapshot-every", "7.3",  "--json"};
 }
 
 std::vector<std::string> with(std::vector<std::string> words, std::vector<std::string> more) {
@@ -114,8 +115,8 @@ TEST(SimulateMd, SurvivesKills) {
         if (std::filesystem::exists(folder / "cut.h5")) break;
     }
     if (!std::filesystem::exists(folder / "cut.h5")) {
-        const Outcome last = testing::run_grainfield(
-            has_checkpoint ? with(run, {"--resume"}) : with(run, {"--force"}));
+        const Outcome last = testing::run_grainfield(has_checkpoint ? with(run, {"--resume"})
+                                                                    : with(run, {"--force"}));
         ASSERT_EQ(last.code, 0) << last.err;
     }
     EXPECT_EQ(content(folder, "cut"), content(folder, "whole"));
@@ -146,8 +147,8 @@ TEST(SimulateMd, ReportsInelasticCollapseWithExitCodeFive) {
 TEST(SimulateMd, RefusesWhatCannotFitBeforeItStarts) {
     const ScratchFolder folder;
     const Outcome outcome =
-        testing::run_grainfield(
-        {"simulate", "md", "-o", folder / "a.h5", "--grains", "5000", "--length-x", "20", "--length-y", "20"});
+        testing::run_grainfield({"simulate", "md", "-o", folder / "a.h5", "--grains", "5000",
+                                 "--length-x", "20", "--length-y", "20"});
     EXPECT_EQ(outcome.code, 2);
     EXPECT_THAT(outcome.err, HasSubstr("at most"));
     EXPECT_EQ(folder.entries(), 0U);

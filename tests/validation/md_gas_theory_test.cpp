@@ -73,8 +73,7 @@ TEST(MdGasTheory, PressureAndCollisionRateOfElasticSpheres) {
         const double expected_z = (1 + eta + eta * eta - eta * eta * eta) / std::pow(1 - eta, 3);
         EXPECT_NEAR(z / expected_z, 1, 0.005) << eta;
         const double density = 6 * eta / std::numbers::pi;
-        const double enskog =
-            4 * std::sqrt(std::numbers::pi * t) * density * contact_value(eta);
+        const double enskog = 4 * std::sqrt(std::numbers::pi * t) * density * contact_value(eta);
         EXPECT_NEAR(2 * sums.pairs / (n * windows) / enskog, 1, 0.005) << eta;
         Vec3 momentum;
         for (const Vec3& v : state.velocity) momentum += v;
@@ -82,8 +81,8 @@ TEST(MdGasTheory, PressureAndCollisionRateOfElasticSpheres) {
     }
 }
 
-// Numbers of grains in the eighths of the box: hypergeometric variance is an upper bound for a dense
-// fluid; 6 standard deviations over 8 cells: false alarm 2e-8.
+// Numbers of grains in the eighths of the box: hypergeometric variance is an upper bound for a
+// dense fluid; 6 standard deviations over 8 cells: false alarm 2e-8.
 TEST(MdGasTheory, TheGasFillsItsBoxUniformly) {
     const MdOptions options = gas(4000, packing);
     GrainState state = make_initial_state(options, 2);
@@ -121,8 +120,9 @@ TEST(MdGasTheory, ElasticMotionIsReversible) {
     }
 }
 
-// Haff: d ln T / dC = −(1 − e²)/3 per collision per grain, where C counts both partners' collisions;
-// the Maxwellian value; molecular chaos corrections are O(1 − e²) below 1 % at e = 0.98.
+// Haff: d ln T / dC = −(1 − e²)/3 per collision per grain, where C counts both partners'
+// collisions; the Maxwellian value; molecular chaos corrections are O(1 − e²) below 1 % at e =
+// 0.98.
 TEST(MdGasTheory, InelasticGasCoolsByHaffsLaw) {
     MdOptions options = gas(8000, 0.2);
     options.grain.restitution = 0.98;

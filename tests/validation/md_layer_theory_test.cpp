@@ -40,8 +40,9 @@ TEST(MdLayerTheory, ReproducesTheEventRatesOfAnIndependentCode) {
     struct Reference {
         double amplitude, pair, low, high;
     };
-    for (const Reference& r : {Reference{0.06, 4.42, 1.73, 0.82}, Reference{0.08, 5.12, 1.88, 1.08},
-                               Reference{0.092, 5.49, 1.97, 1.20}, Reference{0.10, 5.69, 1.99, 1.27}}) {
+    for (const Reference& r :
+         {Reference{0.06, 4.42, 1.73, 0.82}, Reference{0.08, 5.12, 1.88, 1.08},
+          Reference{0.092, 5.49, 1.97, 1.20}, Reference{0.10, 5.69, 1.99, 1.27}}) {
         SCOPED_TRACE(r.amplitude);
         const MdOptions options = layer(r.amplitude, 120);
         RunPlan plan;

@@ -115,8 +115,8 @@ TEST(CollisionRule, SticksUpToTheStaticBoundAndSlidesBeyond) {
         const Vec3 u = contact_velocity(p.b1.v, p.b2.v, p.b1.spin, p.b2.spin, p.n);
         const Vec3 ut = tangential_part(u, p.n);
         const double ratio = norm(ut) / -dot(u, p.n);
-        const double bound = 3.5 * law.static_friction * (1 + law.restitution) /
-                             (1 + law.tangential_restitution);
+        const double bound =
+            3.5 * law.static_friction * (1 + law.restitution) / (1 + law.tangential_restitution);
         if (std::abs(ratio / bound - 1) < 1e-9) continue;
         const Impulse impulse = collide<Tangential::coulomb>(p, law);
         EXPECT_EQ(impulse.slides, ratio > bound);

@@ -41,7 +41,8 @@ void run(Engine& engine, GrainState& state, double window, int windows) {
 
 bool same_bits(const GrainState& a, const GrainState& b) {
     const auto same = [](const std::vector<Vec3>& x, const std::vector<Vec3>& y) {
-        return x.size() == y.size() && std::memcmp(x.data(), y.data(), x.size() * sizeof(Vec3)) == 0;
+        return x.size() == y.size() &&
+               std::memcmp(x.data(), y.data(), x.size() * sizeof(Vec3)) == 0;
     };
     return same(a.position, b.position) && same(a.velocity, b.velocity) && same(a.spin, b.spin);
 }

@@ -42,7 +42,8 @@ TEST(PairTime, BringsSpheresToContactNotEarlierNotLater) {
     int hits = 0;
     for (int i = 0; i < 200000; ++i) {
         const Grain a = grain_at({}, vector_of(random, 1), random.uniform(0, 0.1));
-        const Grain b = grain_at(vector_of(random, 1.2), vector_of(random, 1), random.uniform(0, 0.1));
+        const Grain b =
+            grain_at(vector_of(random, 1.2), vector_of(random, 1), random.uniform(0, 0.1));
         const double start = std::max(a.t, b.t);
         if (squared_distance(a, b, start, 1) < 1.0001L) continue;
         const double t = pair_time<true>(a, b, {}, 1, 10);
@@ -64,8 +65,10 @@ TEST(PairTime, BringsSpheresToContactNotEarlierNotLater) {
 TEST(PairTime, IsTheSameBitsWithTheGrainsExchanged) {
     RandomStream random(2, "flight");
     for (int i = 0; i < 200000; ++i) {
-        const Grain a = grain_at(vector_of(random, 1), vector_of(random, 1), random.uniform(0, 0.1));
-        const Grain b = grain_at(vector_of(random, 1), vector_of(random, 1), random.uniform(0, 0.1));
+        const Grain a =
+            grain_at(vector_of(random, 1), vector_of(random, 1), random.uniform(0, 0.1));
+        const Grain b =
+            grain_at(vector_of(random, 1), vector_of(random, 1), random.uniform(0, 0.1));
         const Vec3 shift{random.uniform() < 0.5 ? 3.0 : 0.0, 0, 0};
         ASSERT_EQ(pair_time<true>(a, b, shift, 1, 10), pair_time<true>(b, a, -1.0 * shift, 1, 10));
     }
@@ -81,7 +84,8 @@ TEST(PairTime, OverlapCollidesNowWhileApproachingAndNeverWhileReceding) {
 
 TEST(PairTime, GrazingContactsAreFoundToTheSquareRootOfThePrecision) {
     const Grain a = grain_at({}, {}, 0);
-    EXPECT_NEAR(pair_time<false>(a, grain_at({2, 1 - 1e-12, 0}, {-1, 0, 0}, 0), {}, 0, 10), 2, 2e-6);
+    EXPECT_NEAR(pair_time<false>(a, grain_at({2, 1 - 1e-12, 0}, {-1, 0, 0}, 0), {}, 0, 10), 2,
+                2e-6);
     EXPECT_EQ(pair_time<false>(a, grain_at({2, 1 + 1e-12, 0}, {-1, 0, 0}, 0), {}, 0, 10), never);
 }
 

@@ -32,8 +32,8 @@ long double gap(const MdSystem& s, const Grain& g, long double t, int side) {
 TEST(PlateTime, FindsTheFirstContactWithEitherPlate) {
     RandomStream random(1, "plates");
     for (int i = 0; i < 3000; ++i) {
-        const MdSystem s = vibrating(random.uniform(0.01, 0.3), random.uniform(1, 10),
-                                     random.uniform(1.5, 2.5));
+        const MdSystem s =
+            vibrating(random.uniform(0.01, 0.3), random.uniform(1, 10), random.uniform(1.5, 2.5));
         const PlateSolver solver(s);
         Grain g;
         g.t = random.uniform(0, 2);

@@ -12,8 +12,8 @@
 namespace grainfield::simulate {
 
 /// Event-driven dynamics without cells, calendar, tiles or policies: before each event every pair,
-/// image, plate and wall is asked for its time, and the earliest happens. O(N²) an event; the oracle
-/// of EventEngine.
+/// image, plate and wall is asked for its time, and the earliest happens. O(N²) an event; the
+/// oracle of EventEngine.
 class ReferenceEngine {
  public:
     ReferenceEngine(const MdSystem& system, const GrainState& state, double end)
@@ -79,10 +79,11 @@ class ReferenceEngine {
                 for (int y = -reach(1); y <= reach(1); ++y) {
                     for (int x = -reach(0); x <= reach(0); ++x) {
                         const Vec3 shift{x * l.x, y * l.y, z * l.z};
-                        const double t = system_.gravity > 0
-                                             ? pair_time<true>(grain_[i], grain_[j], shift,
-                                                               system_.gravity, end_)
-                                             : pair_time<false>(grain_[i], grain_[j], shift, 0, end_);
+                        const double t =
+                            system_.gravity > 0
+                                ? pair_time<true>(grain_[i], grain_[j], shift, system_.gravity,
+                                                  end_)
+                                : pair_time<false>(grain_[i], grain_[j], shift, 0, end_);
                         if (t < next.time) next = {t, Kind::pair, i, j, {}, 0, false};
                     }
                 }
@@ -132,13 +133,13 @@ class ReferenceEngine {
         }
         ++collisions_;
         if (e.kind != Kind::pair) {
-            const Vec3 n = e.kind == Kind::wall ? e.normal
-                                                : Vec3{0, 0, e.kind == Kind::high ? -1.0 : 1.0};
+            const Vec3 n =
+                e.kind == Kind::wall ? e.normal : Vec3{0, 0, e.kind == Kind::high ? -1.0 : 1.0};
             Vec3 u = g1.v;
             if (system_.is_vibrating()) u.z -= solver_.plate_velocity(e.time);
             u -= 0.5 * cross(spin_[e.i], n);
-            const Impulse impulse = impulse_of<Tangential::coulomb>(n, u, 1, system_.plate.restitution,
-                                                                    system_.plate);
+            const Impulse impulse =
+                impulse_of<Tangential::coulomb>(n, u, 1, system_.plate.restitution, system_.plate);
             if (!(impulse.normal > 0)) return;
             g1.v += impulse.j;
             spin_[e.i] += spin_change(n, impulse.j);
