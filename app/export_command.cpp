@@ -8,6 +8,7 @@
 #include "io/open_snapshots.h"
 #include "io/output_file.h"
 #include "io/results_file.h"
+#include "io/trajectory_file.h"
 
 namespace grainfield::app {
 
@@ -26,7 +27,8 @@ Form form_for(const fs::path& input, io::FileKind kind, const fs::path& output) 
     const bool has_points = kind == io::FileKind::trajectory || kind == io::FileKind::points;
     if (has_points && extension == ".csv") return Form::csv;
     if (has_points && extension == ".xyz") return Form::xyz;
-    if (kind == io::FileKind::results && is_folder_name(output)) return Form::curves;
+    const bool has_curves = kind == io::FileKind::results || kind == io::FileKind::trajectory;
+    if (has_curves && is_folder_name(output)) return Form::curves;
     if (!has_points && kind != io::FileKind::results) {
         throw InputError({.problem = fmt::format("cannot export '{}'", input.string()),
                           .actual = "neither a trajectory, nor results, nor a table of points",
@@ -40,10 +42,28 @@ Form form_for(const fs::path& input, io::FileKind kind, const fs::path& output) 
          .suggestion = {}});
 }
 
+// Results as they are; of a trajectory, the tables that a simulation keeps beside it.
+Results curves_of(const fs::path& input) {
+    if (io::identify(input) == io::FileKind::results) return io::read_results(input);
+    const io::TrajectoryFile file(input);
+    if (file.curves().empty()) {
+        throw InputError({.problem = fmt::format("'{}' holds no curves", input.string()),
+                          .actual = {},
+                          .expected = {},
+                          .suggestion = "give a name that ends in .csv or .xyz for its particles"});
+    }
+    Results results;
+    ObservableResult series;
+    series.name = "series";
+    series.curves = file.curves();
+    results.observables.push_back(std::move(series));
+    return results;
+}
+
 }  // namespace
 
 std::string ExportCommand::purpose() const {
-    return "write a trajectory as CSV or XYZ, or the curves of results as CSV";
+    return "write a trajectory as CSV or XYZ, or curves as CSV";
 }
 
 Command::Inputs ExportCommand::inputs() const {
@@ -54,7 +74,7 @@ Command::Inputs ExportCommand::inputs() const {
 
 std::vector<OptionTable> ExportCommand::options() {
     OptionTable own("");
-    own.text("output", output_, "FILE.csv or FILE.xyz for trajectories, a folder for results");
+    own.text("output", output_, "FILE.csv or FILE.xyz for trajectories, a folder for curves");
     return {own};
 }
 
@@ -68,7 +88,7 @@ Summary ExportCommand::run(Session& session) {
 
     Summary summary;
     if (form == Form::curves) {
-        const Results results = io::read_results(input);
+        const Results results = curves_of(input);
         io::export_curves(results, output_, overwrite);
         summary.text =
             fmt::format("{}: curves of {} observables\n", output_, results.observables.size());

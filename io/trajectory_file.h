@@ -35,6 +35,9 @@ class TrajectoryWriter : public SnapshotSink {
 
     void write(const Snapshot& snapshot) override;
     void add_preview(const Preview& preview);
+    /// A table that belongs to the run, e.g. a simulation's time series; under
+    /// /parameters/grainfield/curves.
+    void add_curve(const Curve& curve);
 
     /// Adds the record of the run, closes the file and gives it its name.
     void finish(const RunRecord& record);
@@ -62,6 +65,7 @@ class TrajectoryFile : public SnapshotSource {
     Snapshot read(std::int64_t index) override;
 
     const std::vector<Preview>& previews() const;
+    const std::vector<Curve>& curves() const;
     const RunRecord& record() const;
 
  private:

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "io/curve_group.h"
 #include "io/flat_columns.h"
 #include "io/h5_group.h"
 #include "io/preview_group.h"
@@ -99,6 +100,7 @@ struct TrajectoryFile::State {
     TrajectoryInfo info;
     RunRecord record;
     std::vector<Preview> previews;
+    std::vector<Curve> curves;
     hsize_t frames = 0;
     hsize_t most_particles = 0;
     hsize_t dimensions = 3;
@@ -182,6 +184,7 @@ void TrajectoryFile::State::read_own(const H5Group& root) {
         record = record_from_json(parse_json(own.text("record"), file.name()), file.name());
     }
     previews = read_previews(own.group("previews"));
+    if (own.has_group("curves")) curves = read_curves(own.group("curves"));
     present = own.dataset("columns").read<std::uint8_t>();
     box_origin = own.dataset("box_origin").read<double>();
     box_height = own.dataset("box_height").read<double>();
@@ -327,6 +330,10 @@ Snapshot TrajectoryFile::read(std::int64_t index) {
 
 const std::vector<Preview>& TrajectoryFile::previews() const {
     return state_->previews;
+}
+
+const std::vector<Curve>& TrajectoryFile::curves() const {
+    return state_->curves;
 }
 
 const RunRecord& TrajectoryFile::record() const {

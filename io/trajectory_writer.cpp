@@ -9,6 +9,7 @@
 
 #include "core/errors.h"
 #include "core/version.h"
+#include "io/curve_group.h"
 #include "io/flat_columns.h"
 #include "io/h5_group.h"
 #include "io/preview_group.h"
@@ -95,6 +96,7 @@ struct TrajectoryWriter::State {
     std::int64_t last_frame = -1;
     std::uint8_t present = 0;  ///< columns of the frame being written
     int preview_count = 0;
+    std::vector<Curve> curves;
 };
 
 TrajectoryWriter::State::State(const std::filesystem::path& path, const TrajectoryInfo& info,
@@ -219,10 +221,17 @@ void TrajectoryWriter::add_preview(const Preview& preview) {
     write_preview(state_->previews, std::to_string(state_->preview_count++), preview);
 }
 
+void TrajectoryWriter::add_curve(const Curve& curve) {
+    state_->curves.push_back(curve);
+}
+
 void TrajectoryWriter::finish(const RunRecord& record) {
     // A file without frames still is a trajectory: of no frame, with no particles.
     if (!state_->positions_value) state_->make_positions({});
     state_->own.write_text("record", text_of(to_json(record)));
+    if (!state_->curves.empty()) {
+        write_curves(state_->own.make_group("curves"), state_->curves);
+    }
     state_->file.close();
     state_->output.commit();
 }

@@ -1,0 +1,204 @@
+#include "app/simulate_md_command.h"
+
+#include <chrono>
+#include <optional>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "app/snapshot_segments.h"
+#include "core/errors.h"
+#include "core/interrupt.h"
+#include "core/progress.h"
+#include "io/checkpoint_file.h"
+#include "io/open_snapshots.h"
+#include "io/output_file.h"
+#include "io/trajectory_file.h"
+#include "simulate/md/initial_state.h"
+#include "simulate/md/md_simulation.h"
+
+namespace grainfield::app {
+
+namespace {
+
+using nlohmann::ordered_json;
+using simulate::MdSimulation;
+using Clock = std::chrono::steady_clock;
+
+ordered_json facts(const MdSimulation& simulation, std::int64_t events, double seconds) {
+    const auto& series = simulation.series();
+    ordered_json facts;
+    facts["periods"] = simulation.periods_done();
+    facts["events"] = simulation.events();
+    facts["events_per_second"] = seconds > 0 ? static_cast<double>(events) / seconds : 0;
+    facts["pair_per_grain_period"] = series.late_mean("pair");
+    facts["low_plate_per_grain_period"] = series.late_mean("low_plate");
+    facts["high_plate_per_grain_period"] = series.late_mean("high_plate");
+    facts["energy_xy"] = series.late_mean("energy_xy");
+    facts["energy_z"] = series.late_mean("energy_z");
+    facts["energy_rotation"] = series.late_mean("energy_rotation");
+    facts["pressure"] = series.late_mean("pressure");
+    facts["energy_audit_relative_error"] = simulation.energy_audit();
+    facts["max_overlap"] = simulation.max_overlap();
+    facts["outdated_per_event"] = simulation.outdated_per_event();
+    facts["memory_mb"] = static_cast<double>(simulation.bytes()) / 1e6;
+    facts["engine"] = simulation.policies();
+    return facts;
+}
+
+std::string words(const std::string& output, const ordered_json& facts, double seconds) {
+    std::string text =
+        fmt::format("{}: {:g} periods, {} events in {}, {:.3g} events/s\n", output,
+                    facts["periods"].get<double>(), facts["events"].get<std::int64_t>(),
+                    format_duration(seconds), facts["events_per_second"].get<double>());
+    text += fmt::format(
+        "  per grain and period (later half)  pair {:.3f}, low plate {:.3f}, high plate {:.3f}\n",
+        facts["pair_per_grain_period"].get<double>(),
+        facts["low_plate_per_grain_period"].get<double>(),
+        facts["high_plate_per_grain_period"].get<double>());
+    text +=
+        fmt::format("  energy per grain                   xy {:.4f}, z {:.4f}, rotation {:.4f}\n",
+                    facts["energy_xy"].get<double>(), facts["energy_z"].get<double>(),
+                    facts["energy_rotation"].get<double>());
+    text += fmt::format("  energy audit {:.1e}, largest overlap {:.1e} a, memory {:.0f} MB\n",
+                        facts["energy_audit_relative_error"].get<double>(),
+                        facts["max_overlap"].get<double>(), facts["memory_mb"].get<double>());
+    return text;
+}
+
+}  // namespace
+
+std::string SimulateMdCommand::purpose() const {
+    return "hard spheres between vibrating plates, event by event";
+}
+
+Command::Inputs SimulateMdCommand::inputs() const {
+    return {.placeholder = "", .meaning = "", .count = Count::none};
+}
+
+std::vector<OptionTable> SimulateMdCommand::options() {
+    OptionTable own("");
+    own.text("output", output_, "trajectory file to write (H5MD)");
+    own.text("start", start_, "trajectory to start from instead of the initial layout");
+    own.integer("start-frame", start_frame_, "-", {-1, 1e15}, "snapshot to start from, -1: last");
+    own.flag("resume", resume_, "go on from OUTPUT.checkpoint");
+    own.number("checkpoint-every", checkpoint_every_, "min", {0, 1e6}, "time between checkpoints");
+    std::vector<OptionTable> tables{own};
+    for (OptionTable& table : simulate::describe(md_)) tables.push_back(std::move(table));
+    return tables;
+}
+
+simulate::GrainState SimulateMdCommand::initial_state(const Session& session) const {
+    const auto seed = static_cast<std::uint64_t>(session.common.seed);
+    if (start_.empty()) return simulate::make_initial_state(md_, seed);
+    const auto source = io::open_snapshots(start_, std::nullopt, {});
+    const std::int64_t frame = start_frame_ < 0 ? source->count() - 1 : start_frame_;
+    if (frame < 0 || frame >= source->count()) {
+        throw OptionError({.problem = "start-frame: no such snapshot",
+                           .actual = std::to_string(start_frame_),
+                           .expected = fmt::format("0 … {}", source->count() - 1),
+                           .suggestion = {}});
+    }
+    return simulate::state_of(source->read(frame), md_, seed);
+}
+
+std::vector<std::pair<std::string, std::string>> SimulateMdCommand::physics(
+    const Session& session) const {
+    std::vector<std::pair<std::string, std::string>> kept;
+    for (const auto& [name, value] : session.configuration) {
+        const bool section = name.find('.') != std::string::npos;
+        const bool own = name == "seed" || name == "start" || name == "start-frame";
+        if ((section && name != "run.tiles") || own) kept.emplace_back(name, value);
+    }
+    return kept;
+}
+
+void SimulateMdCommand::save(const Session& session, const MdSimulation& simulation,
+                             SnapshotSegments& segments) const {
+    segments.close();
+    Checkpoint checkpoint = simulation.checkpoint();
+    checkpoint.configuration = physics(session);
+    checkpoint.integers["segments"] = {segments.count()};
+    io::write_checkpoint(checkpoint, checkpoint_path());
+}
+
+void SimulateMdCommand::run_to_end(Session& session, MdSimulation& simulation,
+                                   SnapshotSegments& segments) const {
+    Progress progress("simulating", static_cast<std::int64_t>(md_.run.periods), "periods",
+                      session.common.verbosity());
+    progress.advance(static_cast<std::int64_t>(simulation.periods_done()));
+    auto last_saved = Clock::now();
+    const std::chrono::duration<double> interval(60 * checkpoint_every_);
+    while (!simulation.is_done() && caught_signal() == 0) {
+        const double before = simulation.periods_done();
+        simulation.run_window(segments);
+        progress.advance(static_cast<std::int64_t>(simulation.periods_done() - before));
+        if (Clock::now() - last_saved >= interval && !simulation.is_done()) {
+            save(session, simulation, segments);
+            last_saved = Clock::now();
+        }
+    }
+}
+
+Summary SimulateMdCommand::run(Session& session) {
+    if (session.common.explain) {
+        MdSimulation(md_, {}, 1, session.plan);
+        return explanation(session.plan);
+    }
+    require_output(session, output_);
+    if (!start_.empty()) session.inputs.emplace_back(start_);
+    std::error_code ignored;
+    const bool has_checkpoint = std::filesystem::exists(checkpoint_path(), ignored);
+    if (has_checkpoint && !resume_ && !session.common.force) {
+        throw OutputError({.problem = fmt::format("'{}' exists: an interrupted run of '{}'",
+                                                  checkpoint_path().string(), output_),
+                           .actual = {},
+                           .expected = {},
+                           .suggestion = "go on with --resume, or start anew with --force"});
+    }
+    std::optional<Checkpoint> checkpoint;
+    if (resume_) {
+        checkpoint = io::read_checkpoint(checkpoint_path());
+        if (checkpoint->kind != "md") {
+            throw InputError(
+                {.problem = fmt::format("cannot go on from '{}'", checkpoint_path().string()),
+                 .actual = fmt::format("a checkpoint of kind '{}'", checkpoint->kind),
+                 .expected = "md",
+                 .suggestion = {}});
+        }
+        io::require_same_configuration(*checkpoint, physics(session), checkpoint_path());
+    }
+    simulate::GrainState initial;
+    if (!checkpoint) initial = initial_state(session);
+    MdSimulation simulation(md_, std::move(initial), session.threads(), session.plan);
+    if (checkpoint) simulation.restore(*checkpoint);
+    const std::int64_t segment_count = checkpoint ? checkpoint->integers["segments"].at(0) : 0;
+
+    const auto overwrite = session.common.force ? io::Overwrite::force : io::Overwrite::refuse;
+    io::TrajectoryWriter writer(output_, simulation.info(), overwrite);
+    SnapshotSegments segments(output_, simulation.info(), segment_count);
+    const auto start = Clock::now();
+    const std::int64_t events_before = simulation.events();
+    run_to_end(session, simulation, segments);
+    const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    const ordered_json result = facts(simulation, simulation.events() - events_before, seconds);
+
+    Summary summary{.text = words(output_, result, seconds), .facts = result};
+    if (!simulation.is_done()) {
+        save(session, simulation, segments);
+        session.outputs.push_back(checkpoint_path());
+        session.plan.warn(fmt::format("interrupted after {:g} of {:g} periods; go on with --resume",
+                                      simulation.periods_done(), md_.run.periods));
+        summary.signal = caught_signal();
+        return summary;
+    }
+    segments.merge_into(writer);
+    writer.add_curve(simulation.series().curve());
+    writer.finish(session.record());
+    segments.remove();
+    std::filesystem::remove(checkpoint_path(), ignored);
+    session.outputs.push_back(output_);
+    return summary;
+}
+
+}  // namespace grainfield::app

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "simulate/md/grain_state.h"
+#include "simulate/md/ledger.h"
+#include "simulate/md/md_system.h"
+
+namespace grainfield::simulate {
+
+struct EngineOptions {
+    int threads = 1;
+    int tiles = 0;             ///< strips of cell rows; 0: as the threads need
+    double event_limit = 1e6;  ///< events of one grain in a window that mean collapse
+};
+
+/// Energies and mean squares of all grains at one instant.
+struct Energies {
+    double horizontal = 0;  ///< ½ Σ (v_x² + v_y²) [m g a]
+    double vertical = 0;    ///< ½ Σ v_z²
+    double rotational = 0;  ///< ½ I Σ ω²
+    double potential = 0;   ///< Σ g z
+
+    double total() const { return horizontal + vertical + rotational + potential; }
+};
+
+/// Event-driven molecular dynamics of one MdSystem (docs/md.md).
+///
+/// Between two calls of load() lies a *window*: times count from its beginning and every grain
+/// carries its own last-event time. The trajectory depends on the loaded state alone: not on
+/// threads, tiles, or on where advance() pauses.
+class Engine {
+ public:
+    virtual ~Engine() = default;
+
+    /// Starts a window with this state at time 0, at which the plates pass their mean position
+    /// upwards: where plates vibrate, windows must last whole periods. `end`: longest time that
+    /// advance() will be asked for. The state must stay as it is until the window ends.
+    virtual void load(const GrainState& state, double end) = 0;
+
+    /// Executes all events up to `time` (of the window). Throws PhysicsError naming pair and time
+    /// if grains collide without end (inelastic collapse).
+    virtual void advance(double time) = 0;
+
+    /// All grains flown to `time`, which no event may separate from the present; changes nothing.
+    virtual void store(double time, GrainState& state) const = 0;
+
+    /// The same of all grains, compensated sums.
+    virtual Energies energies(double time) const = 0;
+
+    /// What happened since load().
+    virtual const Ledger& ledger() const = 0;
+
+    /// Deepest overlap of two grains, or of grain and plate, in the loaded state [a]; 0 if none.
+    virtual double max_overlap() const = 0;
+
+    virtual std::size_t bytes() const = 0;
+    virtual std::string policies() const = 0;  ///< "coulomb, gravity, vibrating plates"
+};
+
+/// The engine compiled for what this system needs and nothing else: spin or none, gravity or none,
+/// plates vibrating, at rest or absent.
+std::unique_ptr<Engine> make_engine(const MdSystem& system, const EngineOptions& options);
+
+}  // namespace grainfield::simulate

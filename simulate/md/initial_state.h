@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/snapshot.h"
+#include "simulate/md/engine.h"
+#include "simulate/md/grain_state.h"
+#include "simulate/md/md_options.h"
+
+namespace grainfield::simulate {
+
+/// Grains to begin with, at the instant when the plates pass their mean position upwards.
+///
+/// Layout `random`: low cells (under 3 a) get one grain per site of a lattice of spacing ≥ 1 with
+/// random empty sites and random heights; where that holds too few, a square bilayer, which elastic
+/// collisions then melt. Tall cells start from a face-centred cubic lattice, melted too. `square`:
+/// a square bilayer patch in the middle, liquid around it. Velocities are Maxwellian, without
+/// total momentum on periodic axes; spins are zero.
+/// Depends on options and seed only. Throws OptionError, before anything is run, if so many grains
+/// do not fit (with the number that does).
+GrainState make_initial_state(const MdOptions& options, std::uint64_t seed);
+
+/// The grains of a snapshot; missing velocities are drawn, missing spins are zero. Throws
+/// InputError if heights are missing, or particles lie outside the cell or overlap by > 1e-6 a.
+GrainState state_of(const Snapshot& snapshot, const MdOptions& options, std::uint64_t seed);
+
+/// Brings grains that are near in space near in memory (Z order of cells).
+void sort_in_space(GrainState& state);
+
+}  // namespace grainfield::simulate

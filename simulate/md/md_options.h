@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/option_table.h"
+#include "simulate/md/md_system.h"
+
+namespace grainfield::simulate {
+
+enum class Side { periodic, walls };
+enum class InitialLayout { random, square };
+
+struct CellOptions {
+    std::int64_t grains = 9875;     ///< N
+    double length_x = 100;          ///< [a]
+    double length_y = 100;          ///< [a]
+    double height = 1.84;           ///< L_z, between the plates [a]
+    Side sides_x = Side::periodic;  ///< x boundaries
+    Side sides_y = Side::periodic;  ///< y boundaries
+    Vertical vertical = Vertical::plates;
+    double gravity = 1;  ///< [g]
+};
+
+struct VibrationOptions {
+    double amplitude = 0.08;       ///< A of z = A sin ωt [a]
+    double angular_frequency = 5;  ///< ω [sqrt(g/a)]
+};
+
+struct InitialOptions {
+    InitialLayout layout = InitialLayout::random;
+    double temperature = 0.4;       ///< of the Maxwellian velocities [m g a]
+    double crystal_spacing = 0.81;  ///< projected spacing of the square patch [a]
+    double crystal_fraction = 0.2;  ///< of the area, taken by the patch [-]
+    std::optional<double> melt;     ///< collisions per grain of elastic mixing; auto: as needed
+};
+
+struct RunOptions {
+    double periods = 200;            ///< of the vibration; of sqrt(a/g) where nothing vibrates
+    double discard = 0;              ///< periods before the first snapshot
+    double snapshot_every = 10;      ///< periods
+    double snapshot_phase = 0;       ///< [periods] 0 … 1
+    std::int64_t sample_every = 1;   ///< periods between entries of the time series
+    double contact_time = 0;         ///< TC model, 0: off [sqrt(a/g)]
+    double plate_tolerance = 1e-15;  ///< [a]
+    std::int64_t event_limit = 1'000'000;  ///< events of a grain in a window that mean collapse
+    int tiles = 0;                         ///< strips worked on at a time, 0: as the threads need
+};
+
+/// Everything about a molecular-dynamics run; sections cell, vibration, grain, plate, initial, run.
+struct MdOptions {
+    CellOptions cell;
+    VibrationOptions vibration;
+    ContactLaw grain;
+    ContactLaw plate;
+    InitialOptions initial;
+    RunOptions run;
+
+    /// Throws OptionError if these cannot be simulated.
+    MdSystem system() const;
+};
+
+std::vector<OptionTable> describe(MdOptions& options);
+
+}  // namespace grainfield::simulate

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/checkpoint.h"
+#include "core/run_plan.h"
+#include "core/trajectory.h"
+#include "simulate/md/engine.h"
+#include "simulate/md/md_options.h"
+#include "simulate/md/md_series.h"
+
+namespace grainfield::simulate {
+
+/// A run of the vibrated layer from its initial state to its last period.
+///
+/// Time is cut into windows of a few periods (about 1e6 events, fixed by N alone). At their
+/// borders all grains are flown to the same instant, from which everything that follows is
+/// determined: a checkpoint is that state.
+class MdSimulation {
+ public:
+    /// Throws OptionError or InputError if it cannot be run. Says in the plan what is skipped.
+    MdSimulation(const MdOptions& options, GrainState initial, int threads, RunPlan& plan);
+
+    /// Goes on where the checkpoint was made, bit by bit as if nothing had happened.
+    void restore(const Checkpoint& checkpoint);
+
+    /// Runs one window; snapshots that fall into it go to the sink. Returns early, with the window
+    /// unfinished, once a signal was caught. Throws PhysicsError on inelastic collapse or overlap.
+    void run_window(SnapshotSink& sink);
+
+    bool is_done() const { return periods_done() >= options_.run.periods; }
+    double periods_done() const;
+    /// Snapshots and samples before the present window: what a checkpoint vouches for.
+    std::int64_t settled_snapshots() const { return settled_snapshots_; }
+    Checkpoint checkpoint() const;
+
+    TrajectoryInfo info() const;
+    const MdSeries& series() const { return series_; }
+    std::int64_t events() const;
+    double max_overlap() const { return max_overlap_; }
+    /// |energy change + losses − work| over the energy turned over.
+    double energy_audit() const;
+    double outdated_per_event() const;
+    std::size_t bytes() const;
+    std::string policies() const { return engine_->policies(); }
+
+ private:
+    Snapshot snapshot(double time, std::int64_t frame) const;
+    void sample(double time);
+    void settle();
+    std::vector<double> present_sums() const;
+
+    MdOptions options_;
+    MdSystem system_;
+    GrainState state_;  ///< at the beginning of the window
+    std::unique_ptr<Engine> engine_;
+    MdSeries series_;
+    std::int64_t window_periods_ = 1;
+    std::int64_t window_ = 0;
+    std::int64_t next_snapshot_ = 0;
+    std::int64_t settled_snapshots_ = 0;
+    std::int64_t next_sample_ = 0;
+    std::size_t settled_rows_ = 0;
+    std::vector<double> sums_;          ///< of the windows before the present one
+    std::vector<double> settled_last_;  ///< sums at the last sample before the present window
+    std::vector<double> last_sample_sums_;
+    double energy_start_ = 0;
+    double energy_now_ = 0;
+    double max_overlap_ = 0;
+    double outdated_ = 0;
+    bool interrupted_ = false;
+};
+
+}  // namespace grainfield::simulate

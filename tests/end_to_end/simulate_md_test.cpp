@@ -1,0 +1,158 @@
+#include <chrono>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <signal.h>
+
+#include "tests/support/program.h"
+
+namespace grainfield {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using testing::Outcome;
+using testing::Process;
+using testing::ScratchFolder;
+
+std::vector<std::string> small_run(const std::string& output) {
+    return {"simulate",         "md",   "-o",         output, "--grains",  "400",
+            "--length-x",       "20.5", "--length-y", "20.5", "--periods", "400",
+            "--snapshot-every", "7.3",  "--json"};
+}
+
+std::vector<std::string> with(std::vector<std::string> words, std::vector<std::string> more) {
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+}
+
+std::vector<std::string> program(std::vector<std::string> words) {
+    words.insert(words.begin(), GRAINFIELD_PROGRAM);
+    return words;
+}
+
+/// Everything a run leaves: snapshots and time series as text.
+std::string content(const ScratchFolder& folder, const std::string& name) {
+    const std::string points = folder / (name + ".csv");
+    const std::string curves = folder / (name + "-curves");
+    const std::string file = folder / (name + ".h5");
+    EXPECT_EQ(testing::run_grainfield({"export", file, "-o", points, "--force"}).code, 0);
+    EXPECT_EQ(testing::run_grainfield({"export", file, "-o", curves, "--force"}).code, 0);
+    return testing::read_all(points) + testing::read_all(curves + "/md.csv");
+}
+
+TEST(SimulateMd, KeepsTheContractForScripts) {
+    const ScratchFolder folder;
+    const Outcome outcome = testing::run_grainfield(small_run(folder / "a.h5"));
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const json summary = json::parse(outcome.out);
+    for (const char* key : {"events", "events_per_second", "pair_per_grain_period",
+                            "low_plate_per_grain_period", "high_plate_per_grain_period",
+                            "energy_audit_relative_error", "max_overlap", "memory_mb"}) {
+        EXPECT_TRUE(summary[key].is_number()) << key;
+    }
+    EXPECT_LT(summary["energy_audit_relative_error"], 1e-10);
+    EXPECT_LT(summary["max_overlap"], 1e-12);
+    EXPECT_EQ(folder.entries(), 1U) << "no segments, no checkpoint";
+    const Outcome analysis =
+        testing::run_grainfield({"analyze", folder / "a.h5", "-o", folder / "r.h5", "--json"});
+    EXPECT_EQ(analysis.code, 0) << analysis.err;
+}
+
+TEST(SimulateMd, ThreadsDoNotChangeAByte) {
+    const ScratchFolder folder;
+    for (const char* threads : {"1", "2", "8"}) {
+        const Outcome outcome = testing::run_grainfield(
+            {"simulate", "md", "-o", folder / (std::string(threads) + ".h5"), "--grains", "3900",
+             "--length-x", "40", "--length-y", "100", "--periods", "12", "--threads", threads,
+             "--snapshot-every", "3"});
+        ASSERT_EQ(outcome.code, 0) << outcome.err;
+    }
+    const std::string one = content(folder, "1");
+    EXPECT_EQ(one, content(folder, "2"));
+    EXPECT_EQ(one, content(folder, "8"));
+}
+
+TEST(SimulateMd, StopsWithinTwoSecondsAndGoesOnAsIfNothingHadHappened) {
+    const ScratchFolder folder;
+    ASSERT_EQ(testing::run_grainfield(small_run(folder / "whole.h5")).code, 0);
+    const Process process(program(small_run(folder / "cut.h5")));
+    std::this_thread::sleep_for(std::chrono::milliseconds(400));
+    const auto start = std::chrono::steady_clock::now();
+    process.send(SIGINT);
+    const Outcome outcome = process.wait();
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
+    ASSERT_EQ(outcome.code, 130) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("--resume"));
+    const Outcome again = testing::run_grainfield(small_run(folder / "cut.h5"));
+    EXPECT_EQ(again.code, 4) << "an interrupted run is not thrown away";
+    const Outcome other = testing::run_grainfield(
+        with(small_run(folder / "cut.h5"), {"--resume", "--amplitude", "0.09"}));
+    EXPECT_EQ(other.code, 3);
+    EXPECT_THAT(other.err, HasSubstr("vibration.amplitude: 0.08 in the checkpoint, 0.09 now"));
+    const Outcome resumed =
+        testing::run_grainfield(with(small_run(folder / "cut.h5"), {"--resume"}));
+    ASSERT_EQ(resumed.code, 0) << resumed.err;
+    EXPECT_EQ(content(folder, "cut"), content(folder, "whole"));
+}
+
+TEST(SimulateMd, SurvivesKills) {
+    const ScratchFolder folder;
+    ASSERT_EQ(testing::run_grainfield(small_run(folder / "whole.h5")).code, 0);
+    const auto run = with(small_run(folder / "cut.h5"), {"--checkpoint-every", "0"});
+    bool has_checkpoint = false;
+    for (int i = 0; i < 12; ++i) {
+        const Process process(
+            program(has_checkpoint ? with(run, {"--resume"}) : with(run, {"--force"})));
+        std::this_thread::sleep_for(std::chrono::milliseconds(30 + 17 * i));
+        process.send(SIGKILL);
+        process.wait();
+        has_checkpoint = std::filesystem::exists(folder / "cut.h5.checkpoint");
+        if (std::filesystem::exists(folder / "cut.h5")) break;
+    }
+    if (!std::filesystem::exists(folder / "cut.h5")) {
+        const Outcome last = testing::run_grainfield(has_checkpoint ? with(run, {"--resume"})
+                                                                    : with(run, {"--force"}));
+        ASSERT_EQ(last.code, 0) << last.err;
+    }
+    EXPECT_EQ(content(folder, "cut"), content(folder, "whole"));
+}
+
+TEST(SimulateMd, RefusesForeignAndDamagedCheckpoints) {
+    const ScratchFolder folder;
+    const std::string path = folder / "a.h5.checkpoint";
+    const auto resume = with(small_run(folder / "a.h5"), {"--resume"});
+    EXPECT_EQ(testing::run_grainfield(resume).code, 3) << "none there";
+    std::ofstream(path) << "something else";
+    EXPECT_EQ(testing::run_grainfield(resume).code, 3);
+    std::ofstream(path) << "grainfield checkpoint 1\nwith rubbish";
+    const Outcome damaged = testing::run_grainfield(resume);
+    EXPECT_EQ(damaged.code, 3);
+    EXPECT_THAT(damaged.err, HasSubstr("checkpoint"));
+}
+
+TEST(SimulateMd, ReportsInelasticCollapseWithExitCodeFive) {
+    const ScratchFolder folder;
+    const Outcome outcome = testing::run_grainfield(
+        with(small_run(folder / "a.h5"), {"--amplitude", "0", "--plate-restitution", "0.5",
+                                          "--grain-restitution", "0.5", "--event-limit", "20000"}));
+    EXPECT_EQ(outcome.code, 5);
+    EXPECT_THAT(outcome.err, HasSubstr("inelastic collapse: grain"));
+}
+
+TEST(SimulateMd, RefusesWhatCannotFitBeforeItStarts) {
+    const ScratchFolder folder;
+    const Outcome outcome =
+        testing::run_grainfield({"simulate", "md", "-o", folder / "a.h5", "--grains", "5000",
+                                 "--length-x", "20", "--length-y", "20"});
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("at most"));
+    EXPECT_EQ(folder.entries(), 0U);
+}
+
+}  // namespace
+}  // namespace grainfield

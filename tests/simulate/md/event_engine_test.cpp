@@ -1,0 +1,301 @@
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/errors.h"
+#include "core/random.h"
+#include "simulate/md/engine.h"
+#include "simulate/md/initial_state.h"
+#include "tests/simulate/md/reference_engine.h"
+
+namespace grainfield::simulate {
+
+namespace {
+
+MdOptions layer(std::int64_t grains, double x, double y) {
+    MdOptions o;
+    o.cell.grains = grains;
+    o.cell.length_x = x;
+    o.cell.length_y = y;
+    return o;
+}
+
+GrainState start(const MdOptions& options) {
+    GrainState state = make_initial_state(options, 7);
+    RandomStream random(3, "spins");
+    for (Vec3& w : state.spin) w = {random.normal(), random.normal(), random.normal()};
+    return state;
+}
+
+void run(Engine& engine, GrainState& state, double window, int windows) {
+    for (int i = 0; i < windows; ++i) {
+        engine.load(state, window);
+        engine.advance(window);
+        engine.store(window, state);
+    }
+}
+
+bool same_bits(const GrainState& a, const GrainState& b) {
+    const auto same = [](const std::vector<Vec3>& x, const std::vector<Vec3>& y) {
+        return x.size() == y.size() &&
+               std::memcmp(x.data(), y.data(), x.size() * sizeof(Vec3)) == 0;
+    };
+    return same(a.position, b.position) && same(a.velocity, b.velocity) && same(a.spin, b.spin);
+}
+
+struct Scene {
+    const char* name;
+    MdOptions options;
+};
+
+std::vector<Scene> scenes() {
+    std::vector<Scene> all;
+    all.push_back({"periodic layer", layer(55, 8, 7.5)});
+    MdOptions walls = layer(40, 7, 8.3);
+    walls.cell.sides_x = Side::walls;
+    walls.cell.sides_y = Side::walls;
+    walls.plate.static_friction = 0.4;
+    all.push_back({"walled layer", walls});
+    all.push_back({"two cells", layer(4, 2.5, 2.2)});
+    MdOptions mixed = layer(20, 2.9, 9);
+    mixed.cell.sides_y = Side::walls;
+    all.push_back({"narrow channel", mixed});
+    MdOptions still = layer(50, 8, 8);
+    still.vibration.amplitude = 0;
+    still.grain.restitution = still.plate.restitution = 1;
+    all.push_back({"static plates", still});
+    MdOptions tall = layer(60, 5, 5);
+    tall.cell.height = 6.5;
+    tall.vibration.amplitude = 0.2;
+    all.push_back({"tall box", tall});
+    MdOptions floating = layer(50, 8, 8);
+    floating.cell.gravity = 0;
+    floating.vibration.amplitude = 0;
+    all.push_back({"no gravity", floating});
+    MdOptions gas = layer(60, 4.3, 4.3);
+    gas.cell.height = 4.3;
+    gas.cell.vertical = Vertical::periodic;
+    gas.cell.gravity = 0;
+    gas.vibration.amplitude = 0;
+    gas.initial.melt = 5;
+    all.push_back({"rough gas", gas});
+    MdOptions tiny = gas;
+    tiny.cell.grains = 5;
+    tiny.cell.length_x = tiny.cell.length_y = tiny.cell.height = 2.2;
+    all.push_back({"box of two diameters", tiny});
+    return all;
+}
+
+}  // namespace
+
+TEST(EventEngine, FollowsTheReferenceEventByEventBitByBit) {
+    for (const Scene& scene : scenes()) {
+        SCOPED_TRACE(scene.name);
+        const MdSystem system = scene.options.system();
+        GrainState state = start(scene.options);
+        const auto engine = make_engine(system, {});
+        const double window = system.period();
+        std::int64_t collisions = 0;
+        for (int w = 0; w < 4; ++w) {
+            ReferenceEngine reference(system, state, window);
+            while (reference.step()) ASSERT_LT(reference.collisions(), 100000);
+            engine->load(state, window);
+            engine->advance(0.3 * window);  // pauses do not matter
+            engine->advance(window);
+            ASSERT_EQ(engine->ledger().real_events(), reference.collisions());
+            collisions += reference.collisions();
+            engine->store(window, state);
+            for (std::size_t i = 0; i < state.size(); ++i) {
+                ASSERT_EQ(state.velocity[i], reference.velocity(i, window)) << i;
+                ASSERT_EQ(state.spin[i], reference.spin(i)) << i;
+            }
+        }
+        EXPECT_GT(collisions, 10);
+    }
+}
+
+TEST(EventEngine, GivesTheSameBitsForAnyThreadsTilesAndPauses) {
+    MdOptions options = layer(3900, 20, 200);
+    const MdSystem system = options.system();
+    const GrainState first = start(options);
+    GrainState expected = first;
+    Ledger ledger;
+    {
+        const auto engine = make_engine(system, {});
+        run(*engine, expected, system.period(), 3);
+        ledger = engine->ledger();
+    }
+    for (const auto& [threads, tiles] : {std::pair{1, 2}, {1, 3}, {1, 5}, {2, 0}, {2, 4}, {8, 5}}) {
+        SCOPED_TRACE(std::to_string(threads) + " threads, " + std::to_string(tiles) + " tiles");
+        EngineOptions o;
+        o.threads = threads;
+        o.tiles = tiles;
+        const auto engine = make_engine(system, o);
+        GrainState state = first;
+        run(*engine, state, system.period(), 3);
+        EXPECT_TRUE(same_bits(state, expected));
+        EXPECT_EQ(engine->ledger().pair, ledger.pair);
+        EXPECT_EQ(engine->ledger().low_plate, ledger.low_plate);
+        EXPECT_EQ(engine->ledger().pair_loss.value(), ledger.pair_loss.value());
+        EXPECT_EQ(engine->ledger().work.value(), ledger.work.value());
+    }
+}
+
+TEST(EventEngine, GivesTheSameBitsForTilesOfAGas) {
+    MdOptions options = layer(4000, 8, 100);
+    options.cell.height = 8;
+    options.cell.vertical = Vertical::periodic;
+    options.cell.gravity = 0;
+    options.vibration.amplitude = 0;
+    options.initial.melt = 2;
+    const MdSystem system = options.system();
+    const GrainState first = start(options);
+    GrainState expected = first;
+    run(*make_engine(system, {}), expected, 1, 2);
+    EngineOptions o;
+    o.tiles = 2;
+    o.threads = 2;
+    GrainState state = first;
+    run(*make_engine(system, o), state, 1, 2);
+    EXPECT_TRUE(same_bits(state, expected));
+}
+
+TEST(EventEngine, DoesNotDependOnTheOrderInMemory) {
+    const MdOptions options = layer(900, 31, 30);
+    const MdSystem system = options.system();
+    GrainState plain = start(options);
+    GrainState sorted = plain;
+    sort_in_space(sorted);
+    const auto engine = make_engine(system, {});
+    run(*engine, plain, system.period(), 2);
+    run(*engine, sorted, system.period(), 2);
+    for (std::size_t i = 0; i < sorted.size(); ++i) {
+        ASSERT_EQ(sorted.position[i], plain.position[static_cast<std::size_t>(sorted.id[i])]);
+    }
+}
+
+// Contacts are exact to rounding: positions near 30 a carry 4e-15.
+TEST(EventEngine, NeitherOverlapsNorPenetratesBeyondRounding) {
+    const MdOptions options = layer(880, 30, 30);
+    const MdSystem system = options.system();
+    GrainState state = start(options);
+    const auto engine = make_engine(system, {});
+    const double period = system.period();
+    double deepest = 0;
+    for (int w = 0; w < 10; ++w) {
+        engine->load(state, period);
+        for (const double phase : {0.11, 0.37, 0.62, 0.93, 1.0}) {
+            engine->advance(phase * period);
+            engine->store(phase * period, state);
+            const double plate = 0.08 * std::sin(5 * phase * period);
+            for (std::size_t i = 0; i < state.size(); ++i) {
+                const Vec3& r = state.position[i];
+                deepest = std::max({deepest, plate + 0.5 - r.z, r.z + 0.5 - 1.84 - plate});
+                for (std::size_t j = 0; j < i; ++j) {
+                    Vec3 d = state.position[j] - r;
+                    d.x -= 30 * std::round(d.x / 30);
+                    d.y -= 30 * std::round(d.y / 30);
+                    deepest = std::max(deepest, 1 - norm(d));
+                }
+            }
+        }
+    }
+    EXPECT_LT(deepest, 1e-13);
+}
+
+TEST(EventEngine, NoneOneAndTwoGrains) {
+    for (const std::int64_t grains : {0, 1, 2}) {
+        const MdOptions options = layer(grains, 3, 3);
+        const MdSystem system = options.system();
+        GrainState state = make_initial_state(options, 1);
+        ASSERT_EQ(state.size(), static_cast<std::size_t>(grains));
+        run(*make_engine(system, {}), state, system.period(), 20);
+        for (const Vec3& r : state.position) {
+            EXPECT_GT(r.z, 0.5 - 1e-12);
+            EXPECT_LT(r.z, 1.34 + 1e-12);
+        }
+    }
+}
+
+TEST(EventEngine, TouchingGrainsAtRestStayAtRest) {
+    MdOptions options = layer(2, 5, 5);
+    options.cell.gravity = 0;
+    options.vibration.amplitude = 0;
+    GrainState state = make_initial_state(options, 1);
+    state.position = {{1, 1, 0.9}, {2, 1, 0.9}};
+    state.velocity = {{}, {}};
+    const auto engine = make_engine(options.system(), {});
+    run(*engine, state, 1, 3);
+    EXPECT_EQ(engine->ledger().pair, 0);
+    EXPECT_EQ(state.position[1], (Vec3{2, 1, 0.9}));
+}
+
+TEST(EventEngine, AChainOfTouchingGrainsPassesItsMomentumOn) {
+    MdOptions options = layer(5, 20, 5);
+    options.cell.gravity = 0;
+    options.vibration.amplitude = 0;
+    options.grain = {1, -1, 0, 0};
+    options.plate = {1, -1, 0, 0};
+    GrainState state = make_initial_state(options, 1);
+    for (std::size_t i = 0; i < 5; ++i) {
+        state.position[i] = {3.0 + static_cast<double>(i), 2, 0.9};
+        state.velocity[i] = {};
+    }
+    state.position[0].x = 2.5;
+    state.velocity[0] = {1, 0, 0};
+    const auto engine = make_engine(options.system(), {});
+    run(*engine, state, 2, 1);
+    EXPECT_EQ(engine->ledger().pair, 4);
+    EXPECT_NEAR(state.velocity[4].x, 1, 1e-14);
+    EXPECT_NEAR(state.velocity[0].x, 0, 1e-14);
+}
+
+TEST(EventEngine, ReportsInelasticCollapseWithPairAndTime) {
+    MdOptions options = layer(1, 5, 5);
+    options.vibration.amplitude = 0;
+    options.plate.restitution = 0.5;
+    GrainState state = make_initial_state(options, 1);
+    EngineOptions o;
+    o.event_limit = 10000;
+    const auto engine = make_engine(options.system(), o);
+    engine->load(state, 50);
+    try {
+        engine->advance(50);
+        FAIL() << "a grain that comes to rest was not reported";
+    } catch (const PhysicsError& error) {
+        EXPECT_THAT(error.what(), testing::HasSubstr("grain 0"));
+        EXPECT_THAT(error.what(), testing::HasSubstr("low plate"));
+        EXPECT_THAT(error.what(), testing::HasSubstr("contact-time"));
+    }
+}
+
+TEST(EventEngine, TheContactTimeModelCarriesThroughCollapse) {
+    MdOptions options = layer(200, 15, 15);
+    options.vibration.amplitude = 0;
+    options.grain.restitution = options.plate.restitution = 0.5;
+    options.run.contact_time = 1e-3;
+    GrainState state = make_initial_state(options, 1);
+    const auto engine = make_engine(options.system(), {});
+    run(*engine, state, 1, 30);
+    EXPECT_GT(engine->ledger().contact_time, 0);
+    EXPECT_LT(engine->energies(1).vertical, 1e-2);
+    EXPECT_LT(engine->max_overlap(), 1e-12);
+}
+
+TEST(EventEngine, AStrongShakeIsSurvived) {
+    MdOptions options = layer(500, 30, 30);
+    options.vibration.amplitude = 3;
+    options.vibration.angular_frequency = 40;
+    const MdSystem system = options.system();
+    GrainState state = make_initial_state(options, 1);
+    const auto engine = make_engine(system, {});
+    run(*engine, state, system.period(), 30);
+    EXPECT_LT(engine->max_overlap(), 1e-11);
+    EXPECT_GT(engine->energies(system.period()).vertical, 500);
+}
+
+}  // namespace grainfield::simulate

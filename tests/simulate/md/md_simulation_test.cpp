@@ -1,0 +1,109 @@
+#include "simulate/md/md_simulation.h"
+
+#include <gtest/gtest.h>
+
+#include "core/errors.h"
+#include "simulate/md/initial_state.h"
+
+namespace grainfield::simulate {
+
+namespace {
+
+class Collector : public SnapshotSink {
+ public:
+    void write(const Snapshot& snapshot) override { snapshots.push_back(snapshot); }
+    std::vector<Snapshot> snapshots;
+};
+
+MdOptions small() {
+    MdOptions o;
+    o.cell.grains = 400;
+    o.cell.length_x = o.cell.length_y = 20.5;
+    o.run.periods = 60;
+    o.run.discard = 3;
+    o.run.snapshot_every = 2.4;
+    o.run.snapshot_phase = 0.16;
+    return o;
+}
+
+MdSimulation make(const MdOptions& options, RunPlan& plan) {
+    return {options, make_initial_state(options, 1), 1, plan};
+}
+
+}  // namespace
+
+TEST(MdSimulation, GivesSnapshotsAtTheTimesAskedFor) {
+    const MdOptions options = small();
+    RunPlan plan;
+    MdSimulation simulation = make(options, plan);
+    Collector sink;
+    while (!simulation.is_done()) simulation.run_window(sink);
+    const double period = options.system().period();
+    ASSERT_EQ(sink.snapshots.size(), 24U);
+    for (std::size_t i = 0; i < sink.snapshots.size(); ++i) {
+        const Snapshot& s = sink.snapshots[i];
+        EXPECT_NEAR(s.time, (3.16 + 2.4 * static_cast<double>(i)) * period, 1e-10);
+        EXPECT_EQ(s.frame, static_cast<std::int64_t>(i));
+        EXPECT_NO_THROW(require_consistent(s));
+        for (std::size_t k = 0; k < s.size(); ++k) {
+            EXPECT_TRUE(s.box.contains(s.position[k]));
+            EXPECT_EQ(s.id[k], static_cast<std::int64_t>(k));
+        }
+    }
+    EXPECT_EQ(simulation.series().size(), 61U);
+}
+
+TEST(MdSimulation, GoesOnFromACheckpointBitByBit) {
+    MdOptions options = small();
+    options.run.contact_time = 1e-6;
+    RunPlan plan;
+    MdSimulation whole = make(options, plan);
+    MdSimulation first = make(options, plan);
+    Collector expected;
+    Collector resumed;
+    while (!whole.is_done()) whole.run_window(expected);
+    for (int i = 0; i < 3; ++i) first.run_window(resumed);
+    MdSimulation second(options, {}, 2, plan);
+    second.restore(first.checkpoint());
+    while (!second.is_done()) second.run_window(resumed);
+    ASSERT_EQ(resumed.snapshots.size(), expected.snapshots.size());
+    for (std::size_t i = 0; i < expected.snapshots.size(); ++i) {
+        EXPECT_EQ(resumed.snapshots[i].position, expected.snapshots[i].position);
+        EXPECT_EQ(resumed.snapshots[i].velocity, expected.snapshots[i].velocity);
+        EXPECT_EQ(resumed.snapshots[i].spin, expected.snapshots[i].spin);
+        EXPECT_EQ(resumed.snapshots[i].frame, expected.snapshots[i].frame);
+    }
+    const Curve& a = whole.series().curve();
+    const Curve& b = second.series().curve();
+    for (std::size_t c = 0; c < a.columns.size(); ++c) {
+        for (std::size_t k = 0; k < a.columns[c].values.size(); ++k) {
+            ASSERT_EQ(a.columns[c].values[k], b.columns[c].values[k]) << a.columns[c].name << k;
+        }
+    }
+    EXPECT_EQ(whole.events(), second.events());
+}
+
+TEST(MdSimulation, RefusesACheckpointThatLacksSomething) {
+    const MdOptions options = small();
+    RunPlan plan;
+    MdSimulation simulation = make(options, plan);
+    Checkpoint checkpoint = simulation.checkpoint();
+    checkpoint.reals.erase("velocity");
+    EXPECT_THROW(simulation.restore(checkpoint), InputError);
+}
+
+TEST(MdSimulation, SaysWhatItSkips) {
+    MdOptions options = small();
+    options.grain.static_friction = options.grain.dynamic_friction = 0;
+    options.plate.static_friction = options.plate.dynamic_friction = 0;
+    options.vibration.amplitude = 0;
+    RunPlan plan;
+    const MdSimulation simulation = make(options, plan);
+    EXPECT_EQ(simulation.policies(), "smooth, gravity, plates at rest");
+    std::vector<std::string> skipped;
+    for (const PlannedStage& stage : plan.skipped()) skipped.push_back(stage.stage);
+    EXPECT_EQ(skipped.front(), "rotation");
+    EXPECT_EQ(skipped.at(1), "sinusoidal plates");
+}
+
+}  // namespace grainfield::simulate
