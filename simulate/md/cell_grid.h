@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-#include "simulate/md/huge_pages.h"
+#include "core/huge_pages.h"
 #include "simulate/md/md_system.h"
 
 namespace grainfield::simulate {

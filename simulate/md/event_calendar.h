@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "simulate/md/huge_pages.h"
+#include "core/huge_pages.h"
 
 namespace grainfield::simulate {
 

@@ -9,7 +9,7 @@
 #include "simulate/md/engine.h"
 #include "simulate/md/event_calendar.h"
 #include "simulate/md/flight.h"
-#include "simulate/md/huge_pages.h"
+#include "core/huge_pages.h"
 #include "simulate/md/plate_time.h"
 
 namespace grainfield::simulate {
