@@ -12,14 +12,14 @@ namespace grainfield::tracking {
 namespace {
 
 TEST(Linker, KeepsIdentitiesWhateverTheOrderOfTheParticles) {
-    Linker linker(3, 0);
+    Linker linker({.search_range = 3, .memory = 0});
     const auto first = linker.link(0, {{10, 10}, {20, 20}, {30, 30}});
     const auto second = linker.link(1, {{30.5, 30}, {10, 11}, {20, 19.2}});
     EXPECT_EQ(second, (std::vector<std::int64_t>{first[2], first[0], first[1]}));
 }
 
 TEST(Linker, StartsNewTracksBeyondTheSearchRange) {
-    Linker linker(3, 0);
+    Linker linker({.search_range = 3, .memory = 0});
     linker.link(0, {{10, 10}});
     EXPECT_EQ(linker.link(1, {{13.01, 10}}), std::vector<std::int64_t>{1});
     EXPECT_EQ(linker.summary().started, 2);
@@ -28,14 +28,14 @@ TEST(Linker, StartsNewTracksBeyondTheSearchRange) {
 }
 
 TEST(Linker, MemoryBridgesAMissingDetectionAndNoMore) {
-    Linker linker(3, 2);
+    Linker linker({.search_range = 3, .memory = 2});
     linker.link(0, {{10, 10}, {50, 50}});
     linker.link(1, {{50, 50}});
     linker.link(2, {{50, 50}});
     EXPECT_EQ(linker.link(3, {{10.5, 10}, {50, 50}})[0], 0);
     EXPECT_EQ(linker.summary().bridged, 1);
 
-    Linker forgetful(3, 1);
+    Linker forgetful({.search_range = 3, .memory = 1});
     forgetful.link(0, {{10, 10}});
     forgetful.link(1, {});
     forgetful.link(2, {});
@@ -43,13 +43,13 @@ TEST(Linker, MemoryBridgesAMissingDetectionAndNoMore) {
 }
 
 TEST(Linker, AFrameThatIsLeftOutCountsAsMissing) {
-    Linker linker(3, 0);
+    Linker linker({.search_range = 3, .memory = 0});
     linker.link(0, {{10, 10}});
     EXPECT_EQ(linker.link(2, {{10, 10}})[0], 1);
 }
 
 TEST(Linker, NearestPairsAreTakenFirst) {
-    Linker linker(5, 0);
+    Linker linker({.search_range = 5, .memory = 0});
     linker.link(0, {{10, 10}, {14, 10}});
     // The second track is nearer to the only particle.
     EXPECT_EQ(linker.link(1, {{13, 10}})[0], 1);
@@ -58,7 +58,7 @@ TEST(Linker, NearestPairsAreTakenFirst) {
 TEST(Linker, MakesNoWrongLinkInADenseLayerAtATenthOfTheSpacing) {
     auto scene = testing::hard_disc_liquid(400, 400, 10, 0.7, 8);
     std::vector<Vec2> positions = scene.position;
-    Linker linker(5, 0);
+    Linker linker({.search_range = 5, .memory = 0});
     const auto ids = linker.link(0, positions);
     RandomStream random(4, "steps");
     for (int frame = 1; frame < 20; ++frame) {
@@ -71,7 +71,7 @@ TEST(Linker, MakesNoWrongLinkInADenseLayerAtATenthOfTheSpacing) {
 }
 
 TEST(Linker, ManyParticlesAtOnePointAndNoneAtAllAreHarmless) {
-    Linker linker(1, 1);
+    Linker linker({.search_range = 1, .memory = 1});
     linker.link(0, std::vector<Vec2>(300, Vec2{5, 5}));
     auto ids = linker.link(1, std::vector<Vec2>(300, Vec2{5, 5}));
     std::sort(ids.begin(), ids.end());
