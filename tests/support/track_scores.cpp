@@ -86,16 +86,16 @@ void count_identities(const std::vector<IdentifiedFrame>& found, const Numbering
     std::vector<char> lost(true_numbers.length.size(), 0);
     for (std::size_t f = 0; f < truth.size(); ++f) {
         const auto& positions = f < found.size() ? found[f].position : std::vector<Vec2>();
-        const Score frame = score(positions, truth[f].position, epsilon,
-                                  std::numeric_limits<int>::max(), 1, -kAll);
+        const Score frame =
+            score(positions, truth[f].position, epsilon, std::numeric_limits<int>::max(), 1, -kAll);
         for (std::size_t i = 0; i < truth[f].position.size(); ++i) {
             const std::uint32_t x = true_numbers.number[f][i];
             if (frame.partner[i] < 0) {
                 lost[x] = identity[x] != kNever;
                 continue;
             }
-            const std::int64_t now = found_numbers.number[f][static_cast<std::size_t>(
-                frame.partner[i])];
+            const std::int64_t now =
+                found_numbers.number[f][static_cast<std::size_t>(frame.partner[i])];
             if (identity[x] != kNever) {
                 ++scores.links;
                 scores.switches += identity[x] != now;

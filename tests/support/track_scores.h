@@ -20,13 +20,14 @@ struct IdentifiedFrame {
 /// where only one of them exists. Tracks are paired one-to-one so that the sum of distances is
 /// least; a true track may stay alone at the cost of ε a frame.
 struct TrackScores {
-    double alpha = 0;            ///< 1 − d(X, Y)/d(X, ∅): 1 perfect, 0 nothing found
-    double beta = 0;             ///< α less what spurious tracks cost: (d₀ − d)/(d₀ + d(Ȳ, ∅))
-    double jaccard_points = 0;   ///< TP/(TP + FN + FP) of positions nearer than ε in paired tracks
-    double jaccard_tracks = 0;   ///< same of tracks (JSCθ)
-    std::int64_t switches = 0;   ///< a true particle is found under another identity than last time
-    std::int64_t fragments = 0;  ///< a true particle is found again after frames in which it was not
-    std::int64_t links = 0;      ///< times a true particle was found again
+    double alpha = 0;  ///< 1 − d(X, Y)/d(X, ∅): 1 perfect, 0 nothing found
+    double beta = 0;   ///< α less what spurious tracks cost: (d₀ − d)/(d₀ + d(Ȳ, ∅))
+    double jaccard_points = 0;  ///< TP/(TP + FN + FP) of positions nearer than ε in paired tracks
+    double jaccard_tracks = 0;  ///< same of tracks (JSCθ)
+    std::int64_t switches = 0;  ///< a true particle is found under another identity than last time
+    std::int64_t fragments =
+        0;                   ///< a true particle is found again after frames in which it was not
+    std::int64_t links = 0;  ///< times a true particle was found again
 };
 
 /// Frames are counted by index in both lists. `epsilon` [px]; 0.25 D for grains. Switches and

@@ -15,7 +15,7 @@ constexpr std::size_t kMostPerTrack = 32;
 
 double StepCost::operator()(Vec2 step, Vec2 track_error, Vec2 particle_error) const {
     if (motion <= 0) return squared_norm(step);
-    const double typical = motion + 2 * mean_square;
+    const double typical = motion + 2 * squared_error;
     const double x = motion + track_error.x * track_error.x + particle_error.x * particle_error.x;
     const double y = motion + track_error.y * track_error.y + particle_error.y * particle_error.y;
     return typical *

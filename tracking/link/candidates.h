@@ -12,14 +12,14 @@ namespace grainfield::tracking {
 ///
 /// Crocker and Grier maximise Π exp(−d²/2v), v the variance of a step per axis [px²]. Between a
 /// track and a particle with standard errors e_t, e_p it is v = s² + e_t² + e_p², s² that of the
-/// motion alone. Scaled by the typical v̄ = s² + 2 ē²,
+/// motion alone. Scaled by the typical v̄ = s² + 2 ē², ē the median error,
 ///
 ///     cost = v̄ (dx²/v_x + dy²/v_y) + v̄ ln(v_x v_y / v̄²)   [px²],
 ///
 /// which is d² when all errors are equal. Without `motion` every step costs d² (`crocker1996`).
 struct StepCost {
-    double motion = 0;       ///< s² [px²]; 0: plain d²
-    double mean_square = 0;  ///< ē² [px²]
+    double motion = 0;         ///< s² [px²]; 0: plain d²
+    double squared_error = 0;  ///< ē² [px²]
 
     double operator()(Vec2 step, Vec2 track_error, Vec2 particle_error) const;
 };

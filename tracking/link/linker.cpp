@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
 
@@ -40,22 +39,21 @@ bool is_error(double e) {
     return std::isfinite(e) && e >= 0;
 }
 
-/// Mean square of the usable components; 0 if there is none.
-double mean_square(const std::vector<Vec2>& errors) {
-    double sum = 0;
-    std::int64_t count = 0;
+/// Median square of the usable components; 0 if there is none.
+double median_square(const std::vector<Vec2>& errors) {
+    std::vector<double> squares;
     for (const Vec2 e : errors) {
-        for (const double c : {e.x, e.y}) {
-            if (!is_error(c)) continue;
-            sum += c * c;
-            ++count;
-        }
+        if (is_error(e.x)) squares.push_back(e.x * e.x);
+        if (is_error(e.y)) squares.push_back(e.y * e.y);
     }
-    return count == 0 ? 0 : sum / static_cast<double>(count);
+    if (squares.empty()) return 0;
+    const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
+    std::nth_element(squares.begin(), middle, squares.end());
+    return *middle;
 }
 
 std::vector<Vec2> usable(std::vector<Vec2> errors) {
-    const double typical = std::sqrt(mean_square(errors));
+    const double typical = std::sqrt(median_square(errors));
     for (Vec2& e : errors) {
         if (!is_error(e.x)) e.x = typical;
         if (!is_error(e.y)) e.y = typical;
@@ -99,10 +97,9 @@ void Linker::forget(std::int64_t frame) {
 
 StepCost Linker::step_cost(const std::vector<Vec2>& errors) const {
     StepCost cost;
-    if (errors.empty() || state_.step_variance <= 0) return cost;
-    cost.mean_square = mean_square(errors);
-    const double least = kLeastMotion * range_;
-    cost.motion = std::max(state_.step_variance - 2 * cost.mean_square, least * least);
+    if (errors.empty() || state_.motion <= 0) return cost;
+    cost.motion = state_.motion;
+    cost.squared_error = median_square(errors);
     return cost;
 }
 
@@ -136,7 +133,7 @@ std::vector<std::int64_t> Linker::link(std::int64_t frame, const std::vector<Vec
     }
     count_rivals(frame, candidates.pairs, links, ids);
     std::vector<Vec2> velocities;
-    std::vector<double> misses;
+    std::vector<SeenStep> misses;
     for (std::size_t t = 0; t < tracks.size(); ++t) {
         if (links[t] < 0) continue;
         const auto p = static_cast<std::size_t>(links[t]);
@@ -152,7 +149,10 @@ std::vector<std::int64_t> Linker::link(std::int64_t frame, const std::vector<Vec
             ++summary.consecutive;
             summary.squared_steps += squared_norm(step);
             summary.squared_misses += miss;
-            if (!errors.empty()) misses.push_back(miss);
+            if (!errors.empty()) {
+                misses.push_back(
+                    {miss, 0.5 * (squared_norm(track.error) + squared_norm(errors[p]))});
+            }
         }
         track.velocity = step * (1.0 / static_cast<double>(frames));
         if (options_.predictor != Predictor::none) velocities.push_back(*track.velocity);
@@ -160,7 +160,7 @@ std::vector<std::int64_t> Linker::link(std::int64_t frame, const std::vector<Vec
         track.error = errors.empty() ? Vec2{} : errors[p];
         track.frame = frame;
     }
-    learn(std::move(velocities), std::move(misses));
+    learn(std::move(velocities), misses);
     for (std::size_t i = 0; i < positions.size(); ++i) {
         if (ids[i] >= 0) continue;
         ids[i] = state_.next_id++;
@@ -172,14 +172,11 @@ std::vector<std::int64_t> Linker::link(std::int64_t frame, const std::vector<Vec
     return ids;
 }
 
-void Linker::learn(std::vector<Vec2> velocities, std::vector<double> squared_misses) {
+void Linker::learn(std::vector<Vec2> velocities, const std::vector<SeenStep>& steps) {
     if (!velocities.empty()) state_.drift = median(std::move(velocities));
-    if (squared_misses.empty()) return;
-    // |step|² of a Gaussian of variance v per axis is exponential: its median is 2 v ln 2.
-    const auto middle =
-        squared_misses.begin() + static_cast<std::ptrdiff_t>(squared_misses.size() / 2);
-    std::nth_element(squared_misses.begin(), middle, squared_misses.end());
-    state_.step_variance = *middle / (2 * std::numbers::ln2);
+    if (steps.empty()) return;
+    const double least = kLeastMotion * range_;
+    state_.motion = std::max(motion_variance(steps), least * least);
 }
 
 void Linker::count_rivals(std::int64_t frame, const std::vector<AssignmentPair>& pairs,

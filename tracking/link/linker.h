@@ -45,7 +45,7 @@ struct LinkState {
     std::int64_t next_id = 0;
     std::optional<std::int64_t> frame;  ///< the last one linked
     Vec2 drift;                         ///< median velocity of the last frame [px/frame]
-    double step_variance = 0;           ///< of steps in the last frame, per axis [px²]; 0: unknown
+    double motion = 0;  ///< variance of the steps of the last frame per axis [px²]; 0: unknown
     LinkSummary summary;
 };
 
@@ -69,9 +69,9 @@ class Linker {
 
     /// Identities of the particles of the next frame, in their order. Frames must come in order;
     /// `frame` numbers that are left out count as missing for the memory. `errors`: standard
-    /// errors per axis [px], none or one a particle; not finite or negative: taken as the mean one.
-    /// Throws InputError if frames come out of order, a position is not finite, or the number of
-    /// errors is wrong, and leaves the state as it was.
+    /// errors per axis [px], none or one a particle; not finite or negative: taken as the median
+    /// one. Throws InputError if frames come out of order, a position is not finite, or the number
+    /// of errors is wrong, and leaves the state as it was.
     std::vector<std::int64_t> link(std::int64_t frame, const std::vector<Vec2>& positions,
                                    const std::vector<Vec2>& errors = {});
 
@@ -89,7 +89,7 @@ class Linker {
     StepCost step_cost(const std::vector<Vec2>& errors) const;
     void count_rivals(std::int64_t frame, const std::vector<AssignmentPair>& pairs,
                       const std::vector<std::int32_t>& links, const std::vector<std::int64_t>& ids);
-    void learn(std::vector<Vec2> velocities, std::vector<double> squared_misses);
+    void learn(std::vector<Vec2> velocities, const std::vector<SeenStep>& steps);
 
     LinkOptions options_;
     double range_;

@@ -1,6 +1,7 @@
 #include "tracking/link/motion.h"
 
 #include <algorithm>
+#include <numbers>
 
 #include "tracking/link/candidates.h"
 
@@ -57,6 +58,28 @@ Vec2 median(std::vector<Vec2> values) {
     std::nth_element(values.begin(), middle, values.end(),
                      [](Vec2 a, Vec2 b) { return a.y < b.y; });
     return {x, middle->y};
+}
+
+double motion_variance(const std::vector<SeenStep>& steps) {
+    constexpr std::size_t kSample = 1000;
+    std::vector<SeenStep> sample;
+    double high = 0;
+    for (std::size_t i = 0; i < steps.size(); i += 1 + steps.size() / kSample) {
+        sample.push_back(steps[i]);
+        high = std::max(high, steps[i].squared);
+    }
+    std::vector<double> ratio(sample.size());
+    double low = 0;
+    for (const double width = high; high - low > 1e-9 * width;) {
+        const double variance = 0.5 * (low + high);
+        std::transform(sample.begin(), sample.end(), ratio.begin(), [&](const SeenStep& s) {
+            return s.squared / (variance + s.squared_errors);
+        });
+        const auto middle = ratio.begin() + static_cast<std::ptrdiff_t>(ratio.size() / 2);
+        std::nth_element(ratio.begin(), middle, ratio.end());
+        (*middle > 2 * std::numbers::ln2 ? low : high) = variance;
+    }
+    return low;
 }
 
 }  // namespace grainfield::tracking

@@ -70,13 +70,13 @@ TEST(Candidates, PlacesFarOutsideFindNothing) {
 TEST(StepCost, IsTheSquaredStepWhenAllErrorsAreEqualOrUnknown) {
     const Vec2 step{1.5, -2};
     EXPECT_DOUBLE_EQ(StepCost{}(step, {9, 9}, {1, 1}), 6.25);
-    const StepCost cost{.motion = 0.7, .mean_square = 0.09};
+    const StepCost cost{.motion = 0.7, .squared_error = 0.09};
     EXPECT_NEAR(cost(step, {0.3, 0.3}, {0.3, 0.3}), 6.25, 1e-12);
 }
 
 TEST(StepCost, IsTheLogLikelihoodOfTheStepScaled) {
     // −2 ln of the Gaussian density of the step, relative to that of typical errors at rest.
-    const StepCost cost{.motion = 0.5, .mean_square = 0.04};
+    const StepCost cost{.motion = 0.5, .squared_error = 0.04};
     const Vec2 step{1, 2}, track{0.1, 0.4}, particle{0.7, 0.2};
     const auto density = [](double x, double variance) {
         return std::exp(-x * x / (2 * variance)) / std::sqrt(variance);

@@ -70,10 +70,9 @@ TEST(Subnets, LinksAreTheBestOfAllChoices) {
         const auto particles = scattered(random.below(8), 10, random);
         const double range = random.uniform(1, 6);
         SubnetCounts counts;
-        const auto links = choose_links(pairs_of(tracks, particles, range),
-                                        static_cast<std::uint32_t>(tracks.size()),
-                                        static_cast<std::uint32_t>(particles.size()),
-                                        range * range, kUnlimited, counts);
+        const auto links = choose_links(
+            pairs_of(tracks, particles, range), static_cast<std::uint32_t>(tracks.size()),
+            static_cast<std::uint32_t>(particles.size()), range * range, kUnlimited, counts);
         ASSERT_NEAR(cost(links, tracks, particles, range), least_cost(tracks, particles, range),
                     1e-10);
         EXPECT_EQ(counts.reduced, 0);
