@@ -8,6 +8,7 @@
 
 #include "core/interrupt.h"
 #include "core/parallel.h"
+#include "tracking/link/long_tracks.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -63,7 +64,7 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
     if (count < 2) {
         plan.skip("link", "one frame", "identities");
     } else {
-        plan.run("link", "nearest assignment within the search range");
+        plan.run("link", "least squared steps, optimal where spheres compete");
     }
 }
 
@@ -117,7 +118,7 @@ Snapshot Tracker::track(const Frame& frame, Linker& linker, TrackSummary& summar
     for (Vec2& e : snapshot.position_error) e *= found.noise;
 
     start = Clock::now();
-    snapshot.id = linker.link(frame.index, snapshot.position);
+    snapshot.id = linker.link(frame.index, snapshot.position, snapshot.position_error);
     summary.ms_per_frame.link += milliseconds_since(start);
     return snapshot;
 }
@@ -126,7 +127,10 @@ TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress,
                           const std::function<void(const Frame&, const Snapshot&)>& each_frame) {
     TrackSummary summary;
     const double diameter = calibration_ ? model().disc.diameter : 1.0;
-    Linker linker(options_.link.search_range.value_or(diameter / 2), options_.link.memory);
+    LinkOptions link = options_.link;
+    link.search_range = link.search_range.value_or(diameter / 2);
+    Linker linker(link);
+    LongTracks long_tracks(sink, link.minimum_length, link.memory);
     double particles = 0;
     for (std::int64_t i = 0; i < source_.count() && caught_signal() == 0; ++i) {
         auto start = Clock::now();
@@ -143,10 +147,11 @@ TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress,
         particles += static_cast<double>(snapshot.size());
         ++summary.frames;
         start = Clock::now();
-        sink.write(snapshot);
+        long_tracks.write(snapshot);
         summary.ms_per_frame.write += milliseconds_since(start);
         if (each_frame) each_frame(frame, snapshot);
     }
+    long_tracks.finish();
     progress.finish();
     const double n = std::max<double>(1, static_cast<double>(summary.frames));
     summary.particles_mean = particles / n;
@@ -159,14 +164,8 @@ TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress,
     const LinkSummary& links = linker.summary();
     if (links.consecutive > 0) {
         summary.step_rms = std::sqrt(links.squared_steps / static_cast<double>(links.consecutive));
-        if (summary.step_rms > 0.25 * diameter) {
-            plan_.warn(
-                fmt::format("spheres move {:.2f} px (RMS) between frames, more than a quarter of "
-                            "their diameter "
-                            "{:.2f} px: identities are doubtful; use a higher frame rate",
-                            summary.step_rms, diameter));
-        }
     }
+    for (const std::string& warning : linker.warnings(diameter)) plan_.warn(warning);
     return summary;
 }
 

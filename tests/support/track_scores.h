@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/vec2.h"
+
+namespace grainfield::testing {
+
+/// Identified positions of one frame; position[i] belongs to track id[i].
+struct IdentifiedFrame {
+    std::vector<std::int64_t> id;
+    std::vector<Vec2> position;
+};
+
+/// How well tracks meet the true ones: measures of the ISBI challenge (`chenouard2014`), identity
+/// switches and fragmentations (`bernardin2008`).
+///
+/// The distance of a true track X and a found one Y is the sum over frames of min(|x − y|, ε), ε
+/// where only one of them exists. Tracks are paired one-to-one so that the sum of distances is
+/// least; a true track may stay alone at the cost of ε a frame.
+struct TrackScores {
+    double alpha = 0;  ///< 1 − d(X, Y)/d(X, ∅): 1 perfect, 0 nothing found
+    double beta = 0;   ///< α less what spurious tracks cost: (d₀ − d)/(d₀ + d(Ȳ, ∅))
+    double jaccard_points = 0;  ///< TP/(TP + FN + FP) of positions nearer than ε in paired tracks
+    double jaccard_tracks = 0;  ///< same of tracks (JSCθ)
+    std::int64_t switches = 0;  ///< a true particle is found under another identity than last time
+    std::int64_t fragments =
+        0;                   ///< a true particle is found again after frames in which it was not
+    std::int64_t links = 0;  ///< times a true particle was found again
+};
+
+/// Frames are counted by index in both lists. `epsilon` [px]; 0.25 D for grains. Switches and
+/// fragments use the pairing of `score` (nearest first, one-to-one) in each frame.
+TrackScores score_tracks(const std::vector<IdentifiedFrame>& found,
+                         const std::vector<IdentifiedFrame>& truth, double epsilon);
+
+}  // namespace grainfield::testing

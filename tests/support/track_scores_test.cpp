@@ -1,0 +1,97 @@
+#include "tests/support/track_scores.h"
+
+#include <gtest/gtest.h>
+
+namespace grainfield::testing {
+namespace {
+
+using Movie = std::vector<IdentifiedFrame>;
+
+/// Two particles 100 px apart that stand still for four frames.
+Movie two_still() {
+    return Movie(4, {{0, 1}, {{0, 0}, {100, 0}}});
+}
+
+TEST(TrackScores, PerfectTracksScoreOneUnderAnyNames) {
+    Movie found = two_still();
+    for (IdentifiedFrame& f : found) f = {{70, 30}, {{100, 0}, {0, 0}}};
+    const TrackScores s = score_tracks(found, two_still(), 4);
+    EXPECT_EQ(s.alpha, 1);
+    EXPECT_EQ(s.beta, 1);
+    EXPECT_EQ(s.jaccard_points, 1);
+    EXPECT_EQ(s.jaccard_tracks, 1);
+    EXPECT_EQ(s.switches, 0);
+    EXPECT_EQ(s.fragments, 0);
+    EXPECT_EQ(s.links, 6);
+}
+
+TEST(TrackScores, NothingFoundScoresZero) {
+    const TrackScores s = score_tracks(Movie(4), two_still(), 4);
+    EXPECT_EQ(s.alpha, 0);
+    EXPECT_EQ(s.beta, 0);
+    EXPECT_EQ(s.jaccard_points, 0);
+    EXPECT_EQ(s.jaccard_tracks, 0);
+}
+
+TEST(TrackScores, AConstantOffsetCostsItsShareOfTheGate) {
+    Movie found = two_still();
+    for (IdentifiedFrame& f : found) f.position[0].x += 1;
+    // One of two tracks is 1 px of ε = 4 px off: d = 4 · 1, d(X, ∅) = 2 · 4 · 4.
+    const TrackScores s = score_tracks(found, two_still(), 4);
+    EXPECT_DOUBLE_EQ(s.alpha, 1 - 4.0 / 32);
+    EXPECT_DOUBLE_EQ(s.beta, s.alpha);
+    EXPECT_EQ(s.jaccard_points, 1);
+}
+
+TEST(TrackScores, ASpuriousTrackLowersBetaAndTheJaccardsButNotAlpha) {
+    Movie found = two_still();
+    found[1].id.push_back(9);
+    found[1].position.push_back({50, 50});
+    const TrackScores s = score_tracks(found, two_still(), 4);
+    EXPECT_EQ(s.alpha, 1);
+    EXPECT_DOUBLE_EQ(s.beta, 32.0 / 36);  // one spurious frame of ε
+    EXPECT_DOUBLE_EQ(s.jaccard_points, 8.0 / 9);
+    EXPECT_DOUBLE_EQ(s.jaccard_tracks, 2.0 / 3);
+}
+
+TEST(TrackScores, ExchangedIdentitiesAreTwoSwitches) {
+    Movie found = two_still();
+    for (std::size_t f = 2; f < 4; ++f) found[f].id = {1, 0};
+    const TrackScores s = score_tracks(found, two_still(), 4);
+    EXPECT_EQ(s.switches, 2);
+    EXPECT_EQ(s.fragments, 0);
+    // Each pairing has half the frames at ε: d = 2 · 2 · 4 of 32.
+    EXPECT_DOUBLE_EQ(s.alpha, 0.5);
+    EXPECT_DOUBLE_EQ(s.jaccard_points, 4.0 / 12);
+    EXPECT_EQ(s.jaccard_tracks, 1);
+}
+
+TEST(TrackScores, AGapIsAFragmentAndASwitchOnlyWithANewName) {
+    Movie bridged = two_still();
+    bridged[1] = {{1}, {{100, 0}}};
+    TrackScores s = score_tracks(bridged, two_still(), 4);
+    EXPECT_EQ(s.fragments, 1);
+    EXPECT_EQ(s.switches, 0);
+    EXPECT_DOUBLE_EQ(s.alpha, 1 - 4.0 / 32);
+
+    Movie broken = bridged;
+    for (std::size_t f = 2; f < 4; ++f) broken[f].id[0] = 5;
+    s = score_tracks(broken, two_still(), 4);
+    EXPECT_EQ(s.fragments, 1);
+    EXPECT_EQ(s.switches, 1);
+    // The longer half (2 frames) is paired, 2 frames are missed, the other half is spurious.
+    EXPECT_DOUBLE_EQ(s.alpha, 1 - 8.0 / 32);
+    EXPECT_DOUBLE_EQ(s.beta, 24.0 / 36);
+    EXPECT_DOUBLE_EQ(s.jaccard_tracks, 2.0 / 3);
+}
+
+TEST(TrackScores, TracksArePairedForTheLeastTotalNotNearestFirst) {
+    // Found 7 is 1 px from true 0 and 1.5 px from true 1; found 8 only comes near true 0.
+    const Movie truth(1, {{0, 1}, {{0, 0}, {2.5, 0}}});
+    const Movie found(1, {{7, 8}, {{1, 0}, {-2, 0}}});
+    // 7–1 and 8–0: 1.5 + 2 = 3.5; nearest first would leave 1 alone: 1 + 3 = 4.
+    EXPECT_DOUBLE_EQ(score_tracks(found, truth, 3).alpha, 1 - 3.5 / 6);
+}
+
+}  // namespace
+}  // namespace grainfield::testing
