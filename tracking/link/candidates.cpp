@@ -22,7 +22,7 @@ double StepCost::operator()(Vec2 step, Vec2 track_error, Vec2 particle_error) co
            (step.x * step.x / x + step.y * step.y / y + std::log(x * y / (typical * typical)));
 }
 
-PointGrid::PointGrid(const std::vector<Vec2>& points, double range) {
+TrackGrid::TrackGrid(const std::vector<Vec2>& points, double range) {
     if (points.empty()) return;
     Vec2 high = low_ = points[0];
     for (const Vec2 p : points) {
@@ -49,12 +49,12 @@ PointGrid::PointGrid(const std::vector<Vec2>& points, double range) {
     }
 }
 
-std::size_t PointGrid::cell_of(Vec2 p) const {
+std::size_t TrackGrid::cell_of(Vec2 p) const {
     return static_cast<std::size_t>(static_cast<std::int64_t>((p.y - low_.y) / size_) * columns_ +
                                     static_cast<std::int64_t>((p.x - low_.x) / size_));
 }
 
-PointGrid::Block PointGrid::block(Vec2 p) const {
+TrackGrid::Block TrackGrid::block(Vec2 p) const {
     const auto cell = [&](double offset, std::int64_t count) {
         // Predicted places may lie anywhere.
         const double c =
@@ -72,7 +72,7 @@ PointGrid::Block PointGrid::block(Vec2 p) const {
 Candidates find_candidates(const Places& tracks, const Places& particles, double range,
                            const StepCost& cost) {
     const double range2 = range * range;
-    const PointGrid grid(particles.position, range);
+    const TrackGrid grid(particles.position, range);
     Candidates result;
     std::vector<AssignmentPair>& pairs = result.pairs;
     pairs.reserve(2 * tracks.position.size());

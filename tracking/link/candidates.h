@@ -25,10 +25,10 @@ struct StepCost {
 };
 
 /// The points of a frame, or of the tracks, in square cells.
-class PointGrid {
+class TrackGrid {
  public:
     /// `range`: of the queries [px]. Points must be finite.
-    PointGrid(const std::vector<Vec2>& points, double range);
+    TrackGrid(const std::vector<Vec2>& points, double range);
 
     /// Calls action(index) for all points within `range` of p, and for some farther away.
     template <class Action>

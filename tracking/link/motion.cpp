@@ -19,7 +19,7 @@ std::vector<Vec2> velocities(const std::vector<Track>& tracks, Vec2 drift, doubl
         known.push_back(i);
     }
     if (known.size() == tracks.size()) return velocity;
-    const PointGrid grid(place, range);
+    const TrackGrid grid(place, range);
     for (std::size_t i = 0; i < tracks.size(); ++i) {
         if (tracks[i].velocity) continue;
         double nearest = range * range;
