@@ -102,6 +102,12 @@ void PhaseHistory::close_window() {
             2 * track.count >= open_frames_ ? classify(track.sum / track.count) : Phase::unknown;
         count(row, phase);
         if (track.classes.empty()) track.first_window = open_window_;
+        if (open_window_ < track.first_window) {  // time stamps may go back
+            track.classes.insert(track.classes.begin(),
+                                 static_cast<std::size_t>(track.first_window - open_window_),
+                                 Phase::unknown);
+            track.first_window = open_window_;
+        }
         const auto place = static_cast<std::size_t>(open_window_ - track.first_window);
         if (track.classes.size() <= place) track.classes.resize(place + 1, Phase::unknown);
         track.classes[place] = phase;

@@ -142,7 +142,7 @@ void SimulateMdCommand::run_to_end(Session& session, MdSimulation& simulation,
 
 Summary SimulateMdCommand::run(Session& session) {
     if (session.common.explain) {
-        MdSimulation(md_, {}, 1, session.plan);
+        const MdSimulation planned(md_, {}, 1, session.plan);
         return explanation(session.plan);
     }
     require_output(session, output_);

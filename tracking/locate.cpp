@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "tracking/refine/joint_covariance.h"
 
@@ -29,9 +30,8 @@ Image reduced(const Image& image, int factor) {
         }
         float* out = result.row(y);
         for (int x = 0; x < result.width(); ++x) {
-            float sum = 0;
-            for (int u = 0; u < factor; ++u) sum += sums[static_cast<std::size_t>(x * factor + u)];
-            out[x] = sum * share;
+            const auto first = sums.begin() + static_cast<std::ptrdiff_t>(x) * factor;
+            out[x] = std::accumulate(first, first + factor, 0.0F) * share;
         }
     }
     return result;

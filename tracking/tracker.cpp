@@ -79,7 +79,8 @@ TrajectoryInfo Tracker::info() const {
     return info;
 }
 
-Snapshot Tracker::track(const Frame& frame, Linker& linker, TrackSummary& summary) {
+Snapshot Tracker::track(const Frame& frame, std::int64_t position, Linker& linker,
+                        TrackSummary& summary) {
     Snapshot snapshot;
     snapshot.frame = frame.index;
     snapshot.time = frame.time;
@@ -118,7 +119,7 @@ Snapshot Tracker::track(const Frame& frame, Linker& linker, TrackSummary& summar
     for (Vec2& e : snapshot.position_error) e *= found.noise;
 
     start = Clock::now();
-    snapshot.id = linker.link(frame.index, snapshot.position, snapshot.position_error);
+    snapshot.id = linker.link(position, snapshot.position, snapshot.position_error);
     summary.ms_per_frame.link += milliseconds_since(start);
     return snapshot;
 }
@@ -143,7 +144,7 @@ TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress,
             plan_.warn(fmt::format("{}, frame {}: {}", source_.name(), frame.index, frame.message));
             continue;
         }
-        const Snapshot snapshot = track(frame, linker, summary);
+        const Snapshot snapshot = track(frame, i, linker, summary);
         particles += static_cast<double>(snapshot.size());
         ++summary.frames;
         start = Clock::now();

@@ -66,7 +66,9 @@ class Tracker {
                      const std::function<void(const Frame&, const Snapshot&)>& each_frame = {});
 
  private:
-    Snapshot track(const Frame& frame, Linker& linker, TrackSummary& summary);
+    /// `position` of the frame among those selected: frames left out on purpose are not missing.
+    Snapshot track(const Frame& frame, std::int64_t position, Linker& linker,
+                   TrackSummary& summary);
 
     FrameSource& source_;
     TrackOptions options_;

@@ -4,12 +4,12 @@
 #include <string>
 #include <vector>
 
+#include "core/huge_pages.h"
 #include "simulate/md/cell_grid.h"
 #include "simulate/md/collision_rule.h"
 #include "simulate/md/engine.h"
 #include "simulate/md/event_calendar.h"
 #include "simulate/md/flight.h"
-#include "core/huge_pages.h"
 #include "simulate/md/plate_time.h"
 
 namespace grainfield::simulate {

@@ -268,8 +268,7 @@ TrajectoryInfo MdSimulation::info() const {
 }
 
 std::int64_t MdSimulation::events() const {
-    const std::vector<double> sums = interrupted_ ? sums_ : sums_;
-    return std::llround(sums[sum_pair] + sums[sum_low] + sums[sum_high] + sums[sum_wall]);
+    return std::llround(sums_[sum_pair] + sums_[sum_low] + sums_[sum_high] + sums_[sum_wall]);
 }
 
 double MdSimulation::energy_audit() const {

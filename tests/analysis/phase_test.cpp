@@ -44,6 +44,20 @@ TEST(PhaseHistory, ClassifiesByTheTimeAverageNotByTheFrame) {
     EXPECT_EQ(r.find_curve("phase")->find("frame")->values, (std::vector<double>{0, 4}));
 }
 
+TEST(PhaseHistory, TakesTimeStampsThatGoBack) {
+    PhaseHistory phases({}, seconds(), 3);
+    phases.add({0, 5.0, {0}, {0.9F}});
+    phases.add({1, 4.1, {0, 1}, {0.2F, 0.9F}});
+    phases.add({2, 6.0, {0}, {0.9F}});
+    phases.close_window();
+    std::int64_t first = -1;
+    const auto classes = phases.classes(0, first);
+    EXPECT_EQ(first, phases.window_of(4.1));
+    EXPECT_EQ(classes.front(), Phase::liquid);
+    EXPECT_EQ(classes[static_cast<std::size_t>(phases.window_of(5.0) - first)], Phase::solid);
+    EXPECT_EQ(classes.back(), Phase::solid);
+}
+
 TEST(PhaseHistory, TakesTheThresholdsAsInclusive) {
     PhaseHistory phases({.liquid_below = 0.25, .solid_above = 0.75}, seconds(), 1);
     phases.add({0, 0, {}, {0.25F, 0.75F, 0.5F, std::nanf("")}});

@@ -53,7 +53,7 @@ SharedOf shared_tracks(const std::vector<IdentifiedFrame>& found, const Numberin
     SharedOf shared;
     const std::size_t frames = std::min(found.size(), truth.size());
     for (std::size_t f = 0; f < frames; ++f) {
-        const tracking::PointGrid grid(found[f].position, epsilon);
+        const tracking::TrackGrid grid(found[f].position, epsilon);
         for (std::size_t i = 0; i < truth[f].position.size(); ++i) {
             grid.near(truth[f].position[i], [&](std::uint32_t j) {
                 const double d = norm(found[f].position[j] - truth[f].position[i]);

@@ -12,9 +12,11 @@ namespace {
 /// Frames from memory.
 class MemoryFrames : public FrameSource {
  public:
-    explicit MemoryFrames(std::vector<Frame> frames) : frames_(std::move(frames)) {
+    /// Every `step`-th of a longer film.
+    explicit MemoryFrames(std::vector<Frame> frames, std::int64_t step = 1)
+        : frames_(std::move(frames)) {
         for (std::size_t i = 0; i < frames_.size(); ++i) {
-            frames_[i].index = static_cast<std::int64_t>(i);
+            frames_[i].index = static_cast<std::int64_t>(i) * step;
             frames_[i].time = static_cast<double>(i);
         }
     }
@@ -98,6 +100,22 @@ TEST(Tracker, FollowsEverySphereThroughAMovie) {
     }
     EXPECT_GT(checked, 1000);
     EXPECT_LE(static_cast<double>(wrong), 0.005 * static_cast<double>(checked));
+}
+
+TEST(Tracker, FramesLeftOutOnPurposeAreNotMissing) {
+    const Movie m = movie(4);
+    Collect whole;
+    Collect sparse;
+    RunPlan plan;
+    MemoryFrames every(m.frames);
+    MemoryFrames some(m.frames, 7);  // more than the memory
+    run(every, whole, plan);
+    const TrackSummary summary = run(some, sparse, plan);
+    EXPECT_GT(summary.step_rms, 0);
+    for (std::size_t f = 0; f < 4; ++f) {
+        EXPECT_EQ(sparse.snapshots[f].frame, static_cast<std::int64_t>(7 * f));
+        EXPECT_EQ(sparse.snapshots[f].id, whole.snapshots[f].id);
+    }
 }
 
 TEST(Tracker, CorruptAndMissingFramesLeaveAGap) {

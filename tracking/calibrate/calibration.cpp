@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -16,13 +17,16 @@ namespace {
 
 /// An edge as sharp as a lens makes it, relative to D; the fit starts here.
 constexpr double kFirstEdgeWidth = 0.12;
+/// Contrast in units of the noise below which a frame is blank.
+constexpr double kBlank = 7;
 constexpr int kRounds = 4;
 constexpr int kFrameRounds = 2;
 constexpr int kImageRounds = 6;
 
 struct Levels {
-    double low, high;  ///< 0.5 % and 99.5 % quantiles [counts]
-    double noise;      ///< RMS of what varies from pixel to pixel [counts]
+    double low,
+        high;      ///< 0.5 % and 99.5 % quantiles; those of few spheres are the extremes [counts]
+    double noise;  ///< RMS of what varies from pixel to pixel [counts]
 };
 
 /// From every fourth row and third column: a percent of accuracy is plenty.
@@ -32,12 +36,19 @@ Levels levels_of(const Image& counts) {
     std::vector<float> sample;
     double sum = 0;
     double n = 0;
+    float darkest = std::numeric_limits<float>::max();
+    float brightest = std::numeric_limits<float>::lowest();
     for (int y = 1; y + 1 < counts.height(); y += kRowStep) {
         const float* a = counts.row(y - 1);
         const float* b = counts.row(y);
         const float* c = counts.row(y + 1);
         for (int x = 1; x + 1 < counts.width(); x += kColumnStep) {
             sample.push_back(b[x]);
+            const float mean = (a[x - 1] + a[x] + a[x + 1] + b[x - 1] + b[x] + b[x + 1] + c[x - 1] +
+                                c[x] + c[x + 1]) /
+                               9;
+            darkest = std::min(darkest, mean);
+            brightest = std::max(brightest, mean);
             // Second differences along both axes cancel smooth structure; for white noise their RMS
             // is 6 σ.
             const float d = a[x - 1] - 2 * a[x] + a[x + 1] - 2 * (b[x - 1] - 2 * b[x] + b[x + 1]) +
@@ -52,8 +63,16 @@ Levels levels_of(const Image& counts) {
         std::nth_element(sample.begin(), sample.begin() + rank, sample.end());
         return static_cast<double>(sample[static_cast<std::size_t>(rank)]);
     };
+    const double noise = std::sqrt(sum / n) / 6;
     const double low = quantile(0.005);
-    return {low, quantile(0.995), std::sqrt(sum / n) / 6};
+    const double high = quantile(0.995);
+    // A few spheres cover less than the quantiles see. Means of nine pixels scatter by σ/3, those
+    // of pure noise span 3 σ in a million.
+    if (high - low < kBlank * noise) {
+        return {std::min(low, static_cast<double>(darkest)),
+                std::max(high, static_cast<double>(brightest)), noise};
+    }
+    return {low, high, noise};
 }
 
 std::string blank_reason(const Levels& levels) {
@@ -65,7 +84,7 @@ std::string blank_reason(const Levels& levels) {
             levels.low, levels.high);
     }
     // 99 % of white noise lies within ±2.6 σ: a contrast of 5.2 σ is what noise alone gives.
-    if (contrast < 7 * levels.noise) {
+    if (contrast < kBlank * levels.noise) {
         return fmt::format("nothing above the noise: contrast {:.1f} counts, noise {:.1f} counts",
                            contrast, levels.noise);
     }

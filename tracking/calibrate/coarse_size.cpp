@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 namespace grainfield::tracking {
@@ -108,6 +107,11 @@ CoarseSize coarse_size(const Image& mask) {
     const Image distance = squared_distance_transform(mask);
     const int w = mask.width();
     const int h = mask.height();
+    struct Inscribed {
+        int x, y;
+        float radius;
+    };
+    std::vector<Inscribed> discs;
     std::vector<float> radii;
     double mask_area = 0;
     for (int y = 0; y < h; ++y) {
@@ -129,19 +133,33 @@ CoarseSize coarse_size(const Image& mask) {
                 }
             }
             // The nearest outside pixel centre lies half a pixel beyond the edge on average.
-            if (highest) radii.push_back(std::sqrt(d) - 0.5F);
+            if (!highest) continue;
+            radii.push_back(std::sqrt(d) - 0.5F);
+            discs.push_back({x, y, radii.back()});
         }
     }
     CoarseSize size;
     size.radius = most_frequent_radius(radii);
     if (size.radius <= 0) return size;
+    // The area of their union: in a wide gap the discs of many maxima lie on one another.
+    Image painted(w, h);
     double area = 0;
-    for (const float r : radii) {
-        if (std::abs(static_cast<double>(r) / size.radius - 1) > 0.15) continue;
+    for (const Inscribed& disc : discs) {
+        if (std::abs(static_cast<double>(disc.radius) / size.radius - 1) > 0.15) continue;
         ++size.discs;
-        area += std::numbers::pi * static_cast<double>(r) * static_cast<double>(r);
+        const float r = disc.radius + 0.5F;
+        const int half = static_cast<int>(r);
+        for (int y = std::max(0, disc.y - half); y <= std::min(h - 1, disc.y + half); ++y) {
+            const auto dy = static_cast<float>(y - disc.y);
+            const int chord = static_cast<int>(std::sqrt(std::max(0.0F, r * r - dy * dy)));
+            for (int x = std::max(0, disc.x - chord); x <= std::min(w - 1, disc.x + chord); ++x) {
+                if (painted(x, y) > 0 || mask(x, y) <= 0.5F) continue;
+                painted(x, y) = 1;
+                ++area;
+            }
+        }
     }
-    size.coverage = std::min(1.0, area / mask_area);
+    size.coverage = area / mask_area;
     return size;
 }
 

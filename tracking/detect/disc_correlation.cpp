@@ -23,7 +23,8 @@ template <class Pixel>
 std::pair<Image, Image> block_means(int width, int height, int factor, Pixel&& pixel) {
     std::pair<Image, Image> means{Image(blocks(width, factor), blocks(height, factor)),
                                   Image(blocks(width, factor), blocks(height, factor))};
-    const auto columns = static_cast<std::size_t>(means.first.width() * factor);
+    const auto columns =
+        static_cast<std::size_t>(means.first.width()) * static_cast<std::size_t>(factor);
     std::vector<float> a(columns);
     std::vector<float> b(columns);
     const float share = 1.0F / static_cast<float>(factor * factor);

@@ -194,7 +194,7 @@ bool SphereSearch::may_be_missing(float least_gain) const {
     // Two rows above the present one; a window of reach covers at most three blocks each way.
     std::vector<double> above(static_cast<std::size_t>(columns) + 2, 0.0);
     std::vector<double> before = above;
-    std::vector<float> sums(static_cast<std::size_t>(columns * block));
+    std::vector<float> sums(static_cast<std::size_t>(columns) * static_cast<std::size_t>(block));
     for (int top = 0; top < darkness.height() + block; top += block) {
         std::fill(sums.begin(), sums.end(), 0.0F);
         for (int y = top; y < std::min(darkness.height(), top + block); ++y) {

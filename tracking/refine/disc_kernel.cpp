@@ -445,7 +445,7 @@ double local_residual(const PaddedImage& darkness, const PaddedImage& transmissi
     DiscWindow& window = scratch_window();
     window.enclose(transmission, centre, disc.reach());
     int pixels = 0;
-    for (std::size_t j = 0; j < window.first.size(); ++j) {
+    for (std::size_t j = 0; j < static_cast<std::size_t>(window.rows); ++j) {
         const int left = std::max(window.first[j], 0);
         const int right = std::min(window.first[j] + window.count[j], transmission.width());
         pixels += std::max(0, right - left);

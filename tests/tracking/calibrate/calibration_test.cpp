@@ -8,6 +8,8 @@
 namespace grainfield::tracking {
 namespace {
 
+using testing::LayerScene;
+
 std::optional<Calibration> calibrated(const Image& frame, RunPlan& plan,
                                       const CalibrationOptions& options = {}) {
     return calibrate(frame, options, {}, {}, 2, plan);
@@ -43,6 +45,34 @@ TEST(Calibration, IsTheSameForBrightSpheresOnADarkBackground) {
     for (std::size_t i = 0; i < da.size(); i += 97) {
         EXPECT_NEAR(da.pixels()[i], db.pixels()[i], 2e-3);
     }
+}
+
+// Few spheres leave wide gaps, which must not pass for the spheres.
+TEST(Calibration, FindsDarkSpheresInDiluteFrames) {
+    for (const double fraction : {0.02, 0.05, 0.11, 0.2}) {
+        const auto scene = testing::hard_disc_liquid(600, 600, 16, fraction, 5);
+        const Image frame = testing::tanh_frame(scene, 16, 1.2, 0.02, 2);
+        RunPlan plan;
+        const auto result = calibrated(frame, plan);
+        ASSERT_TRUE(result) << fraction;
+        EXPECT_EQ(result->model.polarity, Polarity::dark) << fraction;
+        EXPECT_NEAR(result->model.disc.diameter, 16, 0.15) << fraction;
+        EXPECT_NEAR(result->model.disc.edge_width, 1.2, 0.1) << fraction;
+    }
+}
+
+TEST(Calibration, TenSpheresOfALargeFrameAreNotBlank) {
+    LayerScene scene;
+    scene.width = scene.height = 1600;
+    scene.diameter = 16;
+    for (int i = 0; i < 10; ++i) scene.position.push_back({100.3 + 140.7 * i, 1500.2 - 131.1 * i});
+    const Image frame = testing::tanh_frame(scene, 16, 1.2, 0.02, 2);
+    EXPECT_EQ(blank_reason(frame), "");
+    RunPlan plan;
+    const auto result = calibrated(frame, plan);
+    ASSERT_TRUE(result);
+    EXPECT_EQ(result->model.polarity, Polarity::dark);
+    EXPECT_NEAR(result->model.disc.diameter, 16, 0.3);
 }
 
 TEST(Calibration, GivenValuesAreKept) {
