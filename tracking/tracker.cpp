@@ -128,10 +128,8 @@ TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress,
                           const std::function<void(const Frame&, const Snapshot&)>& each_frame) {
     TrackSummary summary;
     const double diameter = calibration_ ? model().disc.diameter : 1.0;
-    LinkOptions link = options_.link;
-    link.search_range = link.search_range.value_or(diameter / 2);
-    Linker linker(link);
-    LongTracks long_tracks(sink, link.minimum_length, link.memory);
+    Linker linker(options_.link, diameter);
+    LongTracks long_tracks(sink, options_.link.minimum_length, options_.link.memory);
     double particles = 0;
     for (std::int64_t i = 0; i < source_.count() && caught_signal() == 0; ++i) {
         auto start = Clock::now();

@@ -19,7 +19,7 @@ using namespace grainfield;
 using testing::IdentifiedFrame;
 
 constexpr int kFrames = 12;
-constexpr int kMemory = 2;
+constexpr int kMemory = 3;
 
 enum Matter { liquid, crystal };
 
@@ -101,23 +101,27 @@ testing::TrackScores scores_of(AnyLinker& linker, const std::vector<IdentifiedFr
     return testing::score_tracks(found, truth, 0.25 * diameter);
 }
 
-/// Arguments: matter, step and search range in hundredths of D, dropouts in per cent.
+/// Arguments: matter, step and search range in hundredths of D (0: as the linker chooses), dropouts
+/// in per cent.
 void link_frame(benchmark::State& state) {
     const auto& scene = scene_of(static_cast<Matter>(state.range(0)));
     const double diameter = scene.diameter;
-    const double range = 0.01 * static_cast<double>(state.range(2)) * diameter;
     const auto truth = movie(scene, 0.01 * static_cast<double>(state.range(1)) * diameter,
                              0.01 * static_cast<double>(state.range(3)));
-    const tracking::LinkOptions options{.search_range = range, .memory = kMemory};
+    tracking::LinkOptions options;
+    options.memory = kMemory;
+    if (state.range(2) > 0) {
+        options.search_range = 0.01 * static_cast<double>(state.range(2)) * diameter;
+    }
     // The errors that tracking hands over; all alike, so that they cost time and change nothing.
     std::vector<std::vector<Vec2>> errors;
     for (const IdentifiedFrame& f : truth) errors.emplace_back(f.id.size(), Vec2{0.01, 0.01});
-    tracking::Linker linker(options);
+    tracking::Linker linker(options, diameter);
     std::size_t f = 0;
     for (auto _ : state) {
         if (f == truth.size() || f == 0) {
             state.PauseTiming();
-            linker = tracking::Linker(options);
+            linker = tracking::Linker(options, diameter);
             linker.link(0, truth[0].position, errors[0]);
             f = 1;
             state.ResumeTiming();
@@ -126,14 +130,17 @@ void link_frame(benchmark::State& state) {
             linker.link(static_cast<std::int64_t>(f), truth[f].position, errors[f]));
         ++f;
     }
-    tracking::Linker scored(options);
+    tracking::Linker scored(options, diameter);
     const auto scores = scores_of(scored, truth, diameter);
-    NearestFirst nearest(range);
+    NearestFirst nearest(scored.summary().range);
     const auto before = scores_of(nearest, truth, diameter);
     const auto share = [](const testing::TrackScores& s) {
         return static_cast<double>(s.switches) / static_cast<double>(s.links);
     };
     state.counters["spheres"] = static_cast<double>(scene.position.size());
+    state.counters["range"] = scored.summary().range / diameter;
+    state.counters["wrong_links"] = static_cast<double>(scores.wrong_links);
+    state.counters["nearest_first_wrong_links"] = static_cast<double>(before.wrong_links);
     state.counters["switch_share"] = share(scores);
     state.counters["nearest_first_switch_share"] = share(before);
     state.counters["alpha"] = scores.alpha;
@@ -141,6 +148,7 @@ void link_frame(benchmark::State& state) {
     state.counters["jsc"] = scores.jaccard_points;
     state.counters["jsc_theta"] = scores.jaccard_tracks;
     state.counters["fragments"] = static_cast<double>(scores.fragments);
+    state.counters["links"] = static_cast<double>(scores.links);
     state.counters["largest_subnet"] = static_cast<double>(scored.summary().subnets.largest);
     state.counters["largest_pairs"] = static_cast<double>(scored.summary().subnets.largest_pairs);
     state.counters["cut_subnets"] = static_cast<double>(scored.summary().subnets.reduced);
@@ -148,7 +156,7 @@ void link_frame(benchmark::State& state) {
 
 BENCHMARK(link_frame)
     ->ArgNames({"crystal", "step", "range", "dropouts"})
-    ->ArgsProduct({{liquid, crystal}, {5, 10, 15, 30, 40}, {50, 100}, {1, 5}})
+    ->ArgsProduct({{liquid, crystal}, {5, 10, 15, 30, 40}, {0, 50, 100}, {1, 5}})
     ->Unit(benchmark::kMillisecond);
 
 }  // namespace

@@ -84,6 +84,7 @@ void count_identities(const std::vector<IdentifiedFrame>& found, const Numbering
     constexpr std::int64_t kNever = -1;
     std::vector<std::int64_t> identity(true_numbers.length.size(), kNever);
     std::vector<char> lost(true_numbers.length.size(), 0);
+    std::vector<std::int64_t> owner(found_numbers.length.size(), kNever);
     for (std::size_t f = 0; f < truth.size(); ++f) {
         const auto& positions = f < found.size() ? found[f].position : std::vector<Vec2>();
         const Score frame =
@@ -101,6 +102,9 @@ void count_identities(const std::vector<IdentifiedFrame>& found, const Numbering
                 scores.switches += identity[x] != now;
                 scores.fragments += lost[x];
             }
+            std::int64_t& last = owner[static_cast<std::size_t>(now)];
+            scores.wrong_links += last != kNever && last != x;
+            last = x;
             identity[x] = now;
             lost[x] = 0;
         }

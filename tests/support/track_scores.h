@@ -22,16 +22,16 @@ struct IdentifiedFrame {
 struct TrackScores {
     double alpha = 0;  ///< 1 − d(X, Y)/d(X, ∅): 1 perfect, 0 nothing found
     double beta = 0;   ///< α less what spurious tracks cost: (d₀ − d)/(d₀ + d(Ȳ, ∅))
-    double jaccard_points = 0;  ///< TP/(TP + FN + FP) of positions nearer than ε in paired tracks
-    double jaccard_tracks = 0;  ///< same of tracks (JSCθ)
-    std::int64_t switches = 0;  ///< a true particle is found under another identity than last time
-    std::int64_t fragments =
-        0;                   ///< a true particle is found again after frames in which it was not
-    std::int64_t links = 0;  ///< times a true particle was found again
+    double jaccard_points = 0;   ///< TP/(TP + FN + FP) of positions nearer than ε in paired tracks
+    double jaccard_tracks = 0;   ///< same of tracks (JSCθ)
+    std::int64_t links = 0;      ///< times a true particle was found again
+    std::int64_t switches = 0;   ///< of those, under another identity than last time
+    std::int64_t fragments = 0;  ///< of those, after frames in which it existed and was not found
+    std::int64_t wrong_links = 0;  ///< steps of a found track from one true particle to another
 };
 
-/// Frames are counted by index in both lists. `epsilon` [px]; 0.25 D for grains. Switches and
-/// fragments use the pairing of `score` (nearest first, one-to-one) in each frame.
+/// Frames are counted by index in both lists. `epsilon` [px]; 0.25 D for grains. Switches,
+/// fragments and wrong links use the pairing of `score` (nearest first, one-to-one) in each frame.
 TrackScores score_tracks(const std::vector<IdentifiedFrame>& found,
                          const std::vector<IdentifiedFrame>& truth, double epsilon);
 

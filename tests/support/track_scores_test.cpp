@@ -59,6 +59,7 @@ TEST(TrackScores, ExchangedIdentitiesAreTwoSwitches) {
     for (std::size_t f = 2; f < 4; ++f) found[f].id = {1, 0};
     const TrackScores s = score_tracks(found, two_still(), 4);
     EXPECT_EQ(s.switches, 2);
+    EXPECT_EQ(s.wrong_links, 2);
     EXPECT_EQ(s.fragments, 0);
     // Each pairing has half the frames at ε: d = 2 · 2 · 4 of 32.
     EXPECT_DOUBLE_EQ(s.alpha, 0.5);
@@ -79,6 +80,7 @@ TEST(TrackScores, AGapIsAFragmentAndASwitchOnlyWithANewName) {
     s = score_tracks(broken, two_still(), 4);
     EXPECT_EQ(s.fragments, 1);
     EXPECT_EQ(s.switches, 1);
+    EXPECT_EQ(s.wrong_links, 0);
     // The longer half (2 frames) is paired, 2 frames are missed, the other half is spurious.
     EXPECT_DOUBLE_EQ(s.alpha, 1 - 8.0 / 32);
     EXPECT_DOUBLE_EQ(s.beta, 24.0 / 36);

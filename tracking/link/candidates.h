@@ -12,7 +12,7 @@ namespace grainfield::tracking {
 ///
 /// Crocker and Grier maximise Π exp(−d²/2v), v the variance of a step per axis [px²]. Between a
 /// track and a particle with standard errors e_t, e_p it is v = s² + e_t² + e_p², s² that of the
-/// motion alone. Scaled by the typical v̄ = s² + 2 ē², ē the median error,
+/// motion alone. Scaled by the typical v̄ = s² + 2 ē², ē the RMS error,
 ///
 ///     cost = v̄ (dx²/v_x + dy²/v_y) + v̄ ln(v_x v_y / v̄²)   [px²],
 ///

@@ -14,6 +14,11 @@ namespace {
 /// differences in precision decide alone.
 constexpr double kLeastMotion = 0.01;
 
+/// Search range that is not given [standard deviations of a step per axis].
+constexpr double kReach = 4.5;
+/// A frame is linked again if its steps ask for so much more range.
+constexpr double kWorthwhile = 1.2;
+
 void require_linkable(const LinkState& state, std::int64_t frame,
                       const std::vector<Vec2>& positions, const std::vector<Vec2>& errors) {
     if (state.frame && frame <= *state.frame) {
@@ -39,21 +44,25 @@ bool is_error(double e) {
     return std::isfinite(e) && e >= 0;
 }
 
-/// Median square of the usable components; 0 if there is none.
-double median_square(const std::vector<Vec2>& errors) {
-    std::vector<double> squares;
+/// Mean square of the usable components; 0 if there is none.
+double mean_square(const std::vector<Vec2>& errors) {
+    double sum = 0;
+    std::int64_t count = 0;
     for (const Vec2 e : errors) {
-        if (is_error(e.x)) squares.push_back(e.x * e.x);
-        if (is_error(e.y)) squares.push_back(e.y * e.y);
+        for (const double c : {e.x, e.y}) {
+            if (!is_error(c)) continue;
+            sum += c * c;
+            ++count;
+        }
     }
-    if (squares.empty()) return 0;
-    const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
-    std::nth_element(squares.begin(), middle, squares.end());
-    return *middle;
+    return count == 0 ? 0 : sum / static_cast<double>(count);
 }
 
-std::vector<Vec2> usable(std::vector<Vec2> errors) {
-    const double typical = std::sqrt(median_square(errors));
+/// One position that is not known at all must not tip the scale for the others.
+std::vector<Vec2> usable(std::vector<Vec2> errors, double most) {
+    const auto bound = [&](double e) { return std::isfinite(e) ? std::min(e, most) : e; };
+    for (Vec2& e : errors) e = {bound(e.x), bound(e.y)};
+    const double typical = std::sqrt(mean_square(errors));
     for (Vec2& e : errors) {
         if (!is_error(e.x)) e.x = typical;
         if (!is_error(e.y)) e.y = typical;
@@ -66,7 +75,7 @@ std::vector<Vec2> usable(std::vector<Vec2> errors) {
 OptionTable describe(LinkOptions& options) {
     OptionTable table("link");
     table.number("search-range", options.search_range, "px", {1e-6, 1e5},
-                 "largest step between two frames; auto: half the apparent diameter");
+                 "largest step between two frames; auto: D/2 to D, as the motion asks");
     table.integer("memory", options.memory, "frames", {0, 100000},
                   "how long a sphere may be missing and keep its identity");
     table.choice("predictor", options.predictor,
@@ -82,10 +91,12 @@ OptionTable describe(LinkOptions& options) {
     return table;
 }
 
-Linker::Linker(const LinkOptions& options)
-    : options_(options), range_(options.search_range.value_or(0)) {
-    if (!(range_ > 0) || !std::isfinite(range_)) {
-        throw OptionError({"link.search-range is not usable", fmt::format("{} px", range_),
+Linker::Linker(const LinkOptions& options, double diameter)
+    : options_(options),
+      least_range_(options.search_range.value_or(diameter / 2)),
+      most_range_(options.search_range.value_or(diameter)) {
+    if (!(least_range_ > 0) || !std::isfinite(least_range_)) {
+        throw OptionError({"link.search-range is not usable", fmt::format("{} px", least_range_),
                            "a positive length", "give --search-range"});
     }
 }
@@ -95,99 +106,113 @@ void Linker::forget(std::int64_t frame) {
     state_.summary.ended += static_cast<std::int64_t>(std::erase_if(state_.tracks, lost));
 }
 
-StepCost Linker::step_cost(const std::vector<Vec2>& errors) const {
+double Linker::range_for(double motion, double squared_error) const {
+    return std::clamp(kReach * std::sqrt(motion + 2 * squared_error), least_range_, most_range_);
+}
+
+Linker::Choice Linker::choose(std::int64_t frame, const Places& predicted, const Places& particles,
+                              double range) const {
+    const std::vector<Track>& tracks = state_.tracks;
     StepCost cost;
-    if (errors.empty() || state_.motion <= 0) return cost;
-    cost.motion = state_.motion;
-    cost.squared_error = median_square(errors);
-    return cost;
+    if (!particles.error.empty() && state_.motion > 0) {
+        cost = {.motion = state_.motion, .squared_error = mean_square(particles.error)};
+    }
+    Choice choice;
+    choice.range = range;
+    choice.candidates = find_candidates(predicted, particles, range, cost);
+    choice.links = choose_links(choice.candidates.pairs, static_cast<std::uint32_t>(tracks.size()),
+                                static_cast<std::uint32_t>(particles.position.size()),
+                                range * range, options_.largest_subnet, choice.counts);
+    std::vector<SeenStep> steps;
+    for (std::size_t t = 0; t < tracks.size(); ++t) {
+        if (choice.links[t] < 0 || tracks[t].frame != frame - 1) continue;
+        const auto p = static_cast<std::size_t>(choice.links[t]);
+        steps.push_back(
+            {squared_norm(particles.position[p] - predicted.position[t]),
+             0.5 * (squared_norm(predicted.error_of(t)) + squared_norm(particles.error_of(p)))});
+    }
+    const double least = kLeastMotion * range;
+    if (!steps.empty()) choice.motion = std::max(motion_variance(steps), least * least);
+    return choice;
 }
 
 std::vector<std::int64_t> Linker::link(std::int64_t frame, const std::vector<Vec2>& positions,
                                        const std::vector<Vec2>& given_errors) {
     require_linkable(state_, frame, positions, given_errors);
-    const std::vector<Vec2> errors = usable(given_errors);
+    const std::vector<Vec2> errors = usable(given_errors, least_range_);
     forget(frame);
     std::vector<Track>& tracks = state_.tracks;
-    LinkSummary& summary = state_.summary;
-
     const std::vector<Vec2> predicted =
-        predict(tracks, frame, options_.predictor, state_.drift, range_);
+        predict(tracks, frame, options_.predictor, state_.drift, least_range_);
     std::vector<Vec2> track_errors;
     if (!errors.empty()) {
         for (const Track& track : tracks) track_errors.push_back(track.error);
     }
-    const Candidates candidates =
-        find_candidates({predicted, track_errors}, {positions, errors}, range_, step_cost(errors));
-    summary.crowded += candidates.crowded_tracks;
-    SubnetCounts counts;
-    const std::vector<std::int32_t> links =
-        choose_links(candidates.pairs, static_cast<std::uint32_t>(tracks.size()),
-                     static_cast<std::uint32_t>(positions.size()), range_ * range_,
-                     options_.largest_subnet, counts);
-    summary.subnets.add(counts);
+    const Places from{predicted, track_errors};
+    const Places to{positions, errors};
+    const double squared_error = mean_square(errors);
+    Choice choice = choose(frame, from, to, range_for(state_.motion, squared_error));
+    const double wanted = range_for(choice.motion, squared_error);
+    if (wanted > kWorthwhile * choice.range) choice = choose(frame, from, to, wanted);
 
     std::vector<std::int64_t> ids(positions.size(), -1);
     for (std::size_t t = 0; t < tracks.size(); ++t) {
-        if (links[t] >= 0) ids[static_cast<std::size_t>(links[t])] = tracks[t].id;
+        const std::int32_t p = choice.links[t];
+        if (p >= 0) ids[static_cast<std::size_t>(p)] = tracks[t].id;
     }
-    count_rivals(frame, candidates.pairs, links, ids);
+    state_.summary.crowded += choice.candidates.crowded_tracks;
+    state_.summary.subnets.add(choice.counts);
+    count_rivals(frame, choice, ids);
+    follow(frame, choice, from, to);
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        if (ids[i] >= 0) continue;
+        ids[i] = state_.next_id++;
+        tracks.push_back({ids[i], frame, positions[i], to.error_of(i), std::nullopt});
+        ++state_.summary.started;
+    }
+    if (choice.motion > 0) state_.motion = choice.motion;
+    state_.frame = frame;
+    return ids;
+}
+
+void Linker::follow(std::int64_t frame, const Choice& choice, const Places& predicted,
+                    const Places& particles) {
+    LinkSummary& summary = state_.summary;
+    summary.range = choice.range;
     std::vector<Vec2> velocities;
-    std::vector<SeenStep> misses;
-    for (std::size_t t = 0; t < tracks.size(); ++t) {
-        if (links[t] < 0) continue;
-        const auto p = static_cast<std::size_t>(links[t]);
-        Track& track = tracks[t];
-        const Vec2 step = positions[p] - track.position;
+    for (std::size_t t = 0; t < choice.links.size(); ++t) {
+        if (choice.links[t] < 0) continue;
+        const auto p = static_cast<std::size_t>(choice.links[t]);
+        Track& track = state_.tracks[t];
+        const Vec2 step = particles.position[p] - track.position;
         const std::int64_t frames = frame - track.frame;
         ++summary.linked;
         if (frames > 1) {
             ++summary.bridged;
             summary.bridged_frames += frames - 1;
         } else {
-            const double miss = squared_norm(positions[p] - predicted[t]);
             ++summary.consecutive;
             summary.squared_steps += squared_norm(step);
-            summary.squared_misses += miss;
-            if (!errors.empty()) {
-                misses.push_back(
-                    {miss, 0.5 * (squared_norm(track.error) + squared_norm(errors[p]))});
-            }
+            summary.squared_misses += squared_norm(particles.position[p] - predicted.position[t]);
         }
         track.velocity = step * (1.0 / static_cast<double>(frames));
-        if (options_.predictor != Predictor::none) velocities.push_back(*track.velocity);
-        track.position = positions[p];
-        track.error = errors.empty() ? Vec2{} : errors[p];
+        track.position = particles.position[p];
+        track.error = particles.error_of(p);
         track.frame = frame;
+        if (options_.predictor != Predictor::none) velocities.push_back(*track.velocity);
     }
-    learn(std::move(velocities), misses);
-    for (std::size_t i = 0; i < positions.size(); ++i) {
-        if (ids[i] >= 0) continue;
-        ids[i] = state_.next_id++;
-        tracks.push_back(
-            {ids[i], frame, positions[i], errors.empty() ? Vec2{} : errors[i], std::nullopt});
-        ++summary.started;
-    }
-    state_.frame = frame;
-    return ids;
-}
-
-void Linker::learn(std::vector<Vec2> velocities, const std::vector<SeenStep>& steps) {
     if (!velocities.empty()) state_.drift = median(std::move(velocities));
-    if (steps.empty()) return;
-    const double least = kLeastMotion * range_;
-    state_.motion = std::max(motion_variance(steps), least * least);
 }
 
-void Linker::count_rivals(std::int64_t frame, const std::vector<AssignmentPair>& pairs,
-                          const std::vector<std::int32_t>& links,
+void Linker::count_rivals(std::int64_t frame, const Choice& choice,
                           const std::vector<std::int64_t>& ids) {
+    const std::vector<AssignmentPair>& pairs = choice.candidates.pairs;
     std::vector<char> split(ids.size(), 0);
     for (std::size_t k = 0; k < pairs.size(); ++k) {
         const std::uint32_t track = pairs[k].row;
         // Every particle in reach of a track left alone is taken, or it would have been linked.
         const bool first = k == 0 || pairs[k - 1].row != track;
-        if (first && links[track] < 0 && state_.tracks[track].frame == frame - 1) {
+        if (first && choice.links[track] < 0 && state_.tracks[track].frame == frame - 1) {
             ++state_.summary.merged;
         }
         if (ids[pairs[k].column] < 0) split[pairs[k].column] = 1;
@@ -205,11 +230,11 @@ std::vector<std::string> Linker::warnings(double diameter) const {
                 "spheres are {:.2f} px (RMS) from where they were looked for, more than a quarter "
                 "of their diameter {:.2f} px: identities are doubtful; use a higher frame rate",
                 miss, diameter));
-        } else if (miss > 0.5 * range_) {
+        } else if (miss > 0.5 * s.range) {
             texts.push_back(fmt::format(
                 "spheres are {:.2f} px (RMS) from where they were looked for, more than half the "
                 "search range {:.2f} px, so that many are lost; use a larger --search-range",
-                miss, range_));
+                miss, s.range));
         }
     }
     if (s.subnets.reduced > 0) {
@@ -222,7 +247,7 @@ std::vector<std::string> Linker::warnings(double diameter) const {
         texts.push_back(fmt::format(
             "{} times a track had more than 32 particles within the search range {:.2f} px and the "
             "32 nearest were considered; use a smaller --search-range",
-            s.crowded, range_));
+            s.crowded, s.range));
     }
     return texts;
 }

@@ -14,11 +14,11 @@
 namespace grainfield::tracking {
 
 struct LinkOptions {
-    std::optional<double> search_range;  ///< [px] largest step between frames; empty: D/2
+    std::optional<double> search_range;  ///< [px] largest step between frames; empty: adapts
     int memory = 2;                      ///< [frames] a sphere may be missing this long
     Predictor predictor = Predictor::none;
-    int minimum_length = 1;               ///< [frames] shorter tracks are not written (LongTracks)
-    std::int64_t largest_subnet = 50000;  ///< [pairs] solved to the optimum
+    int minimum_length = 1;  ///< [frames] shorter tracks are not written (LongTracks)
+    std::int64_t largest_subnet = 1000000;  ///< [pairs] solved to the optimum
 };
 
 OptionTable describe(LinkOptions& options);
@@ -35,6 +35,7 @@ struct LinkSummary {
     double squared_steps = 0;         ///< Σ |displacement|² of those [px²]
     double squared_misses = 0;        ///< Σ |position − prediction|² of those [px²]
     std::int64_t crowded = 0;         ///< times a track had more particles in reach than are kept
+    double range = 0;                 ///< search range of the last frame [px]
     SubnetCounts subnets;
 };
 
@@ -59,19 +60,26 @@ struct LinkState {
 /// cost = d², or weighted by the standard errors of both positions (StepCost), d the distance from
 /// the predicted place. The minimum is exact (choose_links) unless a subnet exceeds
 /// `largest_subnet` pairs or a track has more than 32 particles in reach; both are counted and
-/// warned of. Memory holds the tracks that may still come back, not the past. Deterministic; costs
-/// that are equal go to the older track and the earlier particle. About 2 ms for 11,700 particles
-/// whose steps are small against their spacing.
+/// warned of. A search range that is not given follows the motion,
+///
+///     R = 4.5 s, at least D/2, at most D,
+///
+/// s the standard deviation of a step per axis in the frame before (one step in 25,000 is
+/// longer); a frame whose own steps ask for a larger R is linked once more with that. Memory holds
+/// the tracks that may still come back, not the past. Deterministic; costs that are equal go to the
+/// older track and the earlier particle. About 2 ms for 11,700 particles whose steps are small
+/// against their spacing.
 class Linker {
  public:
-    /// `options.search_range` must be set and positive; throws OptionError otherwise.
-    explicit Linker(const LinkOptions& options);
+    /// `diameter` D [px] is needed only if `options.search_range` is not set. Throws OptionError if
+    /// neither is a positive length.
+    explicit Linker(const LinkOptions& options, double diameter = 0);
 
     /// Identities of the particles of the next frame, in their order. Frames must come in order;
     /// `frame` numbers that are left out count as missing for the memory. `errors`: standard
-    /// errors per axis [px], none or one a particle; not finite or negative: taken as the median
-    /// one. Throws InputError if frames come out of order, a position is not finite, or the number
-    /// of errors is wrong, and leaves the state as it was.
+    /// errors per axis [px], none or one a particle; not finite or negative: taken as the RMS
+    /// one; above the least search range: as that. Throws InputError if frames come out of order, a
+    /// position is not finite, or the number of errors is wrong, and leaves the state as it was.
     std::vector<std::int64_t> link(std::int64_t frame, const std::vector<Vec2>& positions,
                                    const std::vector<Vec2>& errors = {});
 
@@ -85,14 +93,25 @@ class Linker {
     std::vector<std::string> warnings(double diameter) const;
 
  private:
+    /// How a frame is linked, before it becomes part of the state.
+    struct Choice {
+        double range = 0;
+        Candidates candidates;
+        std::vector<std::int32_t> links;  ///< particle of each track, −1: none
+        SubnetCounts counts;
+        double motion = 0;  ///< seen in these links; 0: there are none
+    };
+    Choice choose(std::int64_t frame, const Places& predicted, const Places& particles,
+                  double range) const;
+    double range_for(double motion, double squared_error) const;
     void forget(std::int64_t frame);
-    StepCost step_cost(const std::vector<Vec2>& errors) const;
-    void count_rivals(std::int64_t frame, const std::vector<AssignmentPair>& pairs,
-                      const std::vector<std::int32_t>& links, const std::vector<std::int64_t>& ids);
-    void learn(std::vector<Vec2> velocities, const std::vector<SeenStep>& steps);
+    void follow(std::int64_t frame, const Choice& choice, const Places& predicted,
+                const Places& particles);
+    void count_rivals(std::int64_t frame, const Choice& choice,
+                      const std::vector<std::int64_t>& ids);
 
     LinkOptions options_;
-    double range_;
+    double least_range_, most_range_;  ///< [px]; equal if the user gave one
     LinkState state_;
 };
 

@@ -1,6 +1,7 @@
 #include "tracking/link/motion.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "tracking/link/candidates.h"
@@ -64,7 +65,14 @@ double motion_variance(const std::vector<SeenStep>& steps) {
     constexpr std::size_t kSample = 1000;
     std::vector<SeenStep> sample;
     double high = 0;
-    for (std::size_t i = 0; i < steps.size(); i += 1 + steps.size() / kSample) {
+    const std::size_t count = std::min(steps.size(), kSample);
+    for (std::size_t k = 0; k < count; ++k) {
+        // By golden sections: equal intervals could fall in step with an order of the particles.
+        const double turn = std::fmod((static_cast<double>(k) + 0.5) / std::numbers::phi, 1.0);
+        const std::size_t i =
+            count == steps.size()
+                ? k
+                : static_cast<std::size_t>(turn * static_cast<double>(steps.size()));
         sample.push_back(steps[i]);
         high = std::max(high, steps[i].squared);
     }

@@ -43,7 +43,7 @@ struct SeenStep {
 
 /// Variance s² of the motion per axis [px²], errors taken off: |step|²/(s² + e²) is exponential, so
 /// its median is 2 ln 2; s² is where that holds (bisection to 1e-9 of the largest step), 0 if it
-/// holds nowhere. Of many steps about 1,000 at equal intervals are used.
+/// holds nowhere. Of many steps 1,000 spread evenly are used.
 double motion_variance(const std::vector<SeenStep>& steps);
 
 }  // namespace grainfield::tracking

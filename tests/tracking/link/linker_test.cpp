@@ -150,15 +150,15 @@ TEST(Linker, WeightsByErrorsMakeFewerWrongLinks) {
     std::int64_t weighted_wrong = 0;
     const auto scene = testing::hard_disc_liquid(400, 400, 8, 0.7, 3);
     for (int trial = 0; trial < 10; ++trial) {
-        Linker plain({.search_range = 8, .memory = 0});
-        Linker weighted({.search_range = 8, .memory = 0});
+        Linker plain({.search_range = 14, .memory = 0});
+        Linker weighted({.search_range = 14, .memory = 0});
         std::vector<std::int64_t> first;
         for (int frame = 0; frame < 3; ++frame) {
-            // Small steps, but every third sphere is seen with an error of a quarter diameter.
+            // Small steps, but every third sphere is seen with an error of 0.4 diameters.
             std::vector<Vec2> seen = scene.position;
             std::vector<Vec2> errors;
             for (std::size_t i = 0; i < seen.size(); ++i) {
-                const double e = i % 3 == 0 ? 2.0 : 0.1;
+                const double e = i % 3 == 0 ? 3.0 : 0.1;
                 errors.push_back({e, e});
                 seen[i] += std::hypot(e, 0.3) * Vec2{random.normal(), random.normal()};
             }
@@ -176,13 +176,20 @@ TEST(Linker, WeightsByErrorsMakeFewerWrongLinks) {
     EXPECT_LT(static_cast<double>(weighted_wrong), 0.9 * static_cast<double>(plain_wrong));
 }
 
-TEST(Linker, ErrorsThatAreNotNumbersCountAsTypical) {
-    Linker linker({.search_range = 3, .memory = 0});
+TEST(Linker, ErrorsThatAreNotNumbersOrAbsurdDoNotDisturbTheOthers) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
-    for (int frame = 0; frame < 3; ++frame) {
-        const auto ids =
-            linker.link(frame, {{10, 10}, {20, 10.1 * frame}}, {{nan, -1}, {0.1, 0.2}});
-        EXPECT_EQ(ids[0], 0);
+    const auto scene = testing::hard_disc_liquid(200, 200, 8, 0.7, 3);
+    std::vector<Vec2> errors(scene.position.size(), Vec2{0.1, 0.1});
+    errors[0] = {nan, -1};
+    errors[1] = {1e9, 1e300};
+    errors[2] = {std::numeric_limits<double>::infinity(), 0};
+    RandomStream random(15, "steps");
+    Linker linker({.search_range = 4, .memory = 0});
+    const auto first = linker.link(0, scene.position, errors);
+    for (int frame = 1; frame < 4; ++frame) {
+        auto seen = scene.position;
+        for (Vec2& p : seen) p += 0.3 * Vec2{random.normal(), random.normal()};
+        EXPECT_EQ(linker.link(frame, seen, errors), first);
     }
 }
 
@@ -264,6 +271,28 @@ TEST(Linker, WarnsOfStepsAboveAQuarterOfTheDiameterAndOfASearchRangeTooSmall) {
     EXPECT_NE(warnings(6, 8)[0].find("identities are doubtful"), std::string::npos);
     ASSERT_EQ(warnings(2, 2).size(), 1u);
     EXPECT_NE(warnings(2, 2)[0].find("larger --search-range"), std::string::npos);
+}
+
+TEST(Linker, ASearchRangeThatIsNotGivenFollowsTheMotion) {
+    const auto scene = testing::hard_disc_liquid(400, 400, 10, 0.72, 8);
+    RandomStream random(14, "steps");
+    Linker linker({.search_range = std::nullopt, .memory = 0}, 10);
+    const auto link = [&](int frame, double step) {
+        auto moved = scene.position;
+        for (Vec2& p : moved) p += (step / 2) * Vec2{random.normal(), random.normal()};
+        linker.link(frame, moved);
+        return linker.summary().range;
+    };
+    link(0, 1);
+    EXPECT_EQ(link(1, 1), 5);  // 4.5 · 1/√2 is less than D/2
+    link(2, 2.8);
+    // The frame itself asks for more: 4.5 · 2.8/√2 = 8.9; the median of 1,000 steps is good to 5 %.
+    EXPECT_NEAR(link(3, 2.8), 8.9, 1.0);
+    link(4, 9);
+    EXPECT_EQ(link(5, 9), 10);
+    link(6, 1);
+    link(7, 1);
+    EXPECT_EQ(link(8, 1), 5);
 }
 
 TEST(Linker, AnAbsurdSearchRangeIsBoundedAndWarnedOf) {

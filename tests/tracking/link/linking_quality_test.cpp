@@ -125,6 +125,7 @@ TEST_P(SmallSteps, MakeNoWrongLink) {
     const auto scores = testing::score_tracks(found, truth, 0.25 * kDiameter);
     // A memory of 3 loses a sphere that is missing 4 frames in a row: at 5 % dropouts 6e-6 each.
     EXPECT_EQ(scores.switches, 0);
+    EXPECT_EQ(scores.wrong_links, 0);
     EXPECT_GT(scores.links, 20000);
     EXPECT_EQ(scores.alpha, 1);
     EXPECT_EQ(scores.jaccard_tracks, 1);
