@@ -18,6 +18,12 @@ function(grainfield_library name)
     endif()
   endforeach()
 
+  foreach(dependency IN LISTS ARG_PUBLIC ARG_PRIVATE)
+    if(dependency MATCHES "^grainfield(::|_)")
+      message(FATAL_ERROR "grainfield_library: '${name}' must name '${dependency}' under INTERNAL")
+    endif()
+  endforeach()
+
   set(include_root ${PROJECT_BINARY_DIR}/include/${name})
   file(MAKE_DIRECTORY ${include_root})
   file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${name} ${include_root}/${name} SYMBOLIC)
