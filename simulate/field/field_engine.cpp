@@ -61,14 +61,29 @@ FieldEngine<Real>::FieldEngine(const FieldSetup& setup, OrderScheme order_scheme
     if (!setup_.has_order) return;
     order_.draw_stationary();
     order_.transform_columns(team_);
-    AlignedVector<Real> rows(lattice().stride() * OrderField<Real>::rows_at_once);
-    for (int block = 0; block < row_blocks(); ++block) {
-        const int first = block * OrderField<Real>::rows_at_once;
-        read_diffusivity(first, rows.data());
-        const int count = std::min(OrderField<Real>::rows_at_once, lattice().ny - first);
-        std::copy_n(rows.data(), lattice().stride() * static_cast<std::size_t>(count),
-                    &diffusivity_[lattice().stride() * static_cast<std::size_t>(first)]);
-    }
+    refresh_diffusivity();
+}
+
+template <class Real>
+void FieldEngine<Real>::refresh_diffusivity() {
+    team_.split(row_blocks(), [this](std::int64_t first_block, std::int64_t last_block) {
+        constexpr int block = OrderField<Real>::rows_at_once;
+        thread_local AlignedVector<Real> rows;
+        rows.resize(lattice().stride() * block);
+        for (auto b = static_cast<int>(first_block); b < last_block; ++b) {
+            const int first = b * block;
+            read_diffusivity(first, rows.data());
+            const int count = std::min(block, lattice().ny - first);
+            std::copy_n(rows.data(), lattice().stride() * static_cast<std::size_t>(count),
+                        &diffusivity_[lattice().stride() * static_cast<std::size_t>(first)]);
+        }
+    });
+}
+
+template <class Real>
+void FieldEngine<Real>::advance_order(std::uint64_t serial) {
+    order_.advance(serial, team_);
+    refresh_diffusivity();
 }
 
 template <class Real>

@@ -42,6 +42,9 @@ class FieldEngine : public FieldIntegrator {
     int row_blocks() const {
         return (lattice().ny + OrderField<Real>::rows_at_once - 1) / OrderField<Real>::rows_at_once;
     }
+    /// ψ to the state `serial` steps of ψ after the first, and D with it.
+    void advance_order(std::uint64_t serial);
+    void refresh_diffusivity();
     /// D(ψ) of the rows [first, first + 16) of the present modes of ψ, lattice stride.
     void read_diffusivity(int first, Real* out) const;
     /// Noise of unit variance for the density.
