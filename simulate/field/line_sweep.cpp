@@ -18,7 +18,7 @@ std::size_t padded(int n) {
 
 template <class Real>
 struct LineSweep<Real>::Buffers {
-    Array upper, lower, inverse, scratch, diffusivity, field;
+    Array upper, lower, inverse, scratch, diffusivity, field, before;
     AlignedVector<float> noise, face_noise;
 
     LineFactors<Real> factors(std::size_t length) {
@@ -45,8 +45,33 @@ LineSweep<Real>::LineSweep(const Lattice& lattice, double a_max, double h, doubl
       warm_(warm_up(a_max, 0.5 * static_cast<double>(std::numeric_limits<Real>::epsilon()))) {}
 
 template <class Real>
+double LineSweep<Real>::solve(const LineBundle& lines, const LineFactors<Real>& factors,
+                              Real* field, std::size_t stride, const float* noise,
+                              bool squared) const {
+    Buffers& b = buffers();
+    if (!squared) {
+        solve_lines(lines, factors, field, stride, noise, s_, b.scratch.data(), after_);
+        return 0;
+    }
+    const auto cells = static_cast<std::size_t>(lines.cells);
+    b.before.resize(cells * line_lanes);
+    for (std::size_t i = 0; i < cells; ++i) {
+        std::copy_n(field + i * stride, line_lanes, &b.before[i * line_lanes]);
+    }
+    solve_lines(lines, factors, field, stride, noise, s_, b.scratch.data(), AfterSolve::keep);
+    const double sum = squared_differences(lines, field, stride);
+    for (std::size_t i = 0; i < cells; ++i) {
+        for (std::size_t l = 0; l < line_lanes; ++l) {
+            Real& value = field[i * stride + l];
+            value = (value + value) - b.before[i * line_lanes + l];
+        }
+    }
+    return sum;
+}
+
+template <class Real>
 void LineSweep<Real>::rows(int bundle, const Array& diffusivity, std::span<Array> fields,
-                           const Noise& noise) const {
+                           const Noise& noise, std::span<double> squares) const {
     Buffers& b = buffers();
     const LineBundle lines{lattice_.nx, warm_};
     const LineFactors<Real> factors = b.factors(lines.length());
@@ -67,15 +92,16 @@ void LineSweep<Real>::rows(int bundle, const Array& diffusivity, std::span<Array
             b.noise.resize(count);
             noise(static_cast<int>(f), static_cast<std::uint32_t>(bundle), b.noise);
         }
-        solve_lines(lines, factors, b.field.data(), std::size_t{line_lanes},
-                    noise ? b.noise.data() : nullptr, s_, b.scratch.data(), after_);
+        const double sum = solve(lines, factors, b.field.data(), std::size_t{line_lanes},
+                                 noise ? b.noise.data() : nullptr, !squares.empty());
+        if (!squares.empty()) squares[f] += sum;
         rows_from_lanes(b.field.data(), rows, lattice_.nx, field, lattice_.stride());
     }
 }
 
 template <class Real>
 void LineSweep<Real>::columns(int bundle, const Array& diffusivity, std::span<Array> fields,
-                              const Noise& noise) const {
+                              const Noise& noise, std::span<double> squares) const {
     Buffers& b = buffers();
     const LineBundle lines{lattice_.ny, warm_};
     const LineFactors<Real> factors = b.factors(lines.length());
@@ -86,14 +112,15 @@ void LineSweep<Real>::columns(int bundle, const Array& diffusivity, std::span<Ar
             b.noise.resize(static_cast<std::size_t>(lattice_.ny) * line_lanes);
             noise(static_cast<int>(f), columns_line + static_cast<std::uint32_t>(bundle), b.noise);
         }
-        solve_lines(lines, factors, &fields[f][first], lattice_.stride(),
-                    noise ? b.noise.data() : nullptr, s_, b.scratch.data(), after_);
+        const double sum = solve(lines, factors, &fields[f][first], lattice_.stride(),
+                                 noise ? b.noise.data() : nullptr, !squares.empty());
+        if (!squares.empty()) squares[f] += sum;
     }
 }
 
 template <class Real>
-void LineSweep<Real>::ring(const Array& diffusivity, std::span<Array> fields,
-                           const Noise& noise) const {
+void LineSweep<Real>::ring(const Array& diffusivity, std::span<Array> fields, const Noise& noise,
+                           std::span<double> squares) const {
     Buffers& b = buffers();
     const int cells = lattice_.nx;
     const int part = (cells + line_lanes - 1) / line_lanes;
@@ -123,11 +150,18 @@ void LineSweep<Real>::ring(const Array& diffusivity, std::span<Array> fields,
         }
         solve_lines(lines, factors, b.field.data(), std::size_t{line_lanes},
                     noise ? b.noise.data() : nullptr, s_, b.scratch.data(), after_);
-        for (int x = 0; x < cells; ++x) {
-            const auto i = static_cast<std::size_t>(x % part + warm_);
-            fields[f][static_cast<std::size_t>(x)] =
-                b.field[i * line_lanes + static_cast<std::size_t>(x / part)];
+        Real* field = fields[f].data();
+        const auto solved = [&](int x) {
+            return b.field[static_cast<std::size_t>(x % part + warm_) * line_lanes +
+                           static_cast<std::size_t>(x / part)];
+        };
+        for (int x = 0; x < cells && !squares.empty(); ++x) {
+            const int next = x + 1 == cells ? 0 : x + 1;
+            const double step = 0.5 * (static_cast<double>(solved(next) + field[next]) -
+                                       static_cast<double>(solved(x) + field[x]));
+            squares[f] += step * step;
         }
+        for (int x = 0; x < cells; ++x) field[x] = solved(x);
     }
 }
 

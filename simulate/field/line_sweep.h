@@ -27,20 +27,25 @@ class LineSweep {
 
     static int bundles(int lines) { return (lines + line_lanes - 1) / line_lanes; }
 
-    /// Bundle `bundle` of 16 rows, lines along x.
-    void rows(int bundle, const Array& diffusivity, std::span<Array> fields,
-              const Noise& noise) const;
+    /// Bundle `bundle` of 16 rows, lines along x. Where `squares` is not empty, the squared
+    /// differences across all faces of q = (before + after)/2 are added to squares[field]
+    /// (AfterSolve::reflect, no noise).
+    void rows(int bundle, const Array& diffusivity, std::span<Array> fields, const Noise& noise,
+              std::span<double> squares = {}) const;
     /// Bundle `bundle` of 16 columns, lines along y.
-    void columns(int bundle, const Array& diffusivity, std::span<Array> fields,
-                 const Noise& noise) const;
+    void columns(int bundle, const Array& diffusivity, std::span<Array> fields, const Noise& noise,
+                 std::span<double> squares = {}) const;
     /// The ring of a one-dimensional lattice, cut into 16 overlapping parts solved side by side.
-    void ring(const Array& diffusivity, std::span<Array> fields, const Noise& noise) const;
+    void ring(const Array& diffusivity, std::span<Array> fields, const Noise& noise,
+              std::span<double> squares = {}) const;
 
     int warm() const { return warm_; }
 
  private:
     struct Buffers;
     static Buffers& buffers();
+    double solve(const LineBundle& lines, const LineFactors<Real>& factors, Real* field,
+                 std::size_t stride, const float* noise, bool squared) const;
 
     Lattice lattice_;
     Real h_;
