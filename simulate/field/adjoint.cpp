@@ -64,7 +64,6 @@ class AdjointEstimator::Engine : public AdjointEstimator::State, public FieldEng
     Engine(const FieldSetup& setup, std::vector<LatticeWave> list, int threads, double rest)
         : State(std::move(list)),
           FieldEngine<Real>(setup, OrderScheme::exact, threads),
-          mean_(this->diffusivity_),
           sweep_(sweep_of(setup)),
           rest_(rest) {
         sum.assign(waves.size(), 0);
@@ -78,10 +77,6 @@ class AdjointEstimator::Engine : public AdjointEstimator::State, public FieldEng
  protected:
     using Array = typename FieldEngine<Real>::Array;
     void step() override;
-    std::vector<std::pair<std::string, Array*>> more_state() override {
-        if (this->setup_.hold == 1) return {};
-        return {{"mean diffusivity", &mean_}};
-    }
 
  private:
     static LineSweep<Real> sweep_of(const FieldSetup& setup) {
@@ -91,10 +86,8 @@ class AdjointEstimator::Engine : public AdjointEstimator::State, public FieldEng
     }
     void start(std::size_t wave);
     double square(std::size_t wave) const;
-    void average_diffusivity();
     void sweep(bool along_x);
 
-    Array mean_;
     LineSweep<Real> sweep_;
     double rest_;
 };
@@ -136,15 +129,6 @@ double AdjointEstimator::Engine<Real>::square(std::size_t wave) const {
 }
 
 template <class Real>
-void AdjointEstimator::Engine<Real>::average_diffusivity() {
-    mean_ = this->diffusivity_;
-    this->advance_order(static_cast<std::uint64_t>(this->step_ / this->setup_.hold) + 1);
-    for (std::size_t i = 0; i < mean_.size(); ++i) {
-        mean_[i] = Real{0.5} * (mean_[i] + this->diffusivity_[i]);
-    }
-}
-
-template <class Real>
 void AdjointEstimator::Engine<Real>::sweep(bool along_x) {
     const Lattice& lattice = this->lattice();
     const int bundles =
@@ -157,11 +141,11 @@ void AdjointEstimator::Engine<Real>::sweep(bool along_x) {
             const std::span<double> own(&squares[static_cast<std::size_t>(b) * parts], parts);
             const auto bundle = static_cast<int>(b);
             if (lattice.dimension == 1) {
-                sweep_.ring(mean_, this->density_, none, own);
+                sweep_.ring(this->mean_, this->density_, none, own);
             } else if (along_x) {
-                sweep_.rows(bundle, mean_, this->density_, none, own);
+                sweep_.rows(bundle, this->mean_, this->density_, none, own);
             } else {
-                sweep_.columns(bundle, mean_, this->density_, none, own);
+                sweep_.columns(bundle, this->mean_, this->density_, none, own);
             }
         }
     });
@@ -176,7 +160,14 @@ void AdjointEstimator::Engine<Real>::sweep(bool along_x) {
 
 template <class Real>
 void AdjointEstimator::Engine<Real>::step() {
-    if (this->setup_.has_order && this->step_ % this->setup_.hold == 0) average_diffusivity();
+    if (this->order_is_due()) {
+        this->advance_order();
+        this->team_.split(this->row_blocks(), [this](std::int64_t first, std::int64_t last) {
+            for (auto block = static_cast<int>(first); block < last; ++block) {
+                this->average_diffusivity(block * OrderField<Real>::rows_at_once);
+            }
+        });
+    }
     const bool x_first = this->step_ % 2 == 0;
     sweep(x_first || this->lattice().dimension == 1);
     if (this->lattice().dimension == 2) sweep(!x_first);

@@ -57,8 +57,8 @@ void ExplicitIntegrator<Real>::advance_rows(int replica, int first, int last) {
         const RowStencil<Real> around =
             flat ? RowStencil<Real>{z[1].data(), z[1].data(), z[1].data()}
                  : RowStencil<Real>{z[0].data(), z[1].data(), z[2].data()};
-        const RowStencil<Real> d{row(this->diffusivity_, y - 1), row(this->diffusivity_, y),
-                                 row(this->diffusivity_, y + 1)};
+        const RowStencil<Real> d{row(this->mean_, y - 1), row(this->mean_, y),
+                                 row(this->mean_, y + 1)};
         Real* out = &next_[stride * static_cast<std::size_t>(y)];
         reflect_row(z[1].data(), row(rho, y), lattice.nx, out);
         add_row_diffusion(out, around, d, h, flat ? Real{0} : h, lattice.nx, out);
@@ -68,15 +68,20 @@ void ExplicitIntegrator<Real>::advance_rows(int replica, int first, int last) {
 
 template <class Real>
 void ExplicitIntegrator<Real>::step() {
+    if (this->order_is_due()) {
+        this->advance_order();
+        this->team_.split(this->row_blocks(), [this](std::int64_t first, std::int64_t last) {
+            for (auto block = static_cast<int>(first); block < last; ++block) {
+                this->average_diffusivity(block * OrderField<Real>::rows_at_once);
+            }
+        });
+    }
     for (int replica = 0; replica < this->setup_.replicas; ++replica) {
         this->team_.split(this->lattice().ny, [&](std::int64_t first, std::int64_t last) {
             advance_rows(replica, static_cast<int>(first), static_cast<int>(last));
         });
         next_.swap(this->density_[static_cast<std::size_t>(replica)]);
     }
-    const std::int64_t hold = this->setup_.hold;
-    if (!this->setup_.has_order || (this->step_ + 1) % hold != 0) return;
-    this->advance_order(static_cast<std::uint64_t>((this->step_ + 1) / hold));
 }
 
 template <class Real>

@@ -6,7 +6,7 @@ namespace grainfield::simulate {
 
 /// Explicit Leimkuhler–Matthews [leimkuhler2013]:
 ///
-///   z = ρ + w/2,   ρ ← ρ + dt ∇·(D∇z) + w,   sample z,
+///   z = ρ + w/2,   ρ ← ρ + dt ∇·(D̄∇z) + w,   sample z,
 ///
 /// one pass over the lattice. For constant D the spectrum of z is exactly flat, C1/(2 D0), at any
 /// stable dt: dt < dx²/(2 d D0), d the dimension. One noise a face and step, drawn again where two

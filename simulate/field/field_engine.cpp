@@ -47,12 +47,13 @@ FieldEngine<Real>::FieldEngine(const FieldSetup& setup, OrderScheme order_scheme
     : setup_(setup),
       team_(setup.lattice.dimension == 1 ? 1 : threads),
       order_(setup.lattice,
-             OrderSpectrum(setup.lattice, setup.model, setup.dt * setup.hold, order_scheme,
-                           k_cut_of(setup)),
+             OrderSpectrum(setup.lattice, setup.model, setup.dt * setup.hold / setup.substeps,
+                           order_scheme, k_cut_of(setup)),
              setup.seed),
       law_(DiffusivityLaw::of(setup.model,
                               setup.has_order ? order_.spectrum().missing_variance() : 0)),
-      diffusivity_(setup.lattice.padded_cells(), static_cast<Real>(setup.model.d0)) {
+      diffusivity_(setup.lattice.padded_cells(), static_cast<Real>(setup.model.d0)),
+      mean_(diffusivity_) {
     for (int replica = 0; replica < setup.replicas; ++replica) {
         noise_.emplace_back(setup.seed, "density noise", static_cast<std::uint64_t>(replica));
         density_.emplace_back(lattice().padded_cells(), Real{0});
@@ -81,9 +82,26 @@ void FieldEngine<Real>::refresh_diffusivity() {
 }
 
 template <class Real>
-void FieldEngine<Real>::advance_order(std::uint64_t serial) {
-    order_.advance(serial, team_);
-    refresh_diffusivity();
+void FieldEngine<Real>::advance_order() {
+    const auto done = static_cast<std::uint64_t>(step_ / setup_.hold);
+    const auto substeps = static_cast<std::uint64_t>(setup_.substeps);
+    for (std::uint64_t i = 1; i <= substeps; ++i) order_.advance(done * substeps + i, team_);
+}
+
+template <class Real>
+void FieldEngine<Real>::average_diffusivity(int first) {
+    const std::size_t stride = lattice().stride();
+    const int rows = std::min(OrderField<Real>::rows_at_once, lattice().ny - first);
+    thread_local AlignedVector<Real> next;
+    next.resize(stride * OrderField<Real>::rows_at_once);
+    read_diffusivity(first, next.data());
+    Real* now = &diffusivity_[stride * static_cast<std::size_t>(first)];
+    Real* mean = &mean_[stride * static_cast<std::size_t>(first)];
+    const std::size_t count = stride * static_cast<std::size_t>(rows);
+    for (std::size_t i = 0; i < count; ++i) {
+        mean[i] = Real{0.5} * (now[i] + next[i]);
+        now[i] = next[i];
+    }
 }
 
 template <class Real>
@@ -202,9 +220,7 @@ void FieldEngine<Real>::save(Checkpoint& checkpoint) const {
     for (std::size_t r = 0; r < density_.size(); ++r) {
         checkpoint.reals[fmt::format("density {}", r)] = plain(density_[r]);
     }
-    for (const auto& [name, array] : const_cast<FieldEngine*>(this)->more_state()) {
-        checkpoint.reals[name] = plain(*array);
-    }
+    if (setup_.hold > 1) checkpoint.reals["mean diffusivity"] = plain(mean_);
 }
 
 template <class Real>
@@ -232,7 +248,7 @@ void FieldEngine<Real>::restore(const Checkpoint& checkpoint) {
     for (std::size_t r = 0; r < density_.size(); ++r) {
         take(checkpoint, fmt::format("density {}", r), density_[r]);
     }
-    for (const auto& [name, array] : more_state()) take(checkpoint, name, *array);
+    if (setup_.hold > 1) take(checkpoint, "mean diffusivity", mean_);
     step_ = at->second[0];
 }
 

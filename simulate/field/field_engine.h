@@ -35,15 +35,19 @@ class FieldEngine : public FieldIntegrator {
 
     /// From step_ to step_ + 1 (the base counts).
     virtual void step() = 0;
-    /// More arrays of this scheme that a checkpoint must hold, padded like the density.
-    virtual std::vector<std::pair<std::string, Array*>> more_state() { return {}; }
 
     const Lattice& lattice() const { return setup_.lattice; }
     int row_blocks() const {
         return (lattice().ny + OrderField<Real>::rows_at_once - 1) / OrderField<Real>::rows_at_once;
     }
-    /// ψ to the state `serial` steps of ψ after the first, and D with it.
-    void advance_order(std::uint64_t serial);
+    /// Whether ψ is to move on before the step that begins now.
+    bool order_is_due() const { return setup_.has_order && step_ % setup_.hold == 0; }
+    /// ψ to the end of the interval of setup.hold steps that begins now.
+    void advance_order();
+    /// D̄ = (D_n + D_{n+hold})/2 of sixteen rows from `first`, and D_{n+hold} in the place of D_n;
+    /// after advance_order.
+    void average_diffusivity(int first);
+    /// D of the present ψ, everywhere.
     void refresh_diffusivity();
     /// D(ψ) of the rows [first, first + 16) of the present modes of ψ, lattice stride.
     void read_diffusivity(int first, Real* out) const;
@@ -60,6 +64,7 @@ class FieldEngine : public FieldIntegrator {
     std::vector<NoiseStream> noise_;  // per replica
     std::vector<Array> density_;      // per replica
     Array diffusivity_;               // D of the present ψ
+    Array mean_;                      // D̄ of the interval
 
  private:
     void draw_density(int replica);

@@ -22,6 +22,7 @@ struct FieldSetup {
     NoiseShape noise = NoiseShape::uniform;
     double k_cut = 0;  ///< ψ has no modes above
     int hold = 1;      ///< steps for which one ψ serves
+    int substeps = 1;  ///< in which ψ crosses them (same law): to compare steps on one path of ψ
     int replicas = 1;
     std::uint64_t seed = 1;
     bool has_order = true;  ///< false: λ = 0, D = D0, no ψ at all

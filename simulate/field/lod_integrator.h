@@ -23,14 +23,9 @@ class LodIntegrator : public FieldEngine<Real> {
     LodIntegrator(const FieldSetup& setup, int threads);
 
  protected:
-    using Array = typename FieldEngine<Real>::Array;
     void step() override;
-    std::vector<std::pair<std::string, Array*>> more_state() override;
 
  private:
-    void average_diffusivity(int first);
-
-    Array mean_;  // D̄
     LineSweep<Real> sweep_;
 };
 

@@ -77,29 +77,34 @@ void OrderField<Real>::mirror(int kx) {
     for (int y = 1; 2 * y < ny && y <= spectrum_.rows(kx); ++y) c[ny - y] = std::conj(c[y]);
 }
 
+// Modes ky ≥ 0 and ky < 0 draw from lines of their own, counted from ky = 0: a mode has the same
+// noise whatever else is kept.
 template <class Real>
 void OrderField<Real>::update_column(int kx, std::uint64_t step) {
-    const std::size_t positive = 2 * static_cast<std::size_t>(spectrum_.rows(kx) + 1);
-    const std::size_t negative = is_symmetric(kx) ? 0 : 2 * negative_rows(kx);
+    constexpr std::uint32_t negative_line = 0x80000000U;
     thread_local AlignedVector<float> zeta;
-    zeta.resize(positive + negative);
+    const std::size_t begin = distance_ * static_cast<std::size_t>(kx);
+    // A complex number is an array of two.
+    Real* c = reinterpret_cast<Real*>(&modes_[begin]);
+    const Real* decay = &decay_[2 * begin];
+    const Real* amplitude = &amplitude_[2 * begin];
+    zeta.resize(2 * static_cast<std::size_t>(spectrum_.rows(kx) + 1));
     noise_.normal(step, static_cast<std::uint32_t>(kx), zeta);
-    const std::size_t begin = 2 * distance_ * static_cast<std::size_t>(kx);
-    const auto update = [&](std::size_t first, std::size_t count, const float* z) {
-        // A complex number is an array of two.
-        Real* c = reinterpret_cast<Real*>(modes_.data()) + first;
-        const Real* decay = &decay_[first];
-        const Real* amplitude = &amplitude_[first];
-        for (std::size_t j = 0; j < count; ++j) {
-            c[j] = decay[j] * c[j] + amplitude[j] * static_cast<Real>(z[j]);
-        }
-    };
-    update(begin, positive, zeta.data());
-    if (negative > 0) {
-        update(begin + 2 * static_cast<std::size_t>(lattice_.ny) - negative, negative,
-               zeta.data() + positive);
+    for (std::size_t j = 0; j < zeta.size(); ++j) {
+        c[j] = decay[j] * c[j] + amplitude[j] * static_cast<Real>(zeta[j]);
     }
-    if (is_symmetric(kx)) mirror(kx);
+    if (is_symmetric(kx)) {
+        mirror(kx);
+        return;
+    }
+    zeta.resize(2 * negative_rows(kx));
+    noise_.normal(step, negative_line + static_cast<std::uint32_t>(kx), zeta);
+    std::size_t j = 2 * static_cast<std::size_t>(lattice_.ny);
+    for (std::size_t i = 0; i < zeta.size(); i += 2) {
+        j -= 2;
+        c[j] = decay[j] * c[j] + amplitude[j] * static_cast<Real>(zeta[i]);
+        c[j + 1] = decay[j + 1] * c[j + 1] + amplitude[j + 1] * static_cast<Real>(zeta[i + 1]);
+    }
 }
 
 template <class Real>

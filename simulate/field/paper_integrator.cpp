@@ -93,9 +93,9 @@ void PaperIntegrator<Real>::step() {
             });
         }
     }
-    const std::int64_t hold = this->setup_.hold;
-    if (!this->setup_.has_order || (this->step_ + 1) % hold != 0) return;
-    this->advance_order(static_cast<std::uint64_t>((this->step_ + 1) / hold));
+    if (!this->setup_.has_order) return;
+    this->advance_order();
+    this->refresh_diffusivity();
 }
 
 template class PaperIntegrator<float>;
