@@ -222,6 +222,10 @@ const std::vector<double>& AdjointEstimator::samples(std::size_t wave) const {
     return state_->samples.at(wave);
 }
 
+double AdjointEstimator::under_way(std::size_t wave) const {
+    return state_->sum.at(wave);
+}
+
 std::size_t AdjointEstimator::waves() const {
     return state_->waves.size();
 }

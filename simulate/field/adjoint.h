@@ -48,6 +48,9 @@ class AdjointEstimator {
     double wavenumber(std::size_t wave) const;  ///< |k|
     /// S of each stretch that ended, in order of time.
     const std::vector<double>& samples(std::size_t wave) const;
+    /// C1 ∫‖∇φ‖² dt of the stretch under way: with rest = 0, which none reaches, that since the
+    /// beginning.
+    double under_way(std::size_t wave) const;
     std::size_t waves() const;
 
     void save(Checkpoint& checkpoint) const;
