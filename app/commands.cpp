@@ -3,6 +3,7 @@
 #include "app/compare_command.h"
 #include "app/export_command.h"
 #include "app/info_command.h"
+#include "app/simulate_field_command.h"
 #include "app/track_command.h"
 
 namespace grainfield::app {
@@ -10,6 +11,7 @@ namespace grainfield::app {
 std::vector<std::unique_ptr<Command>> make_commands() {
     std::vector<std::unique_ptr<Command>> commands;
     commands.push_back(std::make_unique<TrackCommand>());
+    commands.push_back(std::make_unique<SimulateFieldCommand>());
     commands.push_back(std::make_unique<AnalyzeCommand>());
     commands.push_back(std::make_unique<CompareCommand>());
     commands.push_back(std::make_unique<ExportCommand>());

@@ -39,9 +39,11 @@ OptionTable describe(SchemeOptions& o) {
                  {{"auto", SchemeChoice::automatic},
                   {"lod", SchemeChoice::lod},
                   {"explicit", SchemeChoice::explicit_lm},
-                  {"paper", SchemeChoice::paper}},
+                  {"paper", SchemeChoice::paper},
+                  {"adjoint", SchemeChoice::adjoint}},
                  "lod: implicit, any step; explicit: Leimkuhler-Matthews, small steps; paper: as "
-                 "published; auto: explicit below its bound, else lod");
+                 "published; adjoint: S(k) of a few k without density noise; auto: explicit below "
+                 "its bound, else lod");
     table.number("dt", o.dt, "t", {1e-12, 1e6}, "time step");
     table.choice("precision", o.precision,
                  {{"auto", Precision::automatic},
@@ -57,6 +59,9 @@ OptionTable describe(SchemeOptions& o) {
                  "relative bias of S(k) that skips may cause");
     table.number("k-cut", o.k_cut, "1/l", {0, largest},
                  "the order field has no modes above; auto: from the tolerance");
+    table.integer("hold", o.hold, "-", {0, 1 << 20},
+                  "steps for which one order field serves; 0: from the tolerance");
+    table.text("waves", o.waves, "adjoint: multiples n of the smallest wavevector, as 1,2,4");
     return table;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -36,7 +37,7 @@ struct ModelOptions {
     DiffusivityForm form = DiffusivityForm::exponential;
 };
 
-enum class SchemeChoice { automatic, lod, explicit_lm, paper };
+enum class SchemeChoice { automatic, lod, explicit_lm, paper, adjoint };
 enum class Precision { automatic, single, twofold };
 enum class NoiseShape { automatic, uniform, normal };
 
@@ -47,7 +48,8 @@ struct SchemeOptions {
     NoiseShape noise = NoiseShape::automatic;  ///< of the density
     double tolerance = 0.005;                  ///< relative bias of S(k) that skips may cause
     std::optional<double> k_cut{};             ///< ψ has no modes above; auto: from the tolerance
-    std::optional<int> hold{};  ///< steps for which one ψ serves; auto: from the tolerance
+    int hold = 0;                       ///< steps for which one ψ serves; 0: from the tolerance
+    std::string waves = "1,2,3,4,6,8";  ///< adjoint: k = 2π n/Lx, along x and y
 };
 
 struct RecordOptions {
