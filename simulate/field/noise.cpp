@@ -98,7 +98,7 @@ HWY_INLINE void uniform_group(const std::uint32_t* HWY_RESTRICT words, float* HW
     const hn::RebindToSigned<decltype(d)> di;
     const hn::RebindToUnsigned<decltype(d)> du;
     const auto low = hn::Set(du, 0xFFFFU);
-    const auto scale = hn::Set(d, 5.2855850e-05F);  // sqrt(12/(2^32 − 1))
+    const auto scale = hn::Set(d, 5.2857997e-05F);  // sqrt(12/(2^32 − 1))
     const auto shift = hn::Set(d, -1.7320508F);     // −32767.5 · scale
     for (std::size_t i = 0; i < words_per_group; i += hn::Lanes(d)) {
         const auto w = hn::LoadU(du, words + i);
