@@ -99,7 +99,7 @@ HWY_INLINE void uniform_group(const std::uint32_t* HWY_RESTRICT words, float* HW
     const hn::RebindToUnsigned<decltype(d)> du;
     const auto low = hn::Set(du, 0xFFFFU);
     const auto scale = hn::Set(d, 5.2857997e-05F);  // sqrt(12/(2^32 − 1))
-    const auto shift = hn::Set(d, -1.7320508F);     // −32767.5 · scale
+    const auto shift = hn::Set(d, -1.7320244F);     // −32767.5 · scale
     for (std::size_t i = 0; i < words_per_group; i += hn::Lanes(d)) {
         const auto w = hn::LoadU(du, words + i);
         const auto a = hn::ConvertTo(d, hn::BitCast(di, hn::And(w, low)));

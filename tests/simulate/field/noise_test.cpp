@@ -122,10 +122,10 @@ TEST(Noise, NormalHasTheMomentsOfAGaussian) {
 TEST(Noise, TheLevelsOfUniformHaveVarianceOne) {
     double square = 0;
     for (int level = 0; level < 65536; ++level) {
-        const float x = static_cast<float>(level) * 5.2857997e-05F - 1.7320508F;
+        const float x = static_cast<float>(level) * 5.2857997e-05F - 1.7320244F;
         square += static_cast<double>(x) * static_cast<double>(x) / 65536;
     }
-    EXPECT_NEAR(square, 1, 1e-7);
+    EXPECT_NEAR(square, 1, 3e-7);  // rounding to float
 }
 
 TEST(Noise, StreamsDifferByNameSeedStepAndLine) {
