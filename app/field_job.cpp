@@ -226,7 +226,7 @@ FieldJobResult run_field_job(const FieldJobOptions& options, const simulate::Fie
     io::FieldWriter writer(options.output, overwrite);
     const std::optional<Checkpoint> from = checkpoint_to_resume(options, path, session);
     const std::unique_ptr<Work> work =
-        begin(options, plan, session.threads(), from ? &*from : nullptr);
+        begin(options, plan, plan.threads, from ? &*from : nullptr);
 
     const std::int64_t total = plan.schedule.total();
     const std::int64_t first = work->step();

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "core/parallel.h"
 #include "simulate/field/explicit_integrator.h"
 #include "simulate/field/order_spectrum.h"
 
@@ -171,6 +172,20 @@ std::vector<LatticeWave> waves_of(const SchemeOptions& o, const Lattice& lattice
     return waves;
 }
 
+// Below some 16384 cells a thread, waiting for one another costs more than it saves.
+void choose_threads(int asked, FieldPlan& result, RunPlan& plan) {
+    const Lattice& lattice = result.setup.lattice;
+    const auto cells = static_cast<std::int64_t>(lattice.cells());
+    const std::int64_t useful =
+        lattice.dimension == 1 ? 1 : std::max<std::int64_t>(1, cells / 16384);
+    const int offered = thread_count(0);
+    result.threads = static_cast<int>(std::min<std::int64_t>({asked, useful, offered}));
+    if (result.threads < std::min(asked, offered)) {
+        plan.skip("threads beyond " + std::to_string(result.threads),
+                  fmt::format("{} cells are too few to share", cells), "waiting of threads");
+    }
+}
+
 void warn(const FieldPlan& result, RunPlan& plan) {
     const FieldSetup& setup = result.setup;
     if (setup.has_order &&
@@ -228,6 +243,7 @@ FieldPlan plan_field(const FieldOptions& options, RunPlan& plan) {
         setup.replicas = 1;
     }
     result.schedule = schedule_of(options.record, setup.dt);
+    choose_threads(options.threads, result, plan);
     warn(result, plan);
     return result;
 }

@@ -26,6 +26,7 @@ struct FieldPlan {
     FieldSchedule schedule;
     std::vector<LatticeWave> waves;  ///< not empty: the adjoint estimator instead of a density
     const char* scheme = "lod";      ///< for people and the record
+    int threads = 1;                 ///< as many as pay: 16384 cells each, one on a line
 };
 
 /// Decides scheme, precision, noise, k_cut and hold, and says in `plan` what is skipped and why:

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/errors.h"
+#include "core/parallel.h"
 
 namespace grainfield::simulate {
 namespace {
@@ -64,6 +65,16 @@ TEST(FieldPlan, HoldsTheOrderFieldWhereStepsAreShort) {
     EXPECT_TRUE(skips(plan, "order field between"));
     options.scheme.hold = 1;
     EXPECT_EQ(plan_field(options, plan).setup.hold, 1);
+}
+
+TEST(FieldPlan, TakesAsManyThreadsAsPay) {
+    FieldOptions options;
+    options.threads = 8;
+    options.lattice.nx = 64;
+    RunPlan plan;
+    EXPECT_EQ(plan_field(options, plan).threads, 1);
+    options.lattice.nx = 1024;
+    EXPECT_EQ(plan_field(options, plan).threads, std::min(8, thread_count(0)));
 }
 
 TEST(FieldPlan, RefusesWhatCannotBe) {
