@@ -225,8 +225,7 @@ FieldJobResult run_field_job(const FieldJobOptions& options, const simulate::Fie
     const fs::path path = with_suffix(options.output, ".checkpoint");
     io::FieldWriter writer(options.output, overwrite);
     const std::optional<Checkpoint> from = checkpoint_to_resume(options, path, session);
-    const std::unique_ptr<Work> work =
-        begin(options, plan, plan.threads, from ? &*from : nullptr);
+    const std::unique_ptr<Work> work = begin(options, plan, plan.threads, from ? &*from : nullptr);
 
     const std::int64_t total = plan.schedule.total();
     const std::int64_t first = work->step();

@@ -13,7 +13,9 @@ class SimulateFieldCommand : public Command {
  public:
     std::string name() const override { return "simulate field"; }
     std::string purpose() const override;
-    Inputs inputs() const override { return {.placeholder = "", .meaning = "", .count = Count::none}; }
+    Inputs inputs() const override {
+        return {.placeholder = "", .meaning = "", .count = Count::none};
+    }
     std::vector<OptionTable> options() override;
     Summary run(Session& session) override;
 

@@ -21,7 +21,7 @@ enum class OrderScheme {
 ///   exact:           α = e^{−g dt},  β² = σ_k² (1 − α²),  σ_k² = C2/(2 g_k L^d),
 ///   Crank–Nicolson:  α = (1 − g dt/2)/(1 + g dt/2),  β² = C2 dt/L^d / (1 + g dt/2)².
 ///
-/// Both keep ⟨|c_k|²⟩ = σ_k² exactly [grainfield docs/field.md]. A mode with g_k = 0 diffuses:
+/// Both keep ⟨|c_k|²⟩ = σ_k² exactly (docs/field.md). A mode with g_k = 0 diffuses:
 /// α = 1, β² = C2 dt/L^d. Only modes with |k| ≤ k_cut are kept.
 class OrderSpectrum {
  public:
