@@ -10,6 +10,8 @@
 #include "analysis/blocks.h"
 #include "analysis/density_modes.h"
 #include "analysis/pattern.h"
+#include "core/checkpoint.h"
+#include "core/density_field.h"
 #include "core/option_table.h"
 
 namespace grainfield::analysis {
@@ -59,11 +61,27 @@ class StructureFactor {
     /// The grid is that of `box` [a]; all later patterns must have the same one.
     StructureFactor(const StructureFactorOptions& options, const Box& box, std::int64_t frames);
 
+    /// Of a field on a periodic lattice: wavevectors up to options.k_max or the lattice's π/dx,
+    /// whichever is less.
+    static StructureFactor of_field(const StructureFactorOptions& options,
+                                    const DensityField& field, std::int64_t frames);
+
     /// Thread-safe. Throws InputError if the pattern's box is another one.
     Sample measure(const Pattern& pattern) const;
+
+    /// Of a field: ρ_k = Σ ρ(r) dx^d exp(−ik·r) over the cells by FFT, and the volume L^d in the
+    /// place of N, so that raw S(k) = ⟨|ρ_k|²⟩/L^d. `dimension` 1: dx^d = dx. Modes of cells and of
+    /// corners differ by a phase only. Thread-safe. Throws InputError if the lattice is another
+    /// one.
+    Sample measure(const DensityField& field, int dimension) const;
     void add(Sample sample);
     void merge(const StructureFactor& later);
     ObservableResult result() const;
+
+    /// The sums gathered so far, under names that begin with `prefix`; `restore` takes them into an
+    /// accumulator built with the same options. Throws InputError if they do not fit.
+    void save(Checkpoint& checkpoint, const std::string& prefix) const;
+    void restore(const Checkpoint& checkpoint, const std::string& prefix);
 
     const ModeGrid& grid() const { return grid_; }
 

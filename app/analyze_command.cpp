@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "app/field_results.h"
+#include "io/file_kind.h"
 #include "io/open_snapshots.h"
 #include "io/output_file.h"
 #include "io/points_csv.h"
@@ -93,8 +95,8 @@ std::string AnalyzeCommand::purpose() const {
 }
 
 Command::Inputs AnalyzeCommand::inputs() const {
-    return {.placeholder = "TRACKS.h5|POINTS.csv",
-            .meaning = "a trajectory, or a table of points of any tracker",
+    return {.placeholder = "TRACKS.h5|POINTS.csv|FIELD.h5",
+            .meaning = "a trajectory, a table of points of any tracker, or a field file",
             .count = Count::one};
 }
 
@@ -111,6 +113,8 @@ std::vector<OptionTable> AnalyzeCommand::options() {
     own.number("fps", fps_, "1/s", {1e-9, 1e9}, "frame rate; auto: as the file says");
     own.number("diameter", diameter_, "length unit of the file", {1e-9, 1e9},
                "particle diameter a, the unit of the results; auto: as the file says");
+    own.flag("from-fields", from_fields_,
+             "of a field file: measure the stored fields, not what the run accumulated");
     std::vector<OptionTable> tables{own};
     for (OptionTable& table : analysis::describe(analysis_)) tables.push_back(std::move(table));
     return tables;
@@ -126,10 +130,23 @@ Adjustment AnalyzeCommand::adjustment() const {
     return adjustment;
 }
 
+Summary AnalyzeCommand::run_fields(Session& session) const {
+    const auto overwrite = session.common.force ? io::Overwrite::force : io::Overwrite::refuse;
+    const std::filesystem::path& input = session.inputs.front();
+    Results results = field_results(input, from_fields_, analysis_.sk, session);
+    if (session.common.explain) return explanation(session.plan);
+    results.label = label_.empty() ? input.stem().string() : label_;
+    results.record = session.record();
+    io::write_results(output_, results, overwrite);
+    session.outputs.push_back(output_);
+    return {.text = words(session, results), .facts = facts(results), .signal = 0};
+}
+
 Summary AnalyzeCommand::run(Session& session) {
     require_output(session, output_);
     const auto overwrite = session.common.force ? io::Overwrite::force : io::Overwrite::refuse;
     const std::filesystem::path& input = session.inputs.front();
+    if (io::identify(input) == io::FileKind::field) return run_fields(session);
     const Adjustment adjustment = this->adjustment();
     TrajectoryInfo hints;
     adjustment.apply_to(hints);

@@ -19,6 +19,7 @@ class AnalyzeCommand : public Command {
     Summary run(Session& session) override;
 
  private:
+    Summary run_fields(Session& session) const;
     enum class BoundaryChoice { as_in_file, periodic, walls };
 
     Adjustment adjustment() const;
@@ -29,6 +30,7 @@ class AnalyzeCommand : public Command {
     BoundaryChoice boundary_ = BoundaryChoice::as_in_file;
     std::optional<double> fps_;
     std::optional<double> diameter_;
+    bool from_fields_ = false;
     analysis::AnalysisOptions analysis_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "io/field_file.h"
 #include "io/file_kind.h"
 #include "io/frame_files.h"
 #include "io/open_snapshots.h"
@@ -153,6 +154,28 @@ Summary describe_results(const std::filesystem::path& path) {
     return sheet.take();
 }
 
+Summary describe_fields(const std::filesystem::path& path) {
+    io::FieldFile file(path);
+    Sheet sheet(fmt::format("{}: density fields", path.string()));
+    sheet.add("kind", "kind", std::string("field"));
+    sheet.add("frames", "fields", file.count());
+    if (file.count() > 0) {
+        const FieldFrame first = file.read(0);
+        const DensityField& field = first.density.front();
+        sheet.add("lattice", "lattice", ordered_json{field.nx, field.ny},
+                  fmt::format("{} x {} cells of {:g}, {} replicas, {}", field.nx, field.ny,
+                              field.spacing, first.density.size(),
+                              first.order.value.empty() ? "no order field" : "with order field"));
+    }
+    std::string words;
+    for (const ObservableResult& observable : file.statistics()) {
+        words += (words.empty() ? "" : ", ") + observable.name;
+    }
+    sheet.add("statistics", "statistics", words);
+    sheet.add_record(file.record());
+    return sheet.take();
+}
+
 Summary describe_frames(Session& session) {
     const auto frames = io::open_frames(session.inputs, {});
     Sheet sheet(fmt::format("{}: camera frames", frames->name()));
@@ -193,6 +216,7 @@ Summary InfoCommand::run(Session& session) {
         case io::FileKind::results:
             return describe_results(path);
         case io::FileKind::field:
+            return describe_fields(path);
         case io::FileKind::unknown:
             break;
     }

@@ -25,4 +25,28 @@ struct DensityField {
     Box box() const { return {{0, 0}, {nx * spacing, ny * spacing}, boundary, 0}; }
 };
 
+/// The fields of one realisation at one instant.
+struct FieldFrame {
+    int dimension = 2;
+    std::vector<DensityField> density;  ///< one a replica; all share the order field
+    DensityField order;                 ///< ψ; no values where there is none
+    double mean_diffusivity = 0;        ///< ⟨D⟩ over the cells
+};
+
+/// Receives fields one instant at a time, in order of time.
+class FieldSink {
+ public:
+    virtual ~FieldSink() = default;
+    virtual void write(const FieldFrame& frame) = 0;
+};
+
+/// Delivers fields one instant at a time, so that memory does not grow with their number.
+class FieldSource {
+ public:
+    virtual ~FieldSource() = default;
+    virtual std::int64_t count() const = 0;
+    /// Instant number `index` in [0, count()), in order of time.
+    virtual FieldFrame read(std::int64_t index) = 0;
+};
+
 }  // namespace grainfield

@@ -16,15 +16,16 @@
 #include <unistd.h>
 
 #include "core/errors.h"
+#include "core/fftw_planner.h"
 
 namespace grainfield {
 
-namespace {
-
-std::mutex& planner_mutex() {
+std::mutex& fftw_planner_mutex() {
     static std::mutex mutex;
     return mutex;
 }
+
+namespace {
 
 template <class Real>
 struct Fftw;
@@ -166,7 +167,7 @@ struct RealFourier2D<Real>::State {
     State& operator=(const State&) = delete;
 
     void make_plans(FourierPlanning planning, int threads) {
-        const std::lock_guard lock(planner_mutex());
+        const std::lock_guard lock(fftw_planner_mutex());
         static const bool initialised = (Library::init_threads(), true);
         static_cast<void>(initialised);
         const bool measures = planning == FourierPlanning::measure;
@@ -181,7 +182,7 @@ struct RealFourier2D<Real>::State {
     }
 
     void release() {
-        const std::lock_guard lock(planner_mutex());
+        const std::lock_guard lock(fftw_planner_mutex());
         if (forward != nullptr) Library::destroy(forward);
         if (backward != nullptr) Library::destroy(backward);
         Library::release(real);

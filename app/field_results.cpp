@@ -1,0 +1,38 @@
+#include "app/field_results.h"
+
+#include <fmt/format.h>
+
+#include "analysis/field_analysis.h"
+#include "core/progress.h"
+#include "io/field_file.h"
+
+namespace grainfield::app {
+
+Results field_results(const std::filesystem::path& path, bool from_fields,
+                      const analysis::StructureFactorOptions& options, Session& session) {
+    io::FieldFile file(path);
+    Results results;
+    results.frames = file.count();
+    results.source.source = path.string();
+    if (file.count() > 0) results.box = file.read(0).density.front().box();
+    if (file.count() == 0) results.box = Box{.origin = {}, .length = {1, 1}};
+    const bool accumulated = !from_fields && !file.statistics().empty();
+    if (accumulated) {
+        session.plan.run("statistics", "as accumulated by the run over all of its samples");
+        session.plan.skip("stored fields",
+                          fmt::format("{} of them are among the samples", file.count()),
+                          "one Fourier transform a field");
+    } else {
+        session.plan.run("stored fields", fmt::format("{} of them", file.count()));
+    }
+    if (session.common.explain) return results;
+    if (accumulated) {
+        results.observables = file.statistics();
+        return results;
+    }
+    Progress progress("analysing", file.count(), "fields", session.common.verbosity());
+    results.observables = analysis::analyze_fields(file, options, progress);
+    return results;
+}
+
+}  // namespace grainfield::app

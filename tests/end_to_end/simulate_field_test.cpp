@@ -1,0 +1,185 @@
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <thread>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <signal.h>
+
+#include "core/random.h"
+#include "tests/support/program.h"
+
+namespace grainfield {
+namespace {
+
+using nlohmann::json;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using testing::Outcome;
+using testing::Process;
+using testing::run_grainfield;
+using testing::ScratchFolder;
+
+using Words = std::vector<std::string>;
+
+/// A small job; what stands in `more` as "--name value" replaces the default.
+Words job(const std::string& output, const Words& more = {}) {
+    Words words{"simulate", "field", "-o", output, "--json"};
+    const std::vector<std::pair<std::string, std::string>> defaults{
+        {"--nx", "32"},    {"--relax", "100"}, {"--record", "3000"},
+        {"--sample", "5"}, {"--store", "300"}, {"--threads", "2"}};
+    for (const auto& [name, value] : defaults) {
+        if (std::ranges::find(more, name) == more.end()) words.insert(words.end(), {name, value});
+    }
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+}
+
+/// The numbers of a field file: curves and fields, without times and records.
+std::string content(const ScratchFolder& folder, const std::string& file) {
+    const std::string results = folder / "content-results.h5";
+    std::string text;
+    for (const bool from_fields : {false, true}) {
+        Words words{"analyze", file, "-o", results, "--force", "--quiet"};
+        if (from_fields) words.push_back("--from-fields");
+        EXPECT_EQ(run_grainfield(words).code, 0);
+        EXPECT_EQ(
+            run_grainfield({"export", results, "-o", folder / "content/", "--force", "--quiet"})
+                .code,
+            0);
+        std::vector<std::filesystem::path> paths;
+        for (const auto& entry : std::filesystem::directory_iterator(folder / "content")) {
+            paths.push_back(entry.path());
+        }
+        std::ranges::sort(paths);
+        for (const auto& path : paths) text += path.filename().string() + testing::read_all(path);
+    }
+    EXPECT_THAT(text, HasSubstr("sk.csv"));
+    return text;
+}
+
+TEST(SimulateField, GoesThroughAnalyzeExportAndCompare) {
+    const ScratchFolder folder;
+    const Outcome run = run_grainfield(job(folder / "f.h5"));
+    ASSERT_EQ(run.code, 0) << run.err;
+    const json summary = json::parse(run.out);
+    EXPECT_EQ(summary["command"], "simulate field");
+    EXPECT_EQ(summary["steps"], 6200);
+    EXPECT_EQ(summary["scheme"], "lod");
+    EXPECT_GT(summary["ms_per_step"], 0);
+    EXPECT_LT(summary["mass_drift"], 1e-4);
+    ASSERT_EQ(folder.entries(), 1U);  // no checkpoint is left
+    EXPECT_THAT(run_grainfield({"info", folder / "f.h5"}).out,
+                AllOf(HasSubstr("density fields"), HasSubstr("32 x 32")));
+    const std::string text = content(folder, folder / "f.h5");
+    EXPECT_THAT(text, AllOf(HasSubstr("variance.csv"), HasSubstr("sk_order.csv")));
+    ASSERT_EQ(run_grainfield({"analyze", folder / "f.h5", "-o", folder / "r.h5"}).code, 0);
+    EXPECT_EQ(run_grainfield({"compare", folder / "r.h5", "-o", folder / "report.html"}).code, 0);
+}
+
+TEST(SimulateField, ThreadsChangeNoNumber) {
+    const ScratchFolder folder;
+    std::string first;
+    for (const char* threads : {"1", "2", "8"}) {
+        ASSERT_EQ(run_grainfield(job(folder / "f.h5", {"--force", "--threads", threads})).code, 0);
+        const std::string text = content(folder, folder / "f.h5");
+        if (first.empty()) first = text;
+        EXPECT_EQ(text, first) << threads;
+    }
+}
+
+TEST(SimulateField, KilledAnywhereItGoesOnAsIfNothingHadHappened) {
+    const ScratchFolder folder;
+    const Words longer{"--record", "20000", "--checkpoint-every", "0.01"};
+    ASSERT_EQ(run_grainfield(job(folder / "whole.h5", longer)).code, 0);
+    const std::string whole = content(folder, folder / "whole.h5");
+    RandomStream random(1, "kill times");
+    Words words = job(folder / "f.h5", longer);
+    words.insert(words.begin(), GRAINFIELD_PROGRAM);
+    words.push_back("--resume");
+    int kills = 0;
+    for (; kills < 60 && !std::filesystem::exists(folder / "f.h5"); ++kills) {
+        const Process process(words);
+        std::this_thread::sleep_for(std::chrono::microseconds(20000 + random.below(120000)));
+        process.send(SIGKILL);
+        process.wait();
+    }
+    EXPECT_GT(kills, 3);
+    if (!std::filesystem::exists(folder / "f.h5")) {
+        words.erase(words.begin());
+        ASSERT_EQ(run_grainfield(words).code, 0);
+    }
+    EXPECT_EQ(content(folder, folder / "f.h5"), whole);
+    EXPECT_FALSE(std::filesystem::exists(folder / "f.h5.checkpoint"));
+}
+
+class InterruptedField : public ::testing::TestWithParam<int> {};
+
+TEST_P(InterruptedField, LeavesACheckpointWithinTwoSecondsAndGoesOn) {
+    const ScratchFolder folder;
+    Words words = job(folder / "f.h5", {"--nx", "512", "--record", "1e5"});
+    words.insert(words.begin(), GRAINFIELD_PROGRAM);
+    const Process process(words);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+    const auto start = std::chrono::steady_clock::now();
+    process.send(GetParam());
+    const Outcome outcome = process.wait();
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
+    EXPECT_EQ(outcome.code, 128 + GetParam()) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("--resume"));
+    EXPECT_TRUE(std::filesystem::exists(folder / "f.h5.checkpoint"));
+    EXPECT_FALSE(std::filesystem::exists(folder / "f.h5"));
+    EXPECT_GT(json::parse(outcome.out)["steps"], 0);
+    // Other options are refused with the difference, a damaged checkpoint with its name.
+    words.erase(words.begin());
+    words.insert(words.end(), {"--resume", "--nu", "0.5"});
+    Outcome refused = run_grainfield(words);
+    EXPECT_EQ(refused.code, 3);
+    EXPECT_THAT(refused.err, HasSubstr("model.nu: 0.01 in the checkpoint, 0.5 now"));
+    std::filesystem::resize_file(folder / "f.h5.checkpoint", 5000);
+    words.resize(words.size() - 2);
+    refused = run_grainfield(words);
+    EXPECT_EQ(refused.code, 3);
+    EXPECT_THAT(refused.err, HasSubstr("f.h5.checkpoint"));
+}
+
+INSTANTIATE_TEST_SUITE_P(BothSignals, InterruptedField, ::testing::Values(SIGINT, SIGTERM));
+
+TEST(SimulateField, RefusesWhatCannotBe) {
+    const ScratchFolder folder;
+    const auto code = [&](const Words& more) {
+        return run_grainfield(job(folder / "f.h5", more)).code;
+    };
+    EXPECT_EQ(code({"--b", "3"}), 2);
+    EXPECT_EQ(code({"--scheme", "explicit"}), 2);  // dt = 0.5
+    EXPECT_EQ(code({"--nu", "-1"}), 2);
+    EXPECT_EQ(code({"--nu", "nan"}), 2);
+    EXPECT_EQ(code({"--nu-list", "0.1,x"}), 2);
+    EXPECT_EQ(code({"--scheme", "adjoint", "--waves", "0"}), 2);
+    EXPECT_EQ(run_grainfield(job("/nonexistent/f.h5")).code, 4);
+    EXPECT_EQ(folder.entries(), 0U);
+}
+
+TEST(SimulateField, OneFileForEachNu) {
+    const ScratchFolder folder;
+    ASSERT_EQ(run_grainfield(job(folder / "f.h5", {"--nu-list", "0.1,0.05"})).code, 0);
+    EXPECT_TRUE(std::filesystem::exists(folder / "f-nu0.1.h5"));
+    EXPECT_TRUE(std::filesystem::exists(folder / "f-nu0.05.h5"));
+}
+
+TEST(SimulateField, TheAdjointGivesACurveToo) {
+    const ScratchFolder folder;
+    const Outcome run = run_grainfield(
+        job(folder / "f.h5", {"--scheme", "adjoint", "--waves", "2,4", "--nu", "0.1"}));
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_EQ(json::parse(run.out)["scheme"], "adjoint");
+    ASSERT_EQ(run_grainfield({"analyze", folder / "f.h5", "-o", folder / "r.h5", "--json"}).code,
+              0);
+}
+
+}  // namespace
+}  // namespace grainfield
