@@ -129,8 +129,16 @@ Located Locator::locate(const Image& darkness, const DetectionOptions& detection
             border) {
             continue;
         }
+        const Vec2 error{std::sqrt(covariances[j].xx), std::sqrt(covariances[j].yy)};
+        // Where the last step is less than the uncertainty, the position is as good as any.
+        const double noise = std::max(found.noise, residuals[j]);
+        if (!std::isfinite(p.x + p.y) || static_cast<double>(fit.last_steps()[j]) >
+                                             std::max(refinement.tolerance, noise * norm(error))) {
+            ++found.rejected;
+            continue;
+        }
         found.position.push_back(p);
-        found.error.push_back({std::sqrt(covariances[j].xx), std::sqrt(covariances[j].yy)});
+        found.error.push_back(error);
         found.residual.push_back(residuals[j]);
     }
     found.fitted = fit.positions();

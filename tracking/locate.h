@@ -28,6 +28,7 @@ struct Located {
     int maps_skipped = 0;           ///< maps of likelihood gain that the residual made needless
     std::vector<Vec2> fitted;       ///< every disc of the model, those at the border included
     std::int64_t unsettled = 0;     ///< spheres still moving after the last sweep
+    std::int64_t rejected = 0;      ///< … by more than their standard error: not reported
     bool settled_detection = true;  ///< the last pass changed nothing
     double detect_seconds = 0, refine_seconds = 0;
 };

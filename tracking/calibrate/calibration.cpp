@@ -272,24 +272,6 @@ std::string blank_reason(const Image& counts) {
     return blank_reason(levels_of(counts));
 }
 
-Image ImageModel::darkness(const Image& counts) const {
-    Image result(counts.width(), counts.height());
-    const float sign = polarity == Polarity::dark ? 1.0F : -1.0F;
-    std::vector<float> clear(static_cast<std::size_t>(counts.width()));
-    for (int y = 0; y < counts.height(); ++y) {
-        background.row(y, counts.width(), clear.data());
-        const float* in = counts.row(y);
-        float* out = result.row(y);
-        for (int x = 0; x < counts.width(); ++x) {
-            const float b = clear[static_cast<std::size_t>(x)];
-            const float span = sign * (b - static_cast<float>(dark_level));
-            const float d = sign * (b - in[x]) / std::max(span, 1e-6F);
-            out[x] = std::clamp(d, -0.5F, 1.5F);
-        }
-    }
-    return result;
-}
-
 std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptions& options,
                                      const DetectionOptions& detection,
                                      const RefinementOptions& refinement, int threads,

@@ -48,6 +48,8 @@ class JointFit {
     Summary refine(const RefinementOptions& options);
 
     const std::vector<Vec2>& positions() const { return positions_; }
+    /// How far each disc moved in its last step [px]; 0 once its neighbourhood rested.
+    const std::vector<float>& last_steps() const { return last_step_; }
     const PaddedImage& darkness() const { return darkness_; }
     const PaddedImage& transmission() const { return transmission_; }
     const DiscProfile& disc() const { return disc_; }
