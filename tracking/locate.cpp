@@ -95,7 +95,7 @@ Located Locator::locate(const Image& darkness, const DetectionOptions& detection
     SphereSearch search(darkness, disc_, correlation_, detection, threads_);
     JointFit& fit = search.fit();
     if (!start.empty()) {
-        for (const Vec2 p : start) fit.add(p);
+        fit.add_all(start);
     } else if (coarse_) {
         search_coarsely(darkness, detection, refinement, search, found);
     } else {
@@ -132,8 +132,8 @@ Located Locator::locate(const Image& darkness, const DetectionOptions& detection
         const Vec2 error{std::sqrt(covariances[j].xx), std::sqrt(covariances[j].yy)};
         // Where the last step is less than the uncertainty, the position is as good as any.
         const double noise = std::max(found.noise, residuals[j]);
-        if (!std::isfinite(p.x + p.y) || static_cast<double>(fit.last_steps()[j]) >
-                                             std::max(refinement.tolerance, noise * norm(error))) {
+        if (!std::isfinite(p.x + p.y) ||
+            fit.step_left(j) > std::max(refinement.tolerance, noise * norm(error))) {
             ++found.rejected;
             continue;
         }

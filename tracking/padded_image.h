@@ -34,6 +34,8 @@ class PaddedImage {
     int width() const { return width_; }
     int height() const { return height_; }
     int margin() const { return margin_; }
+    /// Pixels from one row to the next.
+    std::ptrdiff_t pitch() const { return static_cast<std::ptrdiff_t>(stride_); }
 
     /// Pixel (0, y), y in [−margin, height + margin); x may run over [−margin, width + margin).
     float* row(int y) { return pixels_.data() + offset(y); }

@@ -22,6 +22,7 @@ constexpr double kLightAccuracy = 0.02;
 constexpr double kNotableLight = 0.05;
 constexpr double kPoorResidual = 0.12;
 constexpr double kPoorInNoise = 2;
+constexpr double kBadResidual = 0.25;
 
 using Clock = std::chrono::steady_clock;
 double milliseconds_since(Clock::time_point start) {
@@ -182,7 +183,8 @@ void Tracker::judge(const Located& found, const Frame& frame, TrackSummary& summ
     }
     if (found.position.empty()) {
         plan_.warn(fmt::format("{}, frame {}: no spheres found", source_.name(), frame.index));
-    } else if (found.residual_rms > std::max(kPoorResidual, kPoorInNoise * found.noise)) {
+    } else if (found.residual_rms >
+               std::clamp(kPoorInNoise * found.noise, kPoorResidual, kBadResidual)) {
         ++summary.poor_frames;
         if (found.residual_rms > summary.worst_residual) {
             summary.worst_residual = found.residual_rms;

@@ -9,6 +9,7 @@
 #include "tests/support/scoring.h"
 #include "tracking/calibrate/calibration.h"
 #include "tracking/calibrate/edge_fit.h"
+#include "tracking/refine/disc_kernel.h"
 
 namespace grainfield::tracking {
 namespace {
