@@ -122,7 +122,8 @@ void Tracker::locate(const Frame& frame, std::int64_t position, TrackSummary& su
         summary.ms_per_frame.detect += 1e3 * found.detect_seconds;
         summary.ms_per_frame.refine += 1e3 * found.refine_seconds;
         start = Clock::now();
-        const Illumination settled = illumination_->settled(frame.image, light, found.transmission);
+        const Illumination settled =
+            illumination_->settled(frame.image, light, locator_->transmission());
         summary.ms_per_frame.detect += milliseconds_since(start);
         const bool holds = std::abs(settled.offset - light.offset) < kLightAccuracy &&
                            std::abs(settled.span / light.span - 1) < kLightAccuracy;
@@ -132,7 +133,7 @@ void Tracker::locate(const Frame& frame, std::int64_t position, TrackSummary& su
     }
     summary.dimmest = std::min(summary.dimmest, light.span);
     summary.brightest = std::max(summary.brightest, light.span);
-    previous_ = {position, frame.image, std::move(found), 0};
+    previous_ = {position, {}, std::move(found), 0};
 }
 
 Snapshot Tracker::track(const Frame& frame, std::int64_t position, Linker& linker,
@@ -228,7 +229,7 @@ TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress,
     double particles = 0;
     for (std::int64_t i = 0; i < source_.count() && caught_signal() == 0; ++i) {
         auto start = Clock::now();
-        const Frame frame = source_.read(i);
+        Frame frame = source_.read(i);
         summary.ms_per_frame.read += milliseconds_since(start);
         progress.advance();
         if (frame.status != FrameStatus::ok) {
@@ -244,6 +245,7 @@ TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress,
         long_tracks.write(snapshot);
         summary.ms_per_frame.write += milliseconds_since(start);
         if (each_frame) each_frame(frame, snapshot);
+        if (previous_.position == i) previous_.counts = std::move(frame.image);
     }
     long_tracks.finish();
     progress.finish();

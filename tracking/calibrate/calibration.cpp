@@ -229,7 +229,7 @@ struct Fitter {
     void fit_image(ImageModel& model, const Image& counts) {
         for (int round = 0; round < kImageRounds; ++round) {
             edges = fit_exposed_edges(model.darkness(counts), positions, model.disc);
-            if (edges.pixels == 0) return;
+            if (edges.pixels == 0 || !edges.converged) return;
             const DiscProfile before = model.disc;
             if (!options.diameter) model.disc.diameter = edges.disc.diameter;
             if (!options.edge_width) model.disc.edge_width = edges.disc.edge_width;
@@ -315,6 +315,11 @@ std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptio
     const EdgeFit& edges = fitter.edges;
     if (edges.pixels == 0) {
         plan.warn("no exposed edges to measure diameter and edge width on; first guesses kept");
+    } else if (!edges.converged) {
+        plan.warn(fmt::format(
+            "the fit of diameter and edge width to exposed edges did not converge; D = {:.2f} px "
+            "and w = {:.2f} px are those before it; give --diameter and --edge-width",
+            model.disc.diameter, model.disc.edge_width));
     }
     plan.run("diameter and edge width",
              options.diameter && options.edge_width

@@ -72,7 +72,7 @@ Illumination IlluminationFollower::expected(const Image& counts) {
 }
 
 Illumination IlluminationFollower::settled(const Image& counts, const Illumination& used,
-                                           const Image& transmission) {
+                                           const PaddedImage& transmission) {
     std::vector<float> clear;
     std::vector<float> core;
     for_sample(counts, [&](int x, int y) {

@@ -4,6 +4,7 @@
 
 #include "core/frame.h"
 #include "tracking/image_model.h"
+#include "tracking/padded_image.h"
 
 namespace grainfield::tracking {
 
@@ -28,7 +29,8 @@ class IlluminationFollower {
 
     /// The same frame's light, corrected by what the fit says: `transmission` of the fitted model
     /// on the darkness image made with `used`. The next frame is compared with this one.
-    Illumination settled(const Image& counts, const Illumination& used, const Image& transmission);
+    Illumination settled(const Image& counts, const Illumination& used,
+                         const PaddedImage& transmission);
 
  private:
     const ImageModel& model_;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/huge_pages.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "tracking/refine/disc_stencil.cpp"
 #include <hwy/foreach_target.h>
@@ -252,13 +254,13 @@ void fetch(const StencilView& view) {
         const float* d = s.darkness + row.dy * s.darkness_pitch + row.first;
         const float* t = s.transmission + row.dy * s.transmission_pitch + row.first;
         for (std::ptrdiff_t i = 0; i < row.count; i += kLine) {
-            __builtin_prefetch(d + i);
-            __builtin_prefetch(t + i, 1);
+            fetch_line(d + i);
+            fetch_line(t + i);
         }
     }
     const auto* kept = reinterpret_cast<const char*>(view.kept);
     for (std::size_t i = 0; i < view.stencil.size() * sizeof(HalfFloat); i += 64) {
-        __builtin_prefetch(kept + i, 1);
+        fetch_line(kept + i);
     }
 }
 

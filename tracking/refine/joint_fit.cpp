@@ -76,6 +76,15 @@ JointFit::JointFit(const Image& darkness, const DiscProfile& disc, int threads)
       darkness_(padded_darkness(darkness, disc)),
       transmission_(clear_transmission(darkness.width(), darkness.height(), disc)) {}
 
+void JointFit::restart(const Image& darkness) {
+    darkness_.assign(darkness);
+    transmission_.fill(1.0F);
+    positions_.clear();
+    discs_.clear();
+    free_.clear();
+    slots_ = 0;
+}
+
 StencilView JointFit::view(const Disc& disc) {
     return {stencil_, darkness_, transmission_, disc.anchor,
             kept_.data() + disc.slot * stencil_.size()};
@@ -87,8 +96,9 @@ std::uint32_t JointFit::free_slot() {
         free_.pop_back();
         return slot;
     }
-    kept_.resize(kept_.size() + stencil_.size());
-    return static_cast<std::uint32_t>(kept_.size() / stencil_.size() - 1);
+    const std::size_t needed = (slots_ + std::size_t{1}) * stencil_.size();
+    if (kept_.size() < needed) kept_.resize(std::max(needed, 3 * kept_.size() / 2));
+    return slots_++;
 }
 
 /// Kept within the image; written so that a NaN ends in a corner.

@@ -39,6 +39,9 @@ class JointFit {
  public:
     JointFit(const Image& darkness, const DiscProfile& disc, int threads);
 
+    /// Begins anew, without discs, on an image of the same size; memory is kept.
+    void restart(const Image& darkness);
+
     /// `explained`: what the disc is known to explain, until something near it moves.
     void add(Vec2 position, std::optional<double> explained = {});
     /// The same as add() one by one, in parallel.
@@ -102,8 +105,9 @@ class JointFit {
     PaddedImage transmission_;
     std::vector<Vec2> positions_;
     std::vector<Disc> discs_;
-    HugeVector<HalfFloat> kept_;  ///< transmissions, stencil_.size() a slot
-    std::vector<std::uint32_t> free_;
+    HugeVector<HalfFloat> kept_;       ///< transmissions, stencil_.size() a slot
+    std::vector<std::uint32_t> free_;  ///< slots given back
+    std::uint32_t slots_ = 0;          ///< in use or given back
     std::vector<double> explained_;
 };
 

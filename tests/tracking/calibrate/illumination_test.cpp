@@ -19,10 +19,10 @@ ImageModel model_of_tanh_frames() {
     return model;
 }
 
-Image transmission_of(const testing::LayerScene& scene, const DiscProfile& disc) {
+PaddedImage transmission_of(const testing::LayerScene& scene, const DiscProfile& disc) {
     PaddedImage t = clear_transmission(scene.width, scene.height, disc);
     for (const Vec2 p : scene.position) place_disc(t, p, disc);
-    return t.inner();
+    return t;
 }
 
 Image in_light(Image frame, float gain, float offset) {
