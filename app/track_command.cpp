@@ -9,6 +9,7 @@
 #include "io/frame_files.h"
 #include "io/frame_range.h"
 #include "io/output_file.h"
+#include "io/read_ahead.h"
 #include "io/trajectory_file.h"
 
 namespace grainfield::app {
@@ -100,7 +101,8 @@ Summary TrackCommand::run(Session& session) {
     const auto overwrite = session.common.force ? io::Overwrite::force : io::Overwrite::refuse;
     auto selected = io::select_frames(
         io::open_frames(session.inputs, {.fps = fps_, .max_pixels = max_pixels_}), frames_);
-    WatchedFrames frames(std::move(selected), strict_ ? BadFrames::refuse : BadFrames::allow);
+    WatchedFrames frames(io::read_ahead(std::move(selected)),
+                         strict_ ? BadFrames::refuse : BadFrames::allow);
     for (const std::string& warning : frames.warnings()) session.plan.warn(warning);
 
     tracking_.threads = session.threads();
