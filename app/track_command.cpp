@@ -202,6 +202,8 @@ Summary TrackCommand::run(Session& session) {
     const auto overwrite = session.common.force ? io::Overwrite::force : io::Overwrite::refuse;
     std::optional<io::OutputFile> output;
     if (!session.common.explain) output.emplace(output_, overwrite);
+    // Before the deadline, so that it outlives it.
+    std::optional<KeptTracks> tracks;
     LastAct last_act(session, output_);
     std::optional<InterruptDeadline> deadline;
     deadline.emplace([&last_act](int) { last_act(); });
@@ -215,17 +217,17 @@ Summary TrackCommand::run(Session& session) {
     if (session.common.explain) return explanation(session.plan);
     warn_of_unit(tracker, session.plan);
 
-    KeptTracks tracks(std::move(*output), tracker.info());
-    last_act.holds(&tracks);
+    tracks.emplace(std::move(*output), tracker.info());
+    last_act.holds(&*tracks);
     PreviewChoice choice(previews_, frames.count());
     Progress progress("tracking", frames.count(), "frames", session.common.verbosity());
     TrackSummary result =
-        tracker.run(tracks, progress, [&](const Frame& frame, const Snapshot& snapshot) {
-            if (choice.takes(frames.last_position())) tracks.add_preview(frame, snapshot);
+        tracker.run(*tracks, progress, [&](const Frame& frame, const Snapshot& snapshot) {
+            if (choice.takes(frames.last_position())) tracks->add_preview(frame, snapshot);
         });
     deadline.reset();
     // Without the tracks that --minimum-length leaves out.
-    result.particles_mean = tracks.particles_mean();
+    result.particles_mean = tracks->particles_mean();
     if (caught_signal() != 0) {
         session.plan.warn(fmt::format("interrupted after {} of {} frames; '{}' holds those",
                                       frames.last_position() + 1, frames.count(), output_));
@@ -233,7 +235,7 @@ Summary TrackCommand::run(Session& session) {
     if (result.frames > 0 && !has_residual(tracker, result)) {
         session.plan.warn("no residual is given: no spheres were found");
     }
-    tracks.finish(session.record());
+    tracks->finish(session.record());
     session.outputs.push_back(output_);
     return {.text = words(session, tracker, result),
             .facts = facts(tracker, result),
