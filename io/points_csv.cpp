@@ -143,16 +143,16 @@ void PointsTable::take_comment(const LineReader& lines) {
 
 // Of the points gathered since the last call.
 void PointsTable::refuse_repeated(std::int64_t frame) {
-    std::ranges::sort(named_);
+    auto named = std::exchange(named_, {});
+    std::ranges::sort(named);
     const auto same = std::ranges::adjacent_find(
-        named_, [](const auto& a, const auto& b) { return a.first == b.first; });
-    if (same != named_.end()) {
+        named, [](const auto& a, const auto& b) { return a.first == b.first; });
+    if (same != named.end()) {
         reader_.fail(std::next(same)->second,
                      fmt::format("particle {} stands in frame {} already, in line {}", same->first,
                                  frame, same->second),
                      "each particle once a frame");
     }
-    named_.clear();
 }
 
 void PointsTable::set_box(const std::optional<Box>& box) {
@@ -200,7 +200,9 @@ void PointsTable::index_lines() {
         high_ = {std::max(high_.x, point.position.x), std::max(high_.y, point.position.y)};
     }
     refuse_repeated(last_frame);
+    const std::string source = info_.source;
     info_ = comments_.statement().info;
+    info_.source = source;
     if (file_.bad()) reader_.fail(0, "reading stopped in the middle");
     if (in_header) {
         reader_.fail(0, "the file is empty", "a header line and one line per point");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -35,9 +36,13 @@ std::string csv_of(std::vector<Snapshot> snapshots) {
     const testing::ScratchFolder folder;
     Snapshots source(std::move(snapshots));
     export_csv(source, folder / "x.csv", Overwrite::refuse);
-    const std::string text = read_bytes(folder / "x.csv");
-    // The table itself; the comment lines before it have their own test.
-    return text.substr(text.find("\nframe,") + 1);
+    // The table itself; the comment lines have their own test.
+    std::istringstream lines(read_bytes(folder / "x.csv"));
+    std::string table;
+    for (std::string line; std::getline(lines, line);) {
+        if (!line.starts_with('#')) table += line + "\n";
+    }
+    return table;
 }
 
 std::string xyz_of(std::vector<Snapshot> snapshots) {
