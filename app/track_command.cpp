@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "app/lengths.h"
 #include "app/watched_frames.h"
 #include "core/interrupt.h"
 #include "io/frame_files.h"
@@ -120,6 +121,10 @@ Summary TrackCommand::run(Session& session) {
                                       frames.last_position() + 1, frames.count(), output_));
     }
     for (const Preview& preview : previews) writer.add_preview(preview);
+    if (tracker.is_calibrated()) {
+        const auto& disc = tracker.model().disc;
+        writer.add_curve(calibration_curve(disc.diameter, disc.edge_width, result.residual_rms));
+    }
     writer.finish(session.record());
     session.outputs.push_back(output_);
     return {.text = words(session, tracker, result),
