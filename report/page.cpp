@@ -100,10 +100,9 @@ std::string figure_html(const PageContent& content, const Figure& figure) {
     return out + file_links(content, figure.name) + "</figure>\n";
 }
 
-std::string colour_bar() {
-    std::string out =
-        "<span class=\"colour-bar\"><span class=\"order\">|Q₄|</span> 0 <i "
-        "style=\"background:linear-gradient(90deg";
+std::string colour_bar(const std::string& order) {
+    std::string out = "<span class=\"colour-bar\"><span class=\"order\">" + order +
+                      "</span> 0 <i style=\"background:linear-gradient(90deg";
     for (int i = 0; i <= 10; ++i) out.append(",").append(hex(viridis(i / 10.0)));
     return out + ")\"></i> 1</span>\n";
 }
@@ -133,7 +132,7 @@ std::string map_html(const PageContent& content) {
             fmt::format("<button type=\"button\" value=\"{0}\" aria-pressed=\"{1}\">{0}</button>",
                         marks, std::string_view(marks) == "discs");
     }
-    out += "</span>\n" + colour_bar() +
+    out += "</span>\n" + colour_bar(content.maps.front().order) +
            "</div>\n<figcaption class=\"caption\"></figcaption>\n"
            "<div class=\"stage\"><canvas></canvas><div class=\"plot\" role=\"img\" "
            "aria-label=\"Frame with detections\"></div></div>\n"

@@ -48,9 +48,10 @@ int decade_of(double value) {
     return static_cast<int>(std::floor(std::log10(std::abs(value))));
 }
 
-// Digits after the point that show `error` to two significant digits (1.96 stays 2.0).
-int places_for(double error) {
-    return std::max(0, 1 - decade_of(error * (1 + 1e-9)));
+// Decade of the second significant digit of an error, after rounding to two (9.96 is 10).
+int last_decade(double error) {
+    const int last = decade_of(error) - 1;
+    return std::round(error * std::pow(10.0, -last)) >= 100 ? last + 1 : last;
 }
 
 }  // namespace
@@ -230,9 +231,10 @@ std::string with_error(double value, const double* error) {
     const std::string power = exponent == 0 ? "" : " × " + power_of_ten(exponent);
     if (!has_error) return fmt::format("{:.4g}", value * scale) + power;
     const double scaled = *error * scale;
-    const int places = places_for(scaled);
+    const int last = last_decade(scaled);
+    const int places = std::max(0, -last);
     // Digits before the point that the error does not support become zeros.
-    const double unit = std::pow(10.0, std::max(0, decade_of(scaled * (1 + 1e-9)) - 1));
+    const double unit = std::pow(10.0, std::max(0, last));
     const auto whole = [unit](double x) { return unit > 1 ? std::round(x / unit) * unit : x; };
     const std::string text =
         fmt::format("{:.{}f} ± {:.{}f}", whole(value * scale), places, whole(scaled), places);
