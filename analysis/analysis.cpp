@@ -199,17 +199,28 @@ void plan_analysis(SnapshotSource& source, const AnalysisOptions& options, RunPl
         plan.skip("all observables", "no frames", "");
         return;
     }
-    const Pattern first = pattern_of(source.read(0), diameter_of(source.info()));
+    // The first frames may be empty: they say nothing about the particles.
+    Pattern first = pattern_of(source.read(0), diameter_of(source.info()));
+    for (std::int64_t i = 1; i < frames && first.size() == 0; ++i) {
+        throw_if_interrupted("planning the analysis");
+        first = pattern_of(source.read(i), diameter_of(source.info()));
+    }
+    if (first.size() == 0) plan.warn("no frame has a particle");
     warn_if_unfilled(first, plan);
     const bool linked = !first.id.empty();
-    if (wanted.q4) plan.run("q4", "bond-orientational order of every particle");
-    if (needs_triangulation(options.q4.rule) == false) {
-        plan.skip("triangulation", "the neighbour rule needs distances only",
-                  "about 1.5 us a particle and frame");
+    if (wanted.q4) {
+        plan.run("q4",
+                 fmt::format("|Q{}| of every particle, neighbours by {}", options.q4.symmetry,
+                             needs_triangulation(options.q4.rule) ? "triangulation" : "distance"));
     }
     if (wanted.phase) {
         const PhaseWindow window = PhaseWindow::of(options.phase, source.info());
-        const std::string why = frames == 1 ? "one frame" : !linked ? "not linked" : window.reason;
+        std::string why = frames == 1 ? "one frame" : !linked ? "not linked" : window.reason;
+        const double rate = source.info().frame_rate.value_or(0);
+        if (why.empty() && *window.length * rate > 0 && *window.length * rate < 1 - 1e-9) {
+            why = fmt::format("the averaging time {:.4g} is shorter than the frame interval {:.4g}",
+                              *window.length, 1 / rate);
+        }
         plan.run("phase", why.empty() ? fmt::format("average over {:.4g}", *window.length)
                                       : "every frame alone: " + why);
     }

@@ -41,7 +41,7 @@ void MeanSeries::append(const MeanSeries& later) {
 
 Measurement MeanSeries::measurement(std::string name, std::string unit,
                                     std::optional<double> single_error,
-                                    const std::string& single_reason) const {
+                                    const std::string& single_reason, double single_samples) const {
     if (value.empty()) return missing(std::move(name), std::move(unit), single_reason);
     const auto frames = static_cast<std::int64_t>(value.size());
     const BlockPlan plan = BlockPlan::of(frames);
@@ -59,7 +59,7 @@ Measurement MeanSeries::measurement(std::string name, std::string unit,
         std::move(name), std::move(unit), sum / static_cast<double>(frames), std::nullopt, 0, ""};
     if (frames == 1) {
         m.error = single_error;
-        m.samples = 1;
+        m.samples = single_samples;
         m.reason = single_reason;
         return m;
     }
@@ -68,7 +68,17 @@ Measurement MeanSeries::measurement(std::string name, std::string unit,
         left[b] = (sum - block_sum[b]) / (static_cast<double>(frames) - block_count[b]);
     }
     m.error = jackknife_error(left, 2);
-    m.samples = static_cast<double>(plan.blocks);
+    double squares = 0;
+    for (double x : value) squares += (x - *m.value) * (x - *m.value);
+    const double variance = squares / static_cast<double>(frames - 1);
+    constexpr double rounding = 1e-13;
+    if (!(m.error.value_or(0) > rounding * std::abs(*m.value))) {
+        m.error.reset();
+        m.samples = 1;
+        m.reason = "the same in every frame: no error from fluctuations";
+        return m;
+    }
+    m.samples = std::clamp(variance / (*m.error * *m.error), 1.0, static_cast<double>(frames));
     return m;
 }
 

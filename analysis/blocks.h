@@ -38,10 +38,13 @@ struct MeanSeries {
     void add(double x) { value.push_back(x); }
     void append(const MeanSeries& later);
 
-    /// The mean; error from at most 16 blocks of consecutive frames. `single_error` is used when
-    /// there is one frame, with `single_reason` saying what it means.
+    /// The mean; error from at most 16 blocks of consecutive frames; samples: the number of
+    /// independent frames that explains it, var(frame)/error², between 1 and the number of frames
+    /// (from 16 blocks it is known to about a third). Frames that are all the same have no error,
+    /// and a reason. `single_error` and `single_samples` are used when there is one frame, with
+    /// `single_reason` saying what they mean.
     Measurement measurement(std::string name, std::string unit, std::optional<double> single_error,
-                            const std::string& single_reason) const;
+                            const std::string& single_reason, double single_samples = 1) const;
 };
 
 /// A measurement that has no value, and why.

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -141,11 +142,17 @@ void start(PowerTable& table, std::span<const Vec2> part, double Vec2::*axis, do
 
 }  // namespace
 
+double ModeGrid::about(Vec2 spacing, double k_max) {
+    // Half an ellipse and its two axes.
+    const double x = k_max / spacing.x;
+    const double y = k_max / spacing.y;
+    return std::numbers::pi / 2 * x * y + x + y;
+}
+
 ModeGrid::ModeGrid(Vec2 spacing, double k_max) : spacing_(spacing) {
-    const double count = std::floor(k_max / spacing.x) * std::floor(k_max / spacing.y);
-    if (!(2 * count < most_modes)) {
+    if (const double count = about(spacing, k_max); !(count < most_modes)) {
         throw OptionError(ErrorText{"too many wavevectors for S(k)",
-                                    fmt::format("about {:.2g}", 1.6 * count),
+                                    fmt::format("about {:.2g}", count),
                                     fmt::format("at most {:.2g}", most_modes), "lower sk.k-max"});
     }
     // Rounding must not drop a mode that lies on the circle.

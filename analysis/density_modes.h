@@ -23,6 +23,9 @@ class ModeGrid {
     /// `spacing` [1/a] > 0 on both axes. Throws OptionError if there would be more than 2^26 modes.
     ModeGrid(Vec2 spacing, double k_max);
 
+    /// About how many modes there would be; never much fewer than there are.
+    static double about(Vec2 spacing, double k_max);
+
     const std::vector<Mode>& modes() const { return modes_; }
     Vec2 spacing() const { return spacing_; }
 

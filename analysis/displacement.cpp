@@ -18,6 +18,8 @@ namespace grainfield::analysis {
 namespace {
 
 constexpr double absent = std::numeric_limits<double>::quiet_NaN();
+constexpr int most_parts = 10;     // of the median time between frames
+constexpr double tolerance = 0.1;  // of a lag time
 
 // The finaliser of SplitMix64: spreads consecutive identities evenly.
 std::uint64_t hash(std::int64_t id) {
@@ -122,30 +124,54 @@ void Displacement::merge(const Displacement& later) {
     drop_left_out();
 }
 
-// Lags count steps of the largest stride that hits all frames: frames 0, 10, 20, 40 have stride 10
-// and one empty slot. Empty if the slots would outnumber the frames tenfold.
+// The time stamps on an even grid. The step is the median time from stamp to stamp, or the largest
+// whole part of it, down to a tenth, that fits every one of them within a tenth of itself. Then
+// all pairs of frames that lie the same number of steps apart also lie the same time apart within a
+// tenth, however long the run. Stamps may go back; two frames at one time share a slot.
 std::optional<Displacement::Clock> Displacement::clock() const {
-    Clock clock;
-    clock.stride = 0;
-    for (std::size_t i = 1; i < frame_.size(); ++i) {
-        if (frame_[i] <= frame_[i - 1]) return std::nullopt;
-        clock.stride = std::gcd(clock.stride, frame_[i] - frame_[i - 1]);
+    std::vector<double> stamp = time_;
+    std::ranges::sort(stamp);
+    const auto [again, end] = std::ranges::unique(stamp);
+    stamp.erase(again, end);
+    if (stamp.size() < 2 || !std::isfinite(stamp.back() - stamp.front())) return std::nullopt;
+    std::vector<double> gap;
+    for (std::size_t i = 1; i < stamp.size(); ++i) gap.push_back(stamp[i] - stamp[i - 1]);
+    std::vector<double> sorted = gap;
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    const double median = *middle;
+
+    for (int parts = 1; parts <= most_parts; ++parts) {
+        Clock clock;
+        clock.step = median / parts;
+        clock.parts = parts;
+        std::vector<std::size_t> slot{0};
+        bool fits = true;
+        for (double g : gap) {
+            const double steps = std::max(1.0, std::round(g / clock.step));
+            fits = fits && std::abs(g - steps * clock.step) <= tolerance * steps * clock.step;
+            if (!fits || steps > 1e9) break;
+            slot.push_back(slot.back() + static_cast<std::size_t>(steps));
+        }
+        if (!fits || slot.size() != stamp.size()) continue;
+        clock.slots = slot.back() + 1;
+        if (clock.slots > 20 * frame_.size() + 100) continue;
+        for (double t : time_) {
+            const auto at = std::ranges::lower_bound(stamp, t) - stamp.begin();
+            clock.slot.push_back(slot[static_cast<std::size_t>(at)]);
+        }
+        return clock;
     }
-    clock.stride = std::max<std::int64_t>(clock.stride, 1);
-    for (std::int64_t frame : frame_) {
-        clock.slot.push_back(static_cast<std::size_t>((frame - frame_.front()) / clock.stride));
-    }
-    clock.slots = clock.slot.back() + 1;
-    if (clock.slots > 10 * frame_.size() + 100) return std::nullopt;
-    return clock;
+    return std::nullopt;
 }
 
 std::vector<std::size_t> Displacement::lags(const Clock& clock) const {
     std::size_t longest = std::max<std::size_t>(1, (clock.slots - 1) / 2);
     if (options_.longest > 0) {
-        const std::int64_t asked = options_.longest / clock.stride;
-        longest = static_cast<std::size_t>(
-            std::clamp<std::int64_t>(asked, 1, static_cast<std::int64_t>(clock.slots) - 1));
+        const auto frames = static_cast<double>(frame_.back() - frame_.front());
+        const auto slots = static_cast<double>(clock.slots - 1);
+        const double asked = static_cast<double>(options_.longest) * slots / std::max(1.0, frames);
+        longest = static_cast<std::size_t>(std::clamp(std::floor(asked + 1e-9), 1.0, slots));
     }
     std::vector<std::size_t> lags;
     if (options_.lags == LagSpacing::all) {
@@ -184,10 +210,13 @@ std::vector<double> Displacement::lag_times(const Clock& clock,
 
 void Displacement::add_track(const Track& track, const Clock& clock,
                              const std::vector<std::size_t>& lags, const PhaseHistory* phases,
-                             std::vector<LagSums>& sums) const {
+                             Sums& sums) const {
     if (track.step.size() < 2) return;
-    const std::size_t start = clock.slot[track.first];
-    const std::size_t length = clock.slot[track.first + track.step.size() - 1] - start + 1;
+    const auto from = clock.slot.begin() + static_cast<std::ptrdiff_t>(track.first);
+    const auto [lowest, highest] =
+        std::minmax_element(from, from + static_cast<std::ptrdiff_t>(track.step.size()));
+    const std::size_t start = *lowest;
+    const std::size_t length = *highest - start + 1;
     std::vector<double> x(length, 0.0);
     std::vector<double> y(length, 0.0);
     std::vector<double> seen(length, 0.0);
@@ -199,11 +228,12 @@ void Displacement::add_track(const Track& track, const Clock& clock,
     for (std::size_t i = 0; i < track.step.size(); ++i) {
         if (!is_finite(track.step[i])) continue;
         const std::size_t slot = clock.slot[track.first + i] - start;
+        if (seen[slot] > 0) continue;
         x[slot] = track.step[i].x;
         y[slot] = track.step[i].y;
         seen[slot] = 1;
         if (history.empty()) continue;
-        const std::int64_t window = phases->window_of(time_[track.first + i]) - first_window;
+        const std::int64_t window = clock.window[track.first + i] - first_window;
         if (window >= 0 && window < static_cast<std::int64_t>(history.size())) {
             phase[slot] = history[static_cast<std::size_t>(window)];
         }
@@ -225,6 +255,7 @@ void Displacement::add_track(const Track& track, const Clock& clock,
         stretches.push_back({s, length, phase[s]});
     }
 
+    std::array<bool, classes> has_pairs{};
     for (std::size_t l = 0; l < lags.size() && lags[l] < length; ++l) {
         const std::size_t lag = lags[l];
         for (const Stretch& stretch : stretches) {
@@ -235,14 +266,16 @@ void Displacement::add_track(const Track& track, const Clock& clock,
                                                                stretch.from, to, lag, pairs)
                                     : sum_squared_steps(x.data(), y.data(), stretch.from, to, lag);
             const auto add_to = [&](std::size_t which) {
-                sums[l].sum[which] += sum;
-                sums[l].pairs[which] += pairs;
+                sums.lags[l].sum[which] += sum;
+                sums.lags[l].pairs[which] += pairs;
+                has_pairs[which] = has_pairs[which] || pairs > 0;
             };
             add_to(0);
             if (stretch.phase == Phase::liquid) add_to(1);
             if (stretch.phase == Phase::solid) add_to(2);
         }
     }
+    for (std::size_t c = 0; c < classes; ++c) sums.particles[c] += has_pairs[c] ? 1 : 0;
 }
 
 ObservableResult Displacement::result(const PhaseHistory* phases) const {
@@ -258,13 +291,22 @@ ObservableResult Displacement::result(const PhaseHistory* phases) const {
         result.reason = "the particles are not linked from frame to frame";
         return result;
     }
-    const std::optional<Clock> clock = this->clock();
-    if (!clock) {
-        result.reason = "the frame indices do not increase or lie too unevenly for lag times";
+    for (std::size_t i = 1; i < frame_.size(); ++i) {
+        if (frame_[i] > frame_[i - 1]) continue;
+        result.reason = "the frame indices do not increase";
         return result;
     }
+    std::optional<Clock> clock = this->clock();
+    if (!clock) {
+        result.reason = fmt::format(
+            "the time stamps lie too unevenly: no part of their median interval down to 1/{} fits "
+            "them within {:.0f} %",
+            most_parts, 100 * tolerance);
+        return result;
+    }
+    for (double t : time_) clock->window.push_back(phases != nullptr ? phases->window_of(t) : -1);
     const std::vector<std::size_t> lags = this->lags(*clock);
-    std::vector<std::vector<LagSums>> sums(groups, std::vector<LagSums>(lags.size()));
+    std::vector<Sums> sums(groups, Sums{std::vector<LagSums>(lags.size()), {}});
     parallel_for(groups, threads_, [&](std::int64_t group) {
         const auto g = static_cast<std::size_t>(group);
         for (const Track& track : tracks_) {
@@ -280,16 +322,24 @@ ObservableResult Displacement::result(const PhaseHistory* phases) const {
         for (std::size_t g = 0; g < groups; ++g) {
             series.sum.emplace_back();
             series.pairs.emplace_back();
-            for (const LagSums& lag : sums[g]) {
+            table.particles[c] += sums[g].particles[c];
+            for (const LagSums& lag : sums[g].lags) {
                 series.sum.back().push_back(lag.sum[c]);
                 series.pairs.back().push_back(lag.pairs[c]);
             }
         }
     }
     table.has_phases = phases != nullptr;
+    if (clock->parts > 1) {
+        table.note = fmt::format(
+            "uneven time stamps: lag times in steps of 1/{} of the median interval, each within "
+            "{:.0f} %",
+            clock->parts, 100 * tolerance);
+    }
     if (thinning_ != 0) {
-        table.note = fmt::format("one particle in {} kept to stay within {:.0f} MB", thinning_ + 1,
-                                 options_.memory_mb);
+        if (!table.note.empty()) table.note += "; ";
+        table.note += fmt::format("one particle in {} kept to stay within {:.0f} MB", thinning_ + 1,
+                                  options_.memory_mb);
     }
     add_msd(table, result);
     return result;

@@ -31,10 +31,11 @@ OptionTable describe(DisplacementOptions& options);
 ///
 /// taken over every pair of frames τ apart in which particle j was seen (a gap in a track removes
 /// its pairs, nothing is interpolated). The phase is that of the particle at the start, in the
-/// window of the phase history that contains t. Lags count frames of the source; t in the curve is
-/// the mean difference of the time stamps. Positions are unwrapped by minimum images (a particle
-/// must move less than half a periodic box between two sightings) and stored relative to the
-/// track's first one, so nothing is lost far from the origin.
+/// window of the phase history that contains t. Lags are differences of time stamps, not of frame
+/// numbers: pairs of frames share a lag if their differences agree within a tenth; t in the curve
+/// is their mean. Stamps that fit no even grid that well give a reason. Positions are unwrapped by
+/// minimum images (a particle must move less than half a periodic box between two sightings) and
+/// stored relative to the track's first one, so nothing is lost far from the origin.
 ///
 /// Errors: jackknife over 16 groups of particles (particles as independent; overlapping start
 /// times are thereby allowed for). D = slope/4 over the last decade of lags with free offset, so
@@ -67,14 +68,20 @@ class Displacement {
         Vec2 origin;             // first sighting
         std::vector<Vec2> step;  // unwrapped displacement per ordinal; NaN: not seen
     };
-    struct Clock {  // the frames on an even grid of source indices
-        std::int64_t stride = 1;
-        std::vector<std::size_t> slot;  // of each ordinal
+    struct Clock {  // the frames on an even grid of time
+        double step = 1;
+        int parts = 1;                     // steps in the median interval
+        std::vector<std::size_t> slot;     // of each ordinal
+        std::vector<std::int64_t> window;  // of the phases, of each ordinal; -1: none
         std::size_t slots = 0;
     };
     struct LagSums {
         std::array<double, classes> sum{};
         std::array<double, classes> pairs{};
+    };
+    struct Sums {
+        std::vector<LagSums> lags;
+        std::array<double, classes> particles{};  // that have a pair
     };
     void place(Track& track, std::size_t ordinal, Vec2 step);
     void thin_out();
@@ -83,7 +90,7 @@ class Displacement {
     std::vector<std::size_t> lags(const Clock& clock) const;
     std::vector<double> lag_times(const Clock& clock, const std::vector<std::size_t>& lags) const;
     void add_track(const Track& track, const Clock& clock, const std::vector<std::size_t>& lags,
-                   const PhaseHistory* phases, std::vector<LagSums>& sums) const;
+                   const PhaseHistory* phases, Sums& sums) const;
 
     DisplacementOptions options_;
     std::int64_t expected_frames_;

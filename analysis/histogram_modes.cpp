@@ -8,28 +8,76 @@
 namespace grainfield::analysis {
 namespace {
 
-std::vector<double> smoothed(std::span<const double> counts, double sigma_bins) {
-    const auto n = static_cast<std::ptrdiff_t>(counts.size());
-    const auto reach = static_cast<std::ptrdiff_t>(std::ceil(4 * sigma_bins));
-    std::vector<double> result(counts.size(), 0.0);
-    double total = 0;
-    for (std::ptrdiff_t j = -reach; j <= reach; ++j) {
-        const double u = static_cast<double>(j) / sigma_bins;
-        total += std::exp(-0.5 * u * u);
-    }
-    for (std::ptrdiff_t i = 0; i < n; ++i) {
-        for (std::ptrdiff_t j = -reach; j <= reach; ++j) {
-            const double u = static_cast<double>(j) / sigma_bins;
-            std::ptrdiff_t at = i + j;
-            if (at < 0) at = -1 - at;
-            if (at >= n) at = 2 * n - 1 - at;
-            at = std::clamp<std::ptrdiff_t>(at, 0, n - 1);
-            result[static_cast<std::size_t>(i)] +=
-                counts[static_cast<std::size_t>(at)] * std::exp(-0.5 * u * u) / total;
+// The histogram smoothed by a Gaussian with reflection at 0 and 1, as a function of the position.
+class SmoothedHistogram {
+ public:
+    SmoothedHistogram(std::span<const double> counts, double share, double sigma)
+        : counts_(counts), share_(share), sigma_(sigma) {}
+
+    // y, y', y'' and the variance of y' from counting.
+    struct Point {
+        double value = 0, slope = 0, bend = 0, slope_variance = 0;
+    };
+    Point at(double x) const {
+        Point point;
+        const auto bins = static_cast<double>(counts_.size());
+        for (std::size_t j = 0; j < counts_.size(); ++j) {
+            const double centre = (static_cast<double>(j) + 0.5) / bins;
+            double g = 0;
+            double slope = 0;
+            double bend = 0;
+            for (const double image : {centre, -centre, 2 - centre}) {
+                const double u = (x - image) / sigma_;
+                if (std::abs(u) > 8) continue;
+                const double e = std::exp(-0.5 * u * u);
+                g += e;
+                slope -= u / sigma_ * e;
+                bend += (u * u - 1) / (sigma_ * sigma_) * e;
+            }
+            point.value += counts_[j] * g;
+            point.slope += counts_[j] * slope;
+            point.bend += counts_[j] * bend;
+            point.slope_variance += counts_[j] / share_ * slope * slope;
         }
+        return point;
     }
-    return result;
-}
+
+    // Counts per bin at the centres.
+    std::vector<double> values() const {
+        const auto bins = static_cast<double>(counts_.size());
+        const double total = std::sqrt(2 * std::numbers::pi) * sigma_ * bins;
+        std::vector<double> y;
+        for (std::size_t i = 0; i < counts_.size(); ++i) {
+            y.push_back(at((static_cast<double>(i) + 0.5) / bins).value / total);
+        }
+        return y;
+    }
+
+    // The zero of y' within a bin around the centre of `bin`, by bisection; `sign` +1 for a
+    // maximum, -1 for a minimum. Without a change of sign the extremum is at the edge.
+    double extremum(std::size_t bin, double sign) const {
+        const auto bins = static_cast<double>(counts_.size());
+        double low = std::max(0.0, (static_cast<double>(bin) - 0.5) / bins);
+        double high = std::min(1.0, (static_cast<double>(bin) + 1.5) / bins);
+        for (int step = 0; step < 50; ++step) {
+            const double middle = 0.5 * (low + high);
+            (sign * at(middle).slope > 0 ? low : high) = middle;
+        }
+        return 0.5 * (low + high);
+    }
+
+    std::optional<double> error(double x, double largest) const {
+        if (x < 1e-9 || x > 1 - 1e-9) return std::nullopt;  // held there by the reflection
+        const Point point = at(x);
+        const double error = std::sqrt(point.slope_variance) / std::abs(point.bend);
+        return error > 0 && error < largest ? std::optional<double>(error) : std::nullopt;
+    }
+
+ private:
+    std::span<const double> counts_;
+    double share_;
+    double sigma_;
+};
 
 std::vector<std::size_t> peaks(const std::vector<double>& y) {
     std::vector<std::size_t> found;
@@ -43,7 +91,7 @@ std::vector<std::size_t> peaks(const std::vector<double>& y) {
 
 }  // namespace
 
-HistogramModes find_modes(std::span<const double> counts, double smoothing) {
+HistogramModes find_modes(std::span<const double> counts, double share, double smoothing) {
     HistogramModes modes;
     if (counts.size() < 8) {
         modes.reason = "too few bins to look for modes";
@@ -51,11 +99,13 @@ HistogramModes find_modes(std::span<const double> counts, double smoothing) {
     }
     const auto bins = static_cast<double>(counts.size());
     const double sigma = smoothing * bins;
-    const std::vector<double> y = smoothed(counts, sigma);
+    const SmoothedHistogram curve(counts, share, smoothing);
+    const std::vector<double> y = curve.values();
     // Smoothing averages about 2 sqrt(pi) sigma bins: the standard error of a smoothed count.
     const double averaged = std::max(1.0, 2 * std::sqrt(std::numbers::pi) * sigma);
-    const auto error = [&](double count) { return std::sqrt(std::max(count, 1.0) / averaged); };
-    const auto centre = [&](std::size_t bin) { return (static_cast<double>(bin) + 0.5) / bins; };
+    const auto error = [&](double count) {
+        return std::sqrt(std::max(count, 1.0) / (share * averaged));
+    };
 
     const std::vector<std::size_t> tops = peaks(y);
     double best = 0;
@@ -80,20 +130,21 @@ HistogramModes find_modes(std::span<const double> counts, double smoothing) {
     if (best <= 0) {
         modes.reason = "the distribution has one mode within counting noise";
         if (!tops.empty()) {
-            modes.low_mode = centre(*std::max_element(tops.begin(), tops.end(),
-                                                      [&](auto p, auto q) { return y[p] < y[q]; }));
+            const auto top = std::max_element(tops.begin(), tops.end(),
+                                              [&](auto p, auto q) { return y[p] < y[q]; });
+            modes.low_mode = curve.extremum(*top, 1);
+            modes.low_mode_error = curve.error(*modes.low_mode, 0.25);
         }
         return modes;
     }
-    modes.low_mode = centre(left);
-    modes.high_mode = centre(right);
-    modes.minimum = centre(bottom);
-    std::size_t from = bottom;
-    std::size_t to = bottom;
-    const double indistinct = y[bottom] + error(y[bottom]);
-    while (from > left && y[from - 1] <= indistinct) --from;
-    while (to < right && y[to + 1] <= indistinct) ++to;
-    modes.minimum_error = 0.5 * (static_cast<double>(to - from) + 1) / bins;
+    modes.low_mode = curve.extremum(left, 1);
+    modes.high_mode = curve.extremum(right, 1);
+    modes.minimum = curve.extremum(bottom, -1);
+    const double below = *modes.minimum - *modes.low_mode;
+    const double above = *modes.high_mode - *modes.minimum;
+    modes.low_mode_error = curve.error(*modes.low_mode, 0.5 * below);
+    modes.high_mode_error = curve.error(*modes.high_mode, 0.5 * above);
+    modes.minimum_error = curve.error(*modes.minimum, 0.5 * std::min(below, above));
     return modes;
 }
 

@@ -100,6 +100,10 @@ Measurement fitted(const char* what, const char* unit, const std::string& phase,
     m.error = jackknife_error(left_out);
     m.samples = samples;
     if (!m.error) m.reason = "too few particles for an error";
+    if (m.error && !(*m.error > 0)) {
+        m.error.reset();
+        m.reason = "all particles move alike: no error from their scatter";
+    }
     return m;
 }
 
@@ -136,7 +140,6 @@ void add_msd(const MsdTable& table, ObservableResult& result) {
             d_left.push_back(fits.diffusion);
             exponent_left.push_back(fits.exponent);
         }
-        double pairs_first = 0;
         for (std::size_t l = 0; l < mean.size(); ++l) {
             if (!std::isfinite(mean[l])) continue;
             double pairs = 0;
@@ -145,7 +148,6 @@ void add_msd(const MsdTable& table, ObservableResult& result) {
                 pairs += series.pairs[g][l];
                 values.push_back(left[g][l]);
             }
-            if (l == 0) pairs_first = pairs;
             t.values.push_back(table.time[l]);
             msd.values.push_back(mean[l]);
             const bool enough = groups_with_pairs(series, l) >= 3;
@@ -154,10 +156,10 @@ void add_msd(const MsdTable& table, ObservableResult& result) {
             phase.push_back(name);
         }
         const Fits fits = fit_last_decade(table.time, mean);
-        result.measurements.push_back(
-            fitted("d", "a^2/time unit", name, fits.diffusion, d_left, pairs_first, table.note));
-        result.measurements.push_back(
-            fitted("exponent", "-", name, fits.exponent, exponent_left, pairs_first, table.note));
+        result.measurements.push_back(fitted("d", "a^2/time unit", name, fits.diffusion, d_left,
+                                             table.particles[c], table.note));
+        result.measurements.push_back(fitted("exponent", "-", name, fits.exponent, exponent_left,
+                                             table.particles[c], table.note));
     }
     if (t.values.empty()) {
         result.measurements.clear();

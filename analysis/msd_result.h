@@ -16,6 +16,8 @@ struct MsdTable {
     };
     std::vector<double> time;      ///< of each lag [time unit]; NaN: no pair of frames
     std::array<Series, 3> series;  ///< all, liquid, solid
+    /// Particles that have a pair of sightings, by phase: what the errors take as independent.
+    std::array<double, 3> particles{};
     bool has_phases = false;
     std::string note;  ///< said with every number
 };

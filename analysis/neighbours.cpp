@@ -6,11 +6,14 @@
 #include <limits>
 #include <numeric>
 
+#include "analysis/point_tree.h"
+
 namespace grainfield::analysis {
 namespace {
 
 constexpr double points_per_cell = 1.6;
 constexpr int most_cells_per_axis = 1 << 14;
+constexpr double crowded = 64;  // points that share a cell with a point, on average
 
 struct Extent {
     double low = 0;
@@ -55,7 +58,7 @@ int wrapped(int cell, int cells) {
 
 int CellList::Axis::cell_of(double x) const {
     // Truncation is floor here: points lie inside, but for the rounding that the clamp catches.
-    return std::clamp(static_cast<int>((x - origin) * cells_per_length), 0, cells - 1);
+    return static_cast<int>(std::clamp((x - origin) * cells_per_length, 0.0, cells - 1.0));
 }
 
 CellList::CellList(std::span<const Vec2> points, const Box& box) : box_(box) {
@@ -85,6 +88,11 @@ CellList::CellList(std::span<const Vec2> points, const Box& box) : box_(box) {
     for (std::size_t i = 0; i < n; ++i) {
         cell[i] = y_.cell_of(points[i].y) * x_.cells + x_.cell_of(points[i].x);
         ++first_[static_cast<std::size_t>(cell[i]) + 1];
+    }
+    double shared = 0;
+    for (int count : first_) shared += static_cast<double>(count) * count;
+    if (shared > crowded * static_cast<double>(n)) {
+        tree_ = std::make_shared<const PointTree>(points, box);
     }
     std::partial_sum(first_.begin(), first_.end(), first_.begin());
     std::vector<int> next(first_.begin(), first_.end() - 1);
@@ -168,9 +176,24 @@ double CellList::gather(Vec2 centre, int rings, NeighbourList& out) const {
     return covered * (1 - 1e-9);
 }
 
+CellList::Reach CellList::near_in_tree(Vec2 centre, int k, double factor,
+                                       NeighbourList& out) const {
+    tree_->nearest(centre, k, out);
+    Reach reach;
+    reach.count = static_cast<int>(out.size());
+    if (out.empty()) return reach;
+    for (const Neighbour& neighbour : out) reach.mean_first += std::sqrt(neighbour.r2);
+    reach.mean_first /= reach.count;
+    reach.nearest = std::sqrt(out.begin()->r2);
+    const double limit = factor * reach.mean_first;
+    if (limit * limit > (out.end() - 1)->r2) tree_->within(centre, limit * limit, out);
+    return reach;
+}
+
 CellList::Reach CellList::near(int i, int k, double factor, NeighbourList& out) const {
     const int self = place_[static_cast<std::size_t>(i)];
     const Vec2 centre = point_[static_cast<std::size_t>(self)];
+    if (tree_) return near_in_tree(centre, k, factor, out);
     std::array<double, most_nearest> smallest;
     for (int rings = 1;; rings *= 2) {
         const double covered = gather(centre, rings, out);
@@ -212,6 +235,7 @@ CellList::Reach CellList::near(int i, int k, double factor, NeighbourList& out) 
 void CellList::within(int i, double radius, NeighbourList& out) const {
     const int self = place_[static_cast<std::size_t>(i)];
     const Vec2 centre = point_[static_cast<std::size_t>(self)];
+    if (tree_) return tree_->within(centre, radius * radius, out);
     int rings = 1;
     while (gather(centre, rings, out) < radius) rings *= 2;
     out.keep_if([radius](const Neighbour& n) { return n.r2 < radius * radius; });

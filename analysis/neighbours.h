@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -48,14 +49,18 @@ class NeighbourList {
     std::size_t count_ = 0;
 };
 
+class PointTree;
+
 /// Points sorted into square cells, for exact searches by distance.
 ///
 /// On periodic axes the nearest image of each other point counts, once, so results are those of
 /// the infinite lattice as long as the box is wider than twice the search distance. Points that
 /// coincide with the centre have no direction and are no neighbours of it.
 ///
-/// About 1.6 points a cell; a search costs O(1) for patterns of bounded density and O(N) where all
-/// points crowd into one cell. Construction O(N). Searches are const and thread-safe.
+/// About 1.6 points a cell; a search costs O(1) for patterns of bounded density. Where points crowd
+/// into few cells (more than 64 share a cell on average over the points: a stray point far outside,
+/// clusters) a tree takes over, O(log N) a search. Construction O(N), or O(N log N) with the tree.
+/// Searches are const and thread-safe.
 class CellList {
  public:
     CellList(std::span<const Vec2> points, const Box& box);
@@ -90,15 +95,17 @@ class CellList {
         bool periodic = false;
         int cell_of(double x) const;
     };
+    Reach near_in_tree(Vec2 centre, int k, double factor, NeighbourList& out) const;
     double gather(Vec2 centre, int rings, NeighbourList& out) const;
     void take(int first, int last, Vec2 centre, NeighbourList& out) const;
 
     Axis x_, y_;
     Box box_;
-    std::vector<int> first_;   // of each cell, in cell order; one extra
-    std::vector<Vec2> point_;  // in cell order
-    std::vector<int> index_;   // original index, in cell order
-    std::vector<int> place_;   // place in cell order of each original index
+    std::vector<int> first_;                 // of each cell, in cell order; one extra
+    std::vector<Vec2> point_;                // in cell order
+    std::vector<int> index_;                 // original index, in cell order
+    std::vector<int> place_;                 // place in cell order of each original index
+    std::shared_ptr<const PointTree> tree_;  // instead of the cells, if points crowd
 };
 
 }  // namespace grainfield::analysis

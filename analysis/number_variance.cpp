@@ -223,7 +223,8 @@ ObservableResult NumberVariance::result() const {
         temporal ? "" : "one frame: variance over positions, static structure is in it";
     result.curves = {
         curve("variance",
-              temporal ? "Number variance, temporal" : "Number variance, over positions",
+              temporal ? "Number variance, temporal"
+                       : "Number variance over positions: one frame, static structure included",
               temporal ? best.temporal : best.pooled, temporal ? temporal_error : pooled_error,
               best.mean),
         curve("variance_pooled", "Number variance, pooled", best.pooled, pooled_error, best.mean)};
@@ -239,17 +240,18 @@ ObservableResult NumberVariance::result() const {
     }
     const auto s = static_cast<std::size_t>(at - lengths_.begin());
     const Curve& curve = result.curves.front();
-    Measurement relative{"relative_variance_10a",
-                         "-",
-                         std::nullopt,
-                         std::nullopt,
-                         static_cast<double>(blocks_.size()),
-                         reason};
+    Measurement relative{"relative_variance_10a", "-", std::nullopt, std::nullopt, 0, reason};
     if (best.mean[s] > 0) {
         relative.value = curve.columns[1].values[s] / best.mean[s];
         const double error = curve.columns[2].values[s] / best.mean[s];
-        if (std::isfinite(error)) relative.error = error;
-        if (!relative.error && reason.empty()) relative.reason = "too few frames for an error";
+        if (std::isfinite(error) && error > 0) {
+            relative.error = error;
+            // As many independent normal numbers have a variance with this relative error.
+            relative.samples = 1 + 2 * std::pow(*relative.value / error, 2);
+        } else if (reason.empty()) {
+            relative.reason = error == 0 ? "the same in every frame: no error from fluctuations"
+                                         : "too few frames for an error";
+        }
     } else {
         relative.reason = "no particle inside the border";
     }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "analysis/blocks.h"
 #include "analysis/bond_statistics.h"
 #include "core/errors.h"
@@ -56,14 +58,35 @@ void PhaseHistory::count(Row& row, Phase phase) const {
     row.solid += phase == Phase::solid;
 }
 
-std::int64_t PhaseHistory::window_of(double time) const {
-    if (!window_.length) return 0;
+// Place of a time on the grid of windows.
+double PhaseHistory::key_of(double time) const {
     // A frame meant to start a window may be early by rounding.
-    return static_cast<std::int64_t>(std::floor(time / *window_.length + 1e-9));
+    const double place = std::floor(time / *window_.length + 1e-9);
+    // Beyond 2^53 windows are shorter than the digits of the time can tell apart.
+    return std::abs(place) < 0x1p53 ? place : time;
+}
+
+std::int64_t PhaseHistory::window_of(double time) const {
+    if (!window_.length) return -1;
+    const auto at = windows_.find(key_of(time));
+    return at == windows_.end() ? -1 : at->second;
+}
+
+// The class of a track in a window; windows of the past may be filled in later.
+void PhaseHistory::note(Track& track, std::int64_t window, Phase phase) {
+    if (track.classes.empty()) track.first_window = window;
+    if (window < track.first_window) {
+        track.classes.insert(track.classes.begin(),
+                             static_cast<std::size_t>(track.first_window - window), Phase::unknown);
+        track.first_window = window;
+    }
+    const auto place = static_cast<std::size_t>(window - track.first_window);
+    if (track.classes.size() <= place) track.classes.resize(place + 1, Phase::unknown);
+    track.classes[place] = phase;
 }
 
 void PhaseHistory::add_alone(const Sample& sample) {
-    Row row{sample.frame, 0, 0, 0};
+    Row row{sample.frame, sample.time, 1, 0, 0, 0};
     for (float q : sample.abs_q) count(row, classify(static_cast<double>(q)));
     rows_.push_back(row);
 }
@@ -75,11 +98,11 @@ void PhaseHistory::add(Sample sample) {
     }
     if (!window_.length) return add_alone(sample);
 
-    const std::int64_t window = window_of(sample.time);
-    if (open_frames_ > 0 && window != open_window_) close_window();
+    const double key = key_of(sample.time);
+    if (open_frames_ > 0 && key != open_key_) close_window();
     if (open_frames_ == 0) {
-        open_window_ = window;
-        open_frame_ = sample.frame;
+        open_key_ = key;
+        open_ = Row{sample.frame, sample.time, 0, 0, 0, 0};
     }
     ++open_frames_;
     for (std::size_t i = 0; i < sample.id.size(); ++i) {
@@ -95,22 +118,16 @@ void PhaseHistory::add(Sample sample) {
 
 void PhaseHistory::close_window() {
     if (open_frames_ == 0) return;
-    Row row{open_frame_, 0, 0, 0};
+    Row row = open_;
+    row.frames = open_frames_;
+    const auto next = static_cast<std::int64_t>(windows_.size());
+    const std::int64_t window = windows_.try_emplace(open_key_, next).first->second;
     for (std::size_t t : touched_) {
         Track& track = tracks_[t];
         const Phase phase =
             2 * track.count >= open_frames_ ? classify(track.sum / track.count) : Phase::unknown;
         count(row, phase);
-        if (track.classes.empty()) track.first_window = open_window_;
-        if (open_window_ < track.first_window) {  // time stamps may go back
-            track.classes.insert(track.classes.begin(),
-                                 static_cast<std::size_t>(track.first_window - open_window_),
-                                 Phase::unknown);
-            track.first_window = open_window_;
-        }
-        const auto place = static_cast<std::size_t>(open_window_ - track.first_window);
-        if (track.classes.size() <= place) track.classes.resize(place + 1, Phase::unknown);
-        track.classes[place] = phase;
+        note(track, window, phase);
         track.sum = 0;
         track.count = 0;
     }
@@ -126,21 +143,25 @@ void PhaseHistory::merge(const PhaseHistory& later) {
     frames_ += closed.frames_;
     rows_.insert(rows_.end(), closed.rows_.begin(), closed.rows_.end());
     if (!closed.window_.length) window_ = closed.window_;
+    std::map<std::int64_t, double> by_number;
+    for (const auto& [key, number] : closed.windows_) by_number.emplace(number, key);
+    std::vector<std::int64_t> here;  // our number of each of their windows
+    for (const auto& [number, key] : by_number) {
+        const auto next = static_cast<std::int64_t>(windows_.size());
+        here.push_back(windows_.try_emplace(key, next).first->second);
+    }
     for (const auto& [id, from] : closed.index_) {
         const Track& source = closed.tracks_[from];
         const auto [at, is_new] = index_.try_emplace(id, tracks_.size());
-        if (is_new) {
-            tracks_.push_back(source);
-            continue;
-        }
+        if (is_new) tracks_.emplace_back();
         Track& track = tracks_[at->second];
-        if (track.classes.empty()) track.first_window = source.first_window;
         for (std::size_t w = 0; w < source.classes.size(); ++w) {
-            const std::int64_t window = source.first_window + static_cast<std::int64_t>(w);
-            if (window < track.first_window) continue;
-            const auto place = static_cast<std::size_t>(window - track.first_window);
-            if (track.classes.size() <= place) track.classes.resize(place + 1, Phase::unknown);
-            if (track.classes[place] == Phase::unknown) track.classes[place] = source.classes[w];
+            const std::int64_t window = here[static_cast<std::size_t>(source.first_window) + w];
+            const std::int64_t place = window - track.first_window;
+            const bool known = !track.classes.empty() && place >= 0 &&
+                               place < static_cast<std::int64_t>(track.classes.size()) &&
+                               track.classes[static_cast<std::size_t>(place)] != Phase::unknown;
+            if (!known) note(track, window, source.classes[w]);
         }
     }
 }
@@ -150,6 +171,17 @@ std::span<const Phase> PhaseHistory::classes(std::int64_t id, std::int64_t& firs
     if (at == index_.end() || !window_.length) return {};
     first_window = tracks_[at->second].first_window;
     return tracks_[at->second].classes;
+}
+
+// What limits the meaning of the fractions; empty if nothing does.
+std::string PhaseHistory::remark() const {
+    if (!window_.reason.empty()) return window_.reason;
+    const bool averages = std::ranges::any_of(rows_, [](const Row& row) { return row.frames > 1; });
+    if (!averages) {
+        return fmt::format("no window of {:.4g} holds two frames: phase of one frame",
+                           *window_.length);
+    }
+    return rows_.size() == 1 ? "one window: no error from fluctuations" : "";
 }
 
 ObservableResult PhaseHistory::result() const {
@@ -167,6 +199,7 @@ ObservableResult PhaseHistory::result() const {
     curve.name = "phase";
     curve.title = "Solid and liquid fraction";
     Column frame{"frame", "-", "Frame", {}};
+    Column time{"t", "time unit", "Time", {}};
     Column solid{"solid_fraction", "-", "Solid fraction", {}};
     Column liquid{"liquid_fraction", "-", "Liquid fraction", {}};
     MeanSeries solid_mean;
@@ -174,6 +207,7 @@ ObservableResult PhaseHistory::result() const {
     for (const Row& row : rows_) {
         if (row.all <= 0) continue;
         frame.values.push_back(static_cast<double>(row.frame));
+        time.values.push_back(row.time);
         solid.values.push_back(row.solid / row.all);
         liquid.values.push_back(row.liquid / row.all);
         solid_mean.add(row.solid / row.all);
@@ -183,19 +217,22 @@ ObservableResult PhaseHistory::result() const {
         result.reason = frames_ == 0 ? "no frames" : "no particle has a defined |Q4|";
         return result;
     }
-    curve.columns = {frame, solid, liquid};
+    curve.columns = {frame, time, solid, liquid};
     result.curves = {curve};
-    const std::string one = rows_.size() == 1 ? "one window: no error from fluctuations" : "";
-    const std::string why = window_.reason.empty() ? one : window_.reason;
+    const std::string why = remark();
     for (auto& [name, mean] :
          {std::pair{"solid_fraction", &solid_mean}, std::pair{"liquid_fraction", &liquid_mean}}) {
         Measurement m = mean->measurement(name, "-", std::nullopt, why);
-        m.reason = why;
+        if (!why.empty()) m.reason = why;
         result.measurements.push_back(m);
     }
     if (window_.length) {
+        double frames = 0;
+        for (const Row& row : rows_) frames += row.frames;
         result.measurements.push_back({"averaging_time", "time unit", window_.length, std::nullopt,
-                                       0, "chosen, not measured"});
+                                       0,
+                                       fmt::format("chosen, not measured; {:.3g} frames in it",
+                                                   frames / static_cast<double>(rows_.size()))});
     } else {
         result.measurements.push_back(missing("averaging_time", "time unit", window_.reason));
     }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -37,9 +38,12 @@ struct PhaseWindow {
 ///
 /// (`castillo2019`). Windows of length T_o lie on a fixed grid of time, n T_o ≤ t < (n+1) T_o; a
 /// particle is classified in a window in which it is seen in at least half of the frames. Without
-/// identities, with one frame or without T_o every frame is its own window, and `reason` says so.
+/// identities, with one frame or without T_o every frame is its own window, and `reason` says so,
+/// as it does when T_o is so short that no window holds two frames.
 ///
-/// Memory: 1 B a particle and window, 24 B a window, 64 B an identity.
+/// Only windows that hold a frame exist, however long the time between frames and however short
+/// T_o: there are never more of them than frames. Memory: 1 B a particle and window, 100 B a
+/// window, 64 B an identity.
 class PhaseHistory {
  public:
     struct Sample {
@@ -59,7 +63,8 @@ class PhaseHistory {
     void close_window();
 
     /// The class of each window that particle `id` was followed through, from window
-    /// `first_window`; empty if unknown. Window of a time: `window_of`.
+    /// `first_window`; empty if unknown. Windows are numbered in the order in which they were
+    /// first seen; -1: no such window.
     std::span<const Phase> classes(std::int64_t id, std::int64_t& first_window) const;
     std::int64_t window_of(double time) const;
 
@@ -75,12 +80,17 @@ class PhaseHistory {
     };
     struct Row {
         std::int64_t frame = 0;
+        double time = 0;
+        double frames = 1;
         double solid = 0;  // particles
         double liquid = 0;
         double all = 0;
     };
     Phase classify(double mean) const;
     void count(Row& row, Phase phase) const;
+    double key_of(double time) const;
+    static void note(Track& track, std::int64_t window, Phase phase);
+    std::string remark() const;
     void add_alone(const Sample& sample);
 
     PhaseOptions options_;
@@ -89,9 +99,10 @@ class PhaseHistory {
     std::unordered_map<std::int64_t, std::size_t> index_;
     std::vector<Track> tracks_;
     std::vector<std::size_t> touched_;
-    std::int64_t open_window_ = 0;
-    std::int64_t open_frame_ = 0;
+    double open_key_ = 0;
+    Row open_;
     int open_frames_ = 0;
+    std::map<double, std::int64_t> windows_;  // number of each window by its place on the grid
     std::vector<Row> rows_;
 };
 

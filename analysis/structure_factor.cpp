@@ -25,6 +25,21 @@ Vec2 spacing_of(const StructureFactorOptions& options, const Box& box) {
             step_of(options.grid, box.length.y, box.boundary[1])};
 }
 
+// The wavevector limit, once the sums over it are sure to fit into the memory.
+double affordable(const StructureFactorOptions& options, const Box& box, int blocks) {
+    constexpr double most_bytes = 2e9;
+    constexpr double per_mode = 56;
+    const double modes = ModeGrid::about(spacing_of(options, box), options.k_max);
+    const double bytes = modes * per_mode * blocks;
+    if (bytes < most_bytes) return options.k_max;
+    throw OptionError(ErrorText{
+        fmt::format("S(k) up to sk.k-max = {:.4g} /a needs too much memory", options.k_max),
+        fmt::format("{:.2g} wavevectors, {:.2g} GB", modes, bytes / 1e9),
+        fmt::format("at most {:.2g} GB", most_bytes / 1e9),
+        fmt::format("lower sk.k-max to {:.2g} or less",
+                    options.k_max * std::sqrt(most_bytes / bytes))});
+}
+
 bool same_length(double a, double b) {
     return std::abs(a - b) <= 1e-9 * std::max(a, b);
 }
@@ -48,7 +63,7 @@ StructureFactor::StructureFactor(const StructureFactorOptions& options, const Bo
     : options_(options),
       box_(box),
       plan_(BlockPlan::of(frames)),
-      grid_(spacing_of(options, box), options.k_max) {
+      grid_(spacing_of(options, box), affordable(options, box, plan_.blocks)) {
     const auto& modes = grid_.modes();
     const bool walls = box.boundary[0] == Boundary::walls && box.boundary[1] == Boundary::walls;
     const bool half_steps = same_length(grid_.spacing().x, std::numbers::pi / box.length.x) &&

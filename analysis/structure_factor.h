@@ -46,11 +46,22 @@ OptionTable describe(StructureFactorOptions& options);
 ///
 /// Isotropic average over shells of |k| (half plane), by default every distinct |k| below 5.5 grid
 /// steps and shells one step wide above: k is the mean |k| of the modes, n their
-/// number. Error: jackknife over at most 16 blocks of time; below four frames the scatter among
-/// the modes of a shell. In a walled box plane waves on the π/L grid are correlated and leak
-/// (docs/analysis.md): use `sk_neumann` for the limit k → 0.
+/// number. In a walled box plane waves on the π/L grid are correlated and leak (docs/analysis.md):
+/// use `sk_neumann` for the limit k → 0.
 ///
-/// Memory: 16 blocks × 56 B × modes, whatever the number of frames.
+/// Error: jackknife over K ≤ 16 blocks of time, times sqrt((K − 1)/(K − 3)), the spread of
+/// Student's t: (S − true S)/error has variance one for small K too. Below eight frames the frames
+/// are taken as independent, which is said, and S as the mean of ν exponentially distributed
+/// numbers (a gamma distribution),
+///
+///   error² = S² (ν + 2)/((ν − 1)(ν − 2)),  ν = n_eff M (raw), n_eff (M − 1) (connected; Neumann,
+///   whose modes are real: half of it),  n_eff = n²/Σ_kk' |c(k − k')|²  over the modes of a shell,
+///
+/// c the overlap of two plane waves in the box (product of sin(x)/x, x = Δk L/2), so that again
+/// (S − true S)/error has variance one; none for ν ≤ 2. Samples: M n_eff.
+///
+/// Memory: 16 blocks × 56 B × modes, whatever the number of frames; more than 2 GB is refused
+/// (OptionError) before it is taken.
 class StructureFactor {
  public:
     struct Sample {
@@ -106,11 +117,15 @@ class StructureFactor {
     Shells shells(Estimator estimator) const;
     double mode_value(const Block& sums, Estimator estimator, std::size_t mode) const;
     std::vector<double> samples(const Shells& shells, Estimator estimator) const;
+    std::vector<double> independent_modes(const Shells& shells, Estimator estimator) const;
+    std::vector<double> few_frames_error(const Shells& shells, Estimator estimator,
+                                         const std::vector<double>& s) const;
     std::vector<double> averages(const Shells& shells, const Block& sums, Estimator estimator,
                                  const std::vector<double>& samples) const;
     Curve curve(const char* name, const char* title, Estimator estimator) const;
     Curve samples_curve(Estimator estimator) const;
-    void add_measurements(ObservableResult& result, const std::string& reason) const;
+    void add_measurements(ObservableResult& result, Estimator best,
+                          const std::string& reason) const;
     Block total(std::optional<std::size_t> without) const;
     Block empty_block() const;
 

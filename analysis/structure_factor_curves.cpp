@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -16,6 +17,7 @@ namespace grainfield::analysis {
 namespace {
 
 constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t least_blocks = 8;  // for a jackknife
 
 // Number of the shell of a mode, growing with k. Without a given width every distinct |k| below 5.5
 // grid steps is a shell of its own, above shells are one step wide.
@@ -113,6 +115,70 @@ std::vector<double> StructureFactor::samples(const Shells& shells, Estimator est
     return samples;
 }
 
+// How many independent modes a shell is worth: plane waves that do not fit between the walls
+// overlap.
+std::vector<double> StructureFactor::independent_modes(const Shells& shells,
+                                                       Estimator estimator) const {
+    constexpr int reach = 15;  // the overlap left out beyond is below 2 % of the sum
+    if (estimator == Estimator::neumann) return shells.modes;
+    std::array<std::array<double, 2 * reach + 1>, 2> overlap;
+    const std::array<double, 2> half{0.5 * grid_.spacing().x * box_.length.x,
+                                     0.5 * grid_.spacing().y * box_.length.y};
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+        for (int d = -reach; d <= reach; ++d) {
+            const double x = d * half[axis];
+            const double c = d == 0 ? 1 : std::sin(x) / x;
+            overlap[axis][static_cast<std::size_t>(d + reach)] = c * c < 1e-12 ? 0 : c * c;
+        }
+    }
+    std::vector<std::size_t> shell(grid_.modes().size(), nowhere);
+    for (std::size_t s = 0; s < shells.members.size(); ++s) {
+        for (std::size_t m : shells.members[s]) shell[m] = s;
+    }
+    const std::vector<int>& rows = grid_.rows();
+    std::vector<double> sums(shells.k.size(), 0.0);
+    for (std::size_t m = 0; m < shell.size(); ++m) {
+        if (shell[m] == nowhere) continue;
+        for (int dx = -reach; dx <= reach; ++dx) {
+            const double of_x = overlap[0][static_cast<std::size_t>(dx + reach)];
+            if (of_x == 0) continue;
+            for (int dy = -reach; dy <= reach; ++dy) {
+                const double of_y = overlap[1][static_cast<std::size_t>(dy + reach)];
+                if (of_y == 0) continue;
+                int nx = grid_.modes()[m].nx + dx;
+                int ny = grid_.modes()[m].ny + dy;
+                if (nx < 0 || (nx == 0 && ny < 0)) {  // the other half plane: conjugate
+                    nx = -nx;
+                    ny = -ny;
+                }
+                if (nx >= static_cast<int>(rows.size()) || (nx == 0 && ny == 0)) continue;
+                if (std::abs(ny) >= rows[static_cast<std::size_t>(nx)]) continue;
+                if (shell[grid_.index(nx, ny)] == shell[m]) sums[shell[m]] += of_x * of_y;
+            }
+        }
+    }
+    std::vector<double> independent;
+    for (std::size_t s = 0; s < sums.size(); ++s) {
+        independent.push_back(shells.modes[s] * shells.modes[s] / sums[s]);
+    }
+    return independent;
+}
+
+std::vector<double> StructureFactor::few_frames_error(const Shells& shells, Estimator estimator,
+                                                      const std::vector<double>& s) const {
+    const auto frames = static_cast<double>(added_);
+    const double each = estimator == Estimator::raw         ? frames
+                        : estimator == Estimator::connected ? frames - 1
+                                                            : 0.5 * (frames - 1);
+    const std::vector<double> modes = independent_modes(shells, estimator);
+    std::vector<double> error(s.size(), undefined);
+    for (std::size_t i = 0; i < s.size(); ++i) {
+        const double n = each * modes[i];
+        if (n > 2) error[i] = s[i] * std::sqrt((n + 2) / ((n - 1) * (n - 2)));
+    }
+    return error;
+}
+
 std::vector<double> StructureFactor::averages(const Shells& shells, const Block& sums,
                                               Estimator estimator,
                                               const std::vector<double>& samples) const {
@@ -135,29 +201,20 @@ Curve StructureFactor::curve(const char* name, const char* title, Estimator esti
     const Block sums = total(std::nullopt);
     const std::vector<double> s = averages(shells, sums, estimator, samples);
     std::vector<double> error(s.size(), undefined);
-    if (blocks_.size() >= 4) {
+    if (const std::size_t k = blocks_.size(); k >= least_blocks) {
         std::vector<std::vector<double>> left(s.size());
-        for (std::size_t b = 0; b < blocks_.size(); ++b) {
+        for (std::size_t b = 0; b < k; ++b) {
             const std::vector<double> part = averages(shells, total(b), estimator, samples);
             for (std::size_t i = 0; i < s.size(); ++i) left[i].push_back(part[i]);
         }
+        const double student =
+            std::sqrt((static_cast<double>(k) - 1) / (static_cast<double>(k) - 3));
         for (std::size_t i = 0; i < s.size(); ++i) {
-            error[i] = jackknife_error(left[i], 4).value_or(undefined);
+            const auto spread = jackknife_error(left[i], least_blocks);
+            if (spread) error[i] = student * *spread;
         }
     } else {
-        for (std::size_t i = 0; i < s.size(); ++i) {
-            if (shells.modes[i] < 4 || !std::isfinite(s[i])) continue;
-            double mean = 0;
-            double squares = 0;
-            for (std::size_t m : shells.members[i]) {
-                const double value = mode_value(sums, estimator, m);
-                mean += value;
-                squares += value * value;
-            }
-            mean /= shells.modes[i];
-            const double spread = std::max(0.0, squares / shells.modes[i] - mean * mean);
-            error[i] = std::sqrt(spread / (shells.modes[i] - 1));
-        }
+        error = few_frames_error(shells, estimator, s);
     }
     Curve curve;
     curve.name = name;
@@ -178,23 +235,34 @@ Curve StructureFactor::samples_curve(Estimator estimator) const {
     return curve;
 }
 
-void StructureFactor::add_measurements(ObservableResult& result, const std::string& reason) const {
-    const auto lowest = [&](const char* curve_name, const std::string& name) {
+void StructureFactor::add_measurements(ObservableResult& result, Estimator best,
+                                       const std::string& reason) const {
+    const auto lowest = [&](const char* curve_name, const std::string& name, Estimator estimator) {
         const Curve* curve = result.find_curve(curve_name);
         if (curve == nullptr || curve->columns[0].values.empty()) return;
+        const Shells shells = this->shells(estimator);
         const double s = curve->find("s")->values.front();
         const double error = curve->find("s_err")->values.front();
-        Measurement m{name, "-", s, std::nullopt, static_cast<double>(blocks_.size()), reason};
-        if (std::isfinite(error)) {
+        const double independent =
+            samples(shells, estimator).front() * independent_modes(shells, estimator).front();
+        Measurement m{name, "-", s, std::nullopt, independent, reason};
+        const auto also = [&m](const char* text) {
+            m.reason += (m.reason.empty() ? "" : "; ") + std::string(text);
+        };
+        if (std::isfinite(error) && error > 0) {
             m.error = error;
-        } else if (m.reason.empty()) {
-            m.reason = "too few frames or modes for an error";
+            if (blocks_.size() < least_blocks && added_ > 1) {
+                also("fewer than eight frames: error takes them as independent");
+            }
+        } else {
+            also(error == 0 ? "the same in every frame: no error"
+                            : "too few frames and modes for an error");
         }
         result.measurements.push_back(m);
     };
-    lowest("sk", "s_lowest_k");
-    lowest("sk_raw", "s_raw_lowest_k");
-    lowest("sk_neumann", "s_neumann_lowest_k");
+    lowest("sk", "s_lowest_k", best);
+    lowest("sk_raw", "s_raw_lowest_k", Estimator::raw);
+    lowest("sk_neumann", "s_neumann_lowest_k", Estimator::neumann);
     const Curve* sk = result.find_curve("sk");
     result.measurements.push_back({"lowest_k", "1/a", sk->columns[0].values.front(), std::nullopt,
                                    0, "fixed by the box, not measured"});
@@ -221,15 +289,17 @@ ObservableResult StructureFactor::result() const {
         reason = "one frame: the mean density cannot be subtracted, raw estimator with walls in it";
     }
     const Estimator best = connected ? Estimator::connected : Estimator::raw;
-    result.curves.push_back(
-        curve("sk", connected ? "Structure factor, connected" : "Structure factor, raw", best));
+    const char* title = connected        ? "Structure factor, connected"
+                        : reason.empty() ? "Structure factor, raw"
+                                         : "Structure factor, raw: one frame, walls included";
+    result.curves.push_back(curve("sk", title, best));
     result.curves.push_back(curve("sk_raw", "Structure factor, raw", Estimator::raw));
     if (added_ >= 2 && has_neumann()) {
         result.curves.push_back(
             curve("sk_neumann", "Structure factor, modes of a walled box", Estimator::neumann));
     }
     if (added_ >= 2) result.curves.push_back(samples_curve(best));
-    add_measurements(result, reason);
+    add_measurements(result, best, reason);
     return result;
 }
 

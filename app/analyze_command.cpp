@@ -4,6 +4,7 @@
 
 #include "app/field_results.h"
 #include "app/interrupt_deadline.h"
+#include "app/lengths.h"
 #include "core/errors.h"
 #include "core/interrupt.h"
 #include "io/file_kind.h"
@@ -12,6 +13,7 @@
 #include "io/points_csv.h"
 #include "io/results_file.h"
 #include "io/trajectory_file.h"
+#include "report/text.h"
 
 namespace grainfield::app {
 
@@ -43,12 +45,11 @@ ordered_json to_json(const ObservableResult& observable) {
     return object;
 }
 
-std::string words(const Measurement& m) {
-    const std::string unit = m.unit.empty() || m.unit == "-" ? "" : " " + m.unit;
+std::string words(const Measurement& m, TimeUnit time_unit) {
+    const std::string unit = m.unit.empty() ? "" : report::pretty_unit(m.unit, time_unit);
     std::string text = fmt::format("    {:<18} ", m.name);
-    if (m.value) text += fmt::format("{:.5g}", *m.value);
-    if (m.value && m.error) text += fmt::format(" ± {:.2g}", *m.error);
-    if (m.value) text += unit;
+    if (m.value) text += report::with_error(*m.value, m.error ? &*m.error : nullptr);
+    if (m.value && !unit.empty()) text += " " + unit;
     if (!m.reason.empty()) text += fmt::format("{}({})", m.value ? " " : "- ", m.reason);
     return text + "\n";
 }
@@ -58,9 +59,13 @@ std::string words(const Session& session, const Results& results) {
         fmt::format("{}: {}, {:.1f} particles per frame\n", session.outputs.front().string(),
                     counted(results.frames, "frame"), results.particles_mean);
     for (const ObservableResult& observable : results.observables) {
-        text += fmt::format("  {} ({})\n", observable.name, format_duration(observable.seconds));
+        const std::string name =
+            observable.name == "q4" ? report::order_symbol(results) : observable.name;
+        text += fmt::format("  {} ({})\n", name, format_duration(observable.seconds));
         if (!observable.reason.empty()) text += fmt::format("    - ({})\n", observable.reason);
-        for (const Measurement& m : observable.measurements) text += words(m);
+        for (const Measurement& m : observable.measurements) {
+            text += words(m, results.source.time_unit);
+        }
     }
     for (const PlannedStage& stage : session.plan.skipped()) {
         text += fmt::format("  skipped    {}: {}\n", stage.stage, stage.reason);
@@ -194,6 +199,11 @@ Summary AnalyzeCommand::work(Session& session) const {
         analysis::analyze(snapshots, analysis_, session.threads(), session.plan, progress);
     progress.finish();
     results.source = snapshots.info();
+    results.observables.insert(results.observables.begin(),
+                               lengths_of(*file, results.source, adjustment));
+    if (const auto* tracks = dynamic_cast<const io::TrajectoryFile*>(file.get())) {
+        if (!tracks->record().command.empty()) results.sources = {tracks->record()};
+    }
     results.label = label_.empty() ? input.stem().string() : label_;
     results.frames = snapshots.count();
     results.particles_mean = snapshots.particles_mean();

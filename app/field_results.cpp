@@ -26,6 +26,7 @@ Results field_results(const std::filesystem::path& path, bool from_fields,
         session.plan.run("stored fields", fmt::format("{} of them", file.count()));
     }
     if (session.common.explain) return results;
+    if (!file.record().command.empty()) results.sources = {file.record()};
     if (accumulated) {
         results.observables = file.statistics();
         return results;

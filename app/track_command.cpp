@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "app/interrupt_deadline.h"
+#include "app/lengths.h"
 #include "app/watched_frames.h"
 #include "core/interrupt.h"
 #include "io/frame_files.h"
@@ -49,6 +50,11 @@ class KeptTracks : public SnapshotSink {
     void add_preview(const Frame& frame, const Snapshot& found) {
         const std::lock_guard lock(mutex_);
         previews_.push_back({frame, found, {}});
+    }
+
+    void add_curve(const Curve& curve) {
+        const std::lock_guard lock(mutex_);
+        writer_.add_curve(curve);
     }
 
     void finish(const RunRecord& record) {
@@ -241,6 +247,10 @@ Summary TrackCommand::run(Session& session) {
     }
     if (result.frames > 0 && !has_residual(tracker, result)) {
         session.plan.warn("no residual is given: no spheres were found");
+    }
+    if (tracker.is_calibrated()) {
+        const auto& disc = tracker.model().disc;
+        tracks->add_curve(calibration_curve(disc.diameter, disc.edge_width, result.residual_rms));
     }
     tracks->finish(session.record());
     session.outputs.push_back(output_);

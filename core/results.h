@@ -92,6 +92,7 @@ struct Results {
     std::vector<ObservableResult> observables;
     std::vector<Preview> previews;
     RunRecord record;
+    std::vector<RunRecord> sources;  ///< of the runs that made the input, oldest first
 
     const ObservableResult* find(const std::string& observable) const;
 };

@@ -29,6 +29,11 @@ Results read_content(const H5File& file, const H5Group& group) {
     results.observables = read_observables(group.group("curves"), text.at("observables"));
     results.previews = read_previews(group.group("previews"));
     results.record = record_from_json(parse_json(group.text("record"), file.name()), file.name());
+    if (group.has("sources")) {  // not in files of version 0.1
+        for (const json& record : parse_json(group.text("sources"), file.name())) {
+            results.sources.push_back(record_from_json(record, file.name()));
+        }
+    }
     return results;
 }
 
@@ -53,6 +58,9 @@ void write_results(OutputFile output, const Results& results) {
                            {"observables", std::move(observables)}};
     group.write_text("description", text_of(description));
     group.write_text("record", text_of(to_json(results.record)));
+    json sources = json::array();
+    for (const RunRecord& record : results.sources) sources.push_back(to_json(record));
+    group.write_text("sources", text_of(sources));
     const H5Group previews = group.make_group("previews");
     for (std::size_t i = 0; i < results.previews.size(); ++i) {
         write_preview(previews, std::to_string(i), results.previews[i]);

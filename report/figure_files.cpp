@@ -1,5 +1,6 @@
 #include "report/figure_files.h"
 
+#include <fstream>
 #include <iterator>
 #include <system_error>
 
@@ -23,6 +24,22 @@ void make_folder(const fs::path& folder) {
     throw OutputError(ErrorText{"cannot make the folder '" + folder.string() + "' for the figures",
                                 problem ? problem.message() : "it is not a folder", "",
                                 "choose another place for the report"});
+}
+
+constexpr const char* list_name = "files.txt";
+
+// Removes what an earlier report wrote into the folder: the figures its list names, nothing else.
+void remove_earlier(const fs::path& folder) {
+    std::ifstream list(folder / list_name);
+    for (std::string name; std::getline(list, name);) {
+        const fs::path file(name);
+        const bool is_figure = file.extension() == ".svg" || file.extension() == ".csv";
+        if (!is_figure || file != file.filename()) continue;
+        std::error_code ignored;
+        if (fs::is_regular_file(fs::symlink_status(folder / file, ignored))) {
+            fs::remove(folder / file, ignored);
+        }
+    }
 }
 
 // One gnuplot for all figures; each SVG appears under its name when it is complete.
@@ -83,6 +100,7 @@ std::vector<std::string> write_figure_files(const std::vector<Figure>& figures,
                                             const fs::path& folder, const Gnuplot& gnuplot,
                                             RunPlan& plan) {
     make_folder(folder);
+    remove_earlier(folder);
     std::vector<std::string> written;
     const auto write = [&](const std::string& name, const std::string& content) {
         write_file(folder / name, content);
@@ -102,6 +120,9 @@ std::vector<std::string> write_figure_files(const std::vector<Figure>& figures,
         const auto plots = write_plots(with_data, folder, gnuplot, plan);
         written.insert(written.end(), plots.begin(), plots.end());
     }
+    std::string list;
+    for (const std::string& name : written) list += name + "\n";
+    write(list_name, list);
     return written;
 }
 

@@ -16,7 +16,9 @@ std::string figure_csv(const Figure& figure);
 
 /// Writes every figure with data and every map as `<name>.csv` and `<name>.svg` into the folder,
 /// which is made if needed; gives the names of the files written. SVG plots need gnuplot: without
-/// it, or when it fails, the plan says so and everything else is written. Throws OutputError.
+/// it, or when it fails, the plan says so and everything else is written. The list `files.txt`
+/// (last of the names) stays in the folder; the next report there removes what it names and does
+/// not write again, and nothing else. Throws OutputError.
 std::vector<std::string> write_figure_files(const std::vector<Figure>& figures,
                                             const std::vector<ParticleMap>& maps,
                                             const std::vector<std::string>& labels,

@@ -112,14 +112,38 @@ std::string common_title(const Runs& runs, const Source& source) {
     return title;
 }
 
+// "|Q₄|", or "|Q₄|, |Q₆|" where runs differ.
+std::string common_order(const Runs& runs) {
+    std::vector<std::string> names;
+    for (const Results& run : runs) {
+        const std::string name = order_symbol(run);
+        if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+    }
+    std::string out;
+    for (const std::string& name : names) out += (out.empty() ? "" : ", ") + name;
+    return out;
+}
+
 Figure histogram(const Runs& runs, const std::vector<std::string>& labels) {
     Figure figure = empty_figure(labels, "q4_histogram", "Bond-orientational order",
-                                 {"q4", "|Q₄|", "", Scale::linear, true},
+                                 {"q4", common_order(runs), "", Scale::linear, true},
                                  {"density", "Probability density", "", Scale::linear, true});
     add_kind(figure, runs, {"density", Mark::steps, true},
              {"q4", "q4_histogram", "q4", "density", ""}, true);
-    figure.note = "Liquid lies near 0.3, the square crystal near 0.95.";
+    if (figure.x.label == "|Q₄|") {
+        figure.note = "Liquid lies near 0.3, the square crystal near 0.95.";
+    }
     return figure;
+}
+
+// The title of the figure says what the curve is, and what limits it; where the runs differ, each
+// curve says so itself.
+void entitle(Figure& figure, const std::string& title) {
+    if (!title.empty()) {
+        figure.title = title;
+    } else if (figure.has_data()) {
+        figure.note = "The runs were measured in different ways, see the key numbers";
+    }
 }
 
 Figure structure_factor(const Runs& runs, const std::vector<std::string>& labels) {
@@ -133,7 +157,7 @@ Figure structure_factor(const Runs& runs, const std::vector<std::string>& labels
     add_kind(figure, runs, {"modes of a walled box", Mark::line, false},
              {"sk", "sk_neumann", "k", "s", "s_err"}, false);
     figure.may_be_linear = true;
-    figure.note = common_title(runs, sk);
+    entitle(figure, common_title(runs, sk));
     return figure;
 }
 
@@ -145,7 +169,7 @@ Figure number_variance(const Runs& runs, const std::vector<std::string>& labels)
     add_kind(figure, runs, {"σ²(ℓ)", Mark::line, true}, source, true);
     add_kind(figure, runs, {"pooled over positions and frames", Mark::line, false},
              {"variance", "variance_pooled", "l", "variance", "err"}, false);
-    figure.note = common_title(runs, source);
+    entitle(figure, common_title(runs, source));
     if (!figure.has_data()) return figure;
     const auto [first, last] = extent(figure, figure.x, &Series::x);
     const auto [low, high] = extent(figure, figure.y, &Series::y);
@@ -212,14 +236,24 @@ Figure displacement(const Runs& runs, const std::vector<std::string>& labels) {
     return figure;
 }
 
+// Against time where all runs know theirs in the same unit, else against the frame number.
 Figure phase_fractions(const Runs& runs, const std::vector<std::string>& labels) {
-    Figure figure =
-        empty_figure(labels, "phase", "Phases", {"frame", "Frame", "", Scale::linear, false},
-                     {"fraction", "Fraction of particles", "", Scale::linear, true});
+    const Source by_time{"phase", "phase", "t", "solid_fraction", ""};
+    const TimeUnit unit = shared_time_unit(runs, by_time);
+    const bool timed =
+        unit != TimeUnit::frame && std::ranges::all_of(runs, [&](const Results& run) {
+            const Source by_frame{"phase", "phase", "frame", "solid_fraction", ""};
+            return find_curve(run, by_frame) == nullptr ||
+                   (find_curve(run, by_time) != nullptr && run.source.time_unit == unit);
+        });
+    const Axis time{"t", "Time t", pretty_unit("time unit", unit), Scale::linear, false};
+    const Axis frame{"frame", "Frame", "", Scale::linear, false};
+    Figure figure = empty_figure(labels, "phase", "Phases", timed ? time : frame,
+                                 {"fraction", "Fraction of particles", "", Scale::linear, true});
     add_kind(figure, runs, {"solid", Mark::line, true},
-             {"phase", "phase", "frame", "solid_fraction", ""}, true);
+             {"phase", "phase", figure.x.name, "solid_fraction", ""}, true);
     add_kind(figure, runs, {"liquid", Mark::line, true},
-             {"phase", "phase", "frame", "liquid_fraction", ""}, false);
+             {"phase", "phase", figure.x.name, "liquid_fraction", ""}, false);
     std::erase_if(figure.series, [&](const Series& series) {
         if (series.x.size() > 1) return false;
         if (series.kind == 0) {

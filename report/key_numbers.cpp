@@ -18,16 +18,21 @@ const std::map<std::string, std::string>& observable_titles() {
                                                            {"phase", "Phases"},
                                                            {"msd", "Displacement"},
                                                            {"sk", "Structure factor"},
-                                                           {"variance", "Number variance"}};
+                                                           {"variance", "Number variance"},
+                                                           {"lengths", "Lengths"}};
     return titles;
 }
 
 const std::map<std::string, std::string>& quantity_titles() {
     static const std::map<std::string, std::string> titles{
-        {"q4_mean", "Mean |Q₄|"},
-        {"q4_low_mode", "|Q₄| of the liquid peak"},
-        {"q4_high_mode", "|Q₄| of the solid peak"},
-        {"q4_minimum", "|Q₄| between the peaks"},
+        {"order_mean", "Mean {}"},
+        {"order_low_mode", "{} of the liquid peak"},
+        {"order_high_mode", "{} of the solid peak"},
+        {"order_minimum", "{} between the peaks"},
+        {"particle_diameter", "Particle diameter a, unit of all lengths"},
+        {"apparent_diameter", "Apparent diameter D of the discs"},
+        {"edge_width", "Edge width w of the discs"},
+        {"residual", "Residual of the image model (RMS, of the contrast)"},
         {"nearest_distance", "Mean distance of the nearest neighbour"},
         {"lattice_spacing", "Lattice spacing of the solid, projected"},
         {"solid_fraction", "Solid fraction"},
@@ -57,6 +62,17 @@ std::string title_of(const std::map<std::string, std::string>& titles, const std
     return words;
 }
 
+// The title of a measurement; q4_mean, q6_mean … carry the symmetry in their name.
+std::string quantity_of(const std::string& name, const std::string& order) {
+    const std::size_t digits = name.find_first_not_of("0123456789", 1);
+    if (name.starts_with("q") && digits != std::string::npos && digits > 1 && name[digits] == '_') {
+        const auto known = quantity_titles().find("order" + name.substr(digits));
+        if (known != quantity_titles().end())
+            return fmt::format(fmt::runtime(known->second), order);
+    }
+    return title_of(quantity_titles(), name);
+}
+
 KeyNumber key_number(const Measurement& m) {
     KeyNumber number;
     number.note = clean_text(m.reason);
@@ -66,6 +82,9 @@ KeyNumber key_number(const Measurement& m) {
     }
     number.value = with_error(*m.value, m.error ? &*m.error : nullptr);
     if (m.samples > 0) number.samples = count_text(m.samples);
+    if (m.error && *m.error == 0 && number.note.empty()) {
+        number.note = "no fluctuations: the error is not known";
+    }
     return number;
 }
 
@@ -73,7 +92,8 @@ class Table {
  public:
     explicit Table(std::size_t runs) : runs_(runs) {}
 
-    KeyNumberRow& row(const std::string& observable, const std::string& name) {
+    KeyNumberRow& row(const std::string& observable, const std::string& name,
+                      const std::string& order = "|Q₄|") {
         const auto found = std::ranges::find_if(rows_, [&](const KeyNumberRow& row) {
             return row.observable == observable && row.name == name;
         });
@@ -83,7 +103,7 @@ class Table {
             return row.observable == observable;
         });
         const auto place = last == rows_.rend() ? rows_.end() : last.base();
-        KeyNumberRow fresh{observable, title_of(quantity_titles(), name), name, "", {}};
+        KeyNumberRow fresh{observable, quantity_of(name, order), name, "", {}};
         fresh.numbers.assign(runs_, {"", "", "not among the results of this run"});
         return *rows_.insert(place, std::move(fresh));
     }
@@ -107,7 +127,7 @@ void add_run(Table& table, const Results& run, std::size_t r) {
             table.row(title, "not measured").numbers[r] = {"", "", clean_text(observable.reason)};
         }
         for (const Measurement& m : observable.measurements) {
-            KeyNumberRow& row = table.row(title, m.name);
+            KeyNumberRow& row = table.row(title, m.name, order_symbol(run));
             row.numbers[r] = key_number(m);
             if (row.unit.empty()) row.unit = pretty_unit(m.unit, run.source.time_unit);
             const std::string unit = pretty_unit(m.unit, run.source.time_unit);
@@ -165,7 +185,7 @@ std::string key_numbers_html(const std::vector<KeyNumberRow>& rows,
     Notes notes;
     std::string out = "<div class=\"scroll\"><table class=\"numbers\"><thead><tr><th>Quantity</th>";
     if (one_run) {
-        out += "<th>Value</th><th>Samples</th><th>Remark</th>";
+        out += "<th>Value</th><th class=\"count\">Samples</th><th>Remark</th>";
     } else {
         for (const std::string& label : labels) out += "<th>" + escape_html(label) + "</th>";
     }

@@ -47,7 +47,7 @@ std::string discs(const ParticleMap& map, double scale) {
     return out + "</g>\n";
 }
 
-std::string colour_bar(double height) {
+std::string colour_bar(double height, const std::string& order) {
     const double x = width + 22;
     const double length = std::min(300.0, height);
     std::string out = "<defs><linearGradient id=\"order\" x1=\"0\" y1=\"1\" x2=\"0\" y2=\"0\">";
@@ -63,7 +63,7 @@ std::string colour_bar(double height) {
         out += fmt::format("<text x=\"{}\" y=\"{:.1f}\">{}</text>\n", x + 20,
                            std::clamp((1 - q) * length + 5, 12.0, length), q);
     }
-    return out + fmt::format("<text x=\"{}\" y=\"-12\">|Q₄|</text>\n", x);
+    return out + fmt::format("<text x=\"{}\" y=\"-12\">{}</text>\n", x, order);
 }
 
 }  // namespace
@@ -91,7 +91,7 @@ std::string map_svg(const ParticleMap& map, const std::string& run_label) {
     out += discs(map, scale);
     out += fmt::format("<rect width=\"{}\" height=\"{:.1f}\" fill=\"none\" stroke=\"#888\"/>\n",
                        width, height);
-    if (!map.abs_q4.empty()) out += colour_bar(height);
+    if (!map.abs_q4.empty()) out += colour_bar(height, map.order);
     return out + "</g>\n</svg>\n";
 }
 

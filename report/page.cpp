@@ -100,9 +100,9 @@ std::string figure_html(const PageContent& content, const Figure& figure) {
     return out + file_links(content, figure.name) + "</figure>\n";
 }
 
-std::string colour_bar() {
-    std::string out =
-        "<span class=\"colour-bar\">|Q₄| 0 <i style=\"background:linear-gradient(90deg";
+std::string colour_bar(const std::string& order) {
+    std::string out = "<span class=\"colour-bar\"><span class=\"order\">" + order +
+                      "</span> 0 <i style=\"background:linear-gradient(90deg";
     for (int i = 0; i <= 10; ++i) out.append(",").append(hex(viridis(i / 10.0)));
     return out + ")\"></i> 1</span>\n";
 }
@@ -132,7 +132,7 @@ std::string map_html(const PageContent& content) {
             fmt::format("<button type=\"button\" value=\"{0}\" aria-pressed=\"{1}\">{0}</button>",
                         marks, std::string_view(marks) == "discs");
     }
-    out += "</span>\n" + colour_bar() +
+    out += "</span>\n" + colour_bar(content.maps.front().order) +
            "</div>\n<figcaption class=\"caption\"></figcaption>\n"
            "<div class=\"stage\"><canvas></canvas><div class=\"plot\" role=\"img\" "
            "aria-label=\"Frame with detections\"></div></div>\n"
@@ -169,14 +169,15 @@ std::string page_html(const PageContent& content) {
     out += "<title>" + escape_html(content.title) + "</title>\n<style>\n";
     out += page_style;
     out += "</style>\n</head>\n<body>\n<main>\n" + header_html(content);
-    out += remarks_html(content.runs, content.labels, content.plan);
+    out += warnings_html(content.runs, content.labels, content.plan);
     out +=
         "<noscript><p class=\"absent\">The plots need JavaScript; it runs on this machine "
         "only.</p></noscript>\n<section><h2>Key numbers</h2>\n";
     out += key_numbers_html(key_numbers(content.runs), content.labels) + "</section>\n";
     out += map_html(content) + "<section class=\"figures\">\n";
     for (const Figure& figure : content.figures) out += figure_html(content, figure);
-    out += "</section>\n<section><h2>How this was made</h2>\n";
+    out += "</section>\n" + skipped_html(content.runs, content.labels, content.plan);
+    out += "<section><h2>How this was made</h2>\n";
     out += records_html(content.runs, content.labels) + "</section>\n</main>\n";
     out += "<script type=\"application/json\" id=\"report-data\">\n" + data_json(content);
     out += "\n</script>\n<script>";

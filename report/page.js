@@ -238,7 +238,7 @@
       if (best < 0) { readout.textContent = ""; return; }
       const q = map.q.length ? map.q[best] : 255;
       readout.textContent = `x = ${map.px[best].toFixed(1)} ${map.unit}, y = ${map.py[best].toFixed(1)} ${map.unit}` +
-        (q === 255 ? "" : `, |Q₄| = ${(q / 254).toFixed(2)}`);
+        (q === 255 ? "" : `, ${map.orderName} = ${(q / 254).toFixed(2)}`);
     }
 
     function heightFor(wide) {
@@ -269,6 +269,7 @@
       caption.textContent = map.title;
       caption.classList.toggle("paper", !select.frame.parentElement.hidden);
       box.querySelector(".colour-bar").hidden = map.q.length === 0;
+      box.querySelector(".colour-bar .order").textContent = map.orderName;
       readout.textContent = "";
       await Plotly.react(plot, [{ type: "scatter", x: [], y: [] }], layout(), config(true));
       await map.loaded;

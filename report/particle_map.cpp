@@ -73,6 +73,7 @@ ParticleMap describe(const Results& run, std::size_t index, const Preview& previ
     map.position = preview.snapshot.position;
     map.id = preview.snapshot.id;
     map.abs_q4 = preview.abs_q4;
+    map.order = order_symbol(run);
     set_extent(map, preview);
     return map;
 }
@@ -138,10 +139,10 @@ std::string map_json(const ParticleMap& map) {
     return fmt::format(
         R"({{"run":{},"title":{},"x":[{},{}],"y":[{},{}],"yDown":{},"unit":"{}","diameter":{},)"
         R"("imageSize":[{},{}],"image":"{}","pointsX":[{},{}],"pointsY":[{},{}],"points":"{}",)"
-        R"("order":"{}"}})",
+        R"("order":"{}","orderName":{}}})",
         map.run, json_string(map.title), map.x[0], map.x[1], map.y[0], map.y[1], map.y_down,
         map.unit, map.diameter, map.image_size[0], map.image_size[1], image, x[0], x[1], y[0], y[1],
-        base64(points), base64(order));
+        base64(points), base64(order), json_string(map.order));
 }
 
 std::string map_csv(const ParticleMap& map) {

@@ -25,6 +25,7 @@ struct ParticleMap {
     int reduction = 1;                   ///< pixels of the camera per pixel of the PNG, per axis
     std::vector<Vec2> position;          ///< [length unit]
     std::vector<std::int64_t> id;        ///< empty: not linked
+    std::string order = "|Q₄|";          ///< what `abs_q4` is called
     std::vector<double> abs_q4;          ///< [-]; empty: not analysed; NaN: undefined
 };
 

@@ -52,13 +52,26 @@ class Remarks {
     std::vector<Item> items_;
 };
 
+// The records of a run and of what it was made from, oldest first.
+std::vector<const RunRecord*> history(const Results& run) {
+    std::vector<const RunRecord*> records;
+    for (const RunRecord& record : run.sources) records.push_back(&record);
+    records.push_back(&run.record);
+    return records;
+}
+
 std::string bytes_text(std::uint64_t bytes) {
     return count_text(static_cast<double>(bytes)) + " B";
 }
 
 std::string inputs_html(const RunRecord& record) {
     if (record.inputs.empty()) return "";
-    std::string out =
+    const std::size_t count = record.inputs.size();
+    constexpr std::size_t most_open = 12;
+    std::string out;
+    if (count > most_open)
+        out = fmt::format("<details><summary>Inputs ({} files)</summary>", count);
+    out +=
         "<div class=\"scroll\"><table class=\"inputs\"><thead><tr><th>Input</th><th>Size</th>"
         "<th>Checksum</th></tr></thead><tbody>\n";
     for (const RunRecord::Input& input : record.inputs) {
@@ -66,7 +79,8 @@ std::string inputs_html(const RunRecord& record) {
                            escape_html(input.name), bytes_text(input.bytes),
                            escape_html(input.checksum));
     }
-    return out + "</tbody></table></div>\n";
+    out += "</tbody></table></div>\n";
+    return count > most_open ? out + "</details>\n" : out;
 }
 
 std::string configuration_html(const RunRecord& record) {
@@ -84,32 +98,44 @@ std::string configuration_html(const RunRecord& record) {
 
 }  // namespace
 
-std::string remarks_html(const std::vector<Results>& runs, const std::vector<std::string>& labels,
-                         const RunPlan& plan) {
+std::string warnings_html(const std::vector<Results>& runs, const std::vector<std::string>& labels,
+                          const RunPlan& plan) {
     Remarks warnings;
-    Remarks skipped;
     for (std::size_t r = 0; r < runs.size(); ++r) {
-        for (const std::string& text : runs[r].record.warnings) warnings.add(text, labels[r]);
-        for (const std::string& text : runs[r].record.skipped) skipped.add(text, labels[r]);
+        for (const RunRecord* record : history(runs[r])) {
+            for (const std::string& text : record->warnings) warnings.add(text, labels[r]);
+        }
     }
     for (const std::string& text : plan.warnings()) warnings.add(text, "");
+    return warnings.html("Warnings", "warnings", runs.size());
+}
+
+std::string skipped_html(const std::vector<Results>& runs, const std::vector<std::string>& labels,
+                         const RunPlan& plan) {
+    Remarks skipped;
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        for (const RunRecord* record : history(runs[r])) {
+            for (const std::string& text : record->skipped) skipped.add(text, labels[r]);
+        }
+    }
     for (const PlannedStage& stage : plan.skipped()) {
         skipped.add(stage.stage + ": " + stage.reason, "");
     }
-    return warnings.html("Warnings", "warnings", runs.size()) +
-           skipped.html("Skipped", "skipped", runs.size());
+    return skipped.html("Skipped", "skipped", runs.size());
 }
 
 std::string records_html(const std::vector<Results>& runs, const std::vector<std::string>& labels) {
     std::string out;
     for (std::size_t r = 0; r < runs.size(); ++r) {
-        const RunRecord& record = runs[r].record;
-        out += "<article class=\"record\"><h3>" + escape_html(labels[r]) + "</h3>\n<p>";
-        out += fmt::format("grainfield {}, <code>{}</code>, seed {}, {} thread{}, {}</p>\n",
-                           escape_html(record.version), escape_html(record.command), record.seed,
-                           record.threads, record.threads == 1 ? "" : "s",
-                           format_duration(record.seconds));
-        out += inputs_html(record) + configuration_html(record) + "</article>\n";
+        out += "<article class=\"record\"><h3>" + escape_html(labels[r]) + "</h3>\n";
+        for (const RunRecord* record : history(runs[r])) {
+            out += fmt::format("<p>grainfield {}, <code>{}</code>, seed {}, {} thread{}, {}</p>\n",
+                               escape_html(record->version), escape_html(record->command),
+                               record->seed, record->threads, record->threads == 1 ? "" : "s",
+                               format_duration(record->seconds));
+            out += inputs_html(*record) + configuration_html(*record);
+        }
+        out += "</article>\n";
     }
     return out;
 }

@@ -44,9 +44,10 @@ int decade_of(double value) {
     return static_cast<int>(std::floor(std::log10(std::abs(value))));
 }
 
-// Digits after the point that show `error` to two significant digits (1.96 stays 2.0).
-int places_for(double error) {
-    return std::max(0, 1 - decade_of(error * (1 + 1e-9)));
+// Decade of the second significant digit of an error, after rounding to two (9.96 is 10).
+int last_decade(double error) {
+    const int last = decade_of(error) - 1;
+    return std::round(error * std::pow(10.0, -last)) >= 100 ? last + 1 : last;
 }
 
 }  // namespace
@@ -196,6 +197,22 @@ std::string pretty_unit(std::string_view unit, TimeUnit time_unit) {
     return out;
 }
 
+std::string order_symbol(const Results& run) {
+    static constexpr std::array<const char*, 10> lowered{"₀", "₁", "₂", "₃", "₄",
+                                                         "₅", "₆", "₇", "₈", "₉"};
+    std::string digits = "4";
+    if (const ObservableResult* q4 = run.find("q4"); q4 != nullptr) {
+        for (const auto& [name, value] : q4->options) {
+            const auto* symmetry = std::get_if<std::int64_t>(&value);
+            if (name == "symmetry" && symmetry != nullptr) digits = std::to_string(*symmetry);
+        }
+    }
+    std::string out = "|Q";
+    for (char c : digits)
+        out += c >= '0' && c <= '9' ? lowered[static_cast<std::size_t>(c - '0')] : "";
+    return out + "|";
+}
+
 std::string power_of_ten(int exponent) {
     return "10" + superscript(std::to_string(exponent));
 }
@@ -209,9 +226,14 @@ std::string with_error(double value, const double* error) {
     const double scale = std::pow(10.0, -exponent);
     const std::string power = exponent == 0 ? "" : " × " + power_of_ten(exponent);
     if (!has_error) return fmt::format("{:.4g}", value * scale) + power;
-    const int places = places_for(*error * scale);
+    const double scaled = *error * scale;
+    const int last = last_decade(scaled);
+    const int places = std::max(0, -last);
+    // Digits before the point that the error does not support become zeros.
+    const double unit = std::pow(10.0, std::max(0, last));
+    const auto whole = [unit](double x) { return unit > 1 ? std::round(x / unit) * unit : x; };
     const std::string text =
-        fmt::format("{:.{}f} ± {:.{}f}", value * scale, places, *error * scale, places);
+        fmt::format("{:.{}f} ± {:.{}f}", whole(value * scale), places, whole(scaled), places);
     return exponent == 0 ? text : "(" + text + ")" + power;
 }
 

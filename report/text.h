@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/results.h"
 #include "core/trajectory.h"
 
 namespace grainfield::report {
@@ -39,6 +40,9 @@ std::string csv_cell(double value);
 
 /// "a^2/s" → "a²/s", "-" → "", "time unit" → the unit of the trajectory.
 std::string pretty_unit(std::string_view unit, TimeUnit time_unit);
+
+/// "|Q₄|", or "|Q₆|" where the run was asked for that symmetry.
+std::string order_symbol(const Results& run);
 
 /// "0.0312 ± 0.0012": the error to two digits, the value to the same place; without an error the
 /// value to four digits; powers of ten where the number is very large or small.

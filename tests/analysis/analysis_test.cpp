@@ -241,5 +241,24 @@ TEST(AbsQ4, KeepsOneEntryAParticleEvenForPositionsThatAreNotNumbers) {
     EXPECT_NEAR(before[410], 1, 0.05);
 }
 
+TEST(Analysis, PlansFromTheFirstFrameThatHasParticles) {
+    MemorySource source = video(6);
+    for (int f : {0, 1}) {
+        source.snapshots[static_cast<std::size_t>(f)].position.clear();
+        source.snapshots[static_cast<std::size_t>(f)].id.clear();
+    }
+    RunPlan plan;
+    plan_analysis(source, {}, plan);
+    for (const PlannedStage& stage : plan.skipped()) EXPECT_NE(stage.stage, "msd") << stage.reason;
+    EXPECT_EQ(run(source)[2].reason, "");
+}
+
+TEST(Analysis, DoesNotReportTheTriangulationAsSkippedWhereNobodyAskedForIt) {
+    MemorySource source = video(3);
+    RunPlan plan;
+    plan_analysis(source, {}, plan);
+    for (const PlannedStage& stage : plan.skipped()) EXPECT_NE(stage.stage, "triangulation");
+}
+
 }  // namespace
 }  // namespace grainfield::analysis

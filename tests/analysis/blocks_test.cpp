@@ -59,9 +59,43 @@ TEST(MeanSeries, HasAnErrorThatCoversTheTruthWithinSixStandardErrors) {
     MeanSeries series;
     for (int i = 0; i < 400; ++i) series.add(5 + random.normal());
     const Measurement m = series.measurement("x", "-", std::nullopt, "");
-    EXPECT_NEAR(*m.error, 0.05, 0.04);
+    // error²/0.05² is χ² of 15 degrees over 15: inside [0.08, 4.4] but for 1e-6.
+    EXPECT_GT(*m.error, 0.05 * std::sqrt(0.08));
+    EXPECT_LT(*m.error, 0.05 * std::sqrt(4.4));
     EXPECT_LT(std::abs(*m.value - 5), 9 * *m.error);
-    EXPECT_EQ(m.samples, 16);
+}
+
+TEST(MeanSeries, CountsIndependentFramesNotBlocks) {
+    // Every value 25 times in a row: 4000 frames hold 160 independent ones. From 16 blocks the
+    // number is known to sqrt(2/15) = 37 %; averaged over 100 runs to 4 % (its mean is 15/13 times
+    // the truth, that of an inverse χ²).
+    RandomStream random(2, "independent frames");
+    double repeated = 0;
+    double different = 0;
+    for (int run = 0; run < 100; ++run) {
+        MeanSeries slow;
+        MeanSeries fast;
+        double x = 0;
+        for (int i = 0; i < 4000; ++i) {
+            if (i % 25 == 0) x = random.normal();
+            slow.add(x);
+            fast.add(random.normal());
+        }
+        repeated += slow.measurement("x", "-", std::nullopt, "").samples / 100;
+        different += fast.measurement("x", "-", std::nullopt, "").samples / 100;
+    }
+    EXPECT_NEAR(repeated, 160 * 15.0 / 13, 0.25 * 160);
+    EXPECT_GT(different, 2500);
+    EXPECT_LE(different, 4000);
+}
+
+TEST(MeanSeries, OfEqualValuesHasAReasonInPlaceOfAnErrorOfZero) {
+    MeanSeries series;
+    for (int i = 0; i < 30; ++i) series.add(0.1);
+    const Measurement m = series.measurement("x", "-", std::nullopt, "");
+    EXPECT_FALSE(m.error.has_value());
+    EXPECT_NE(m.reason.find("same in every frame"), std::string::npos);
+    EXPECT_NEAR(*m.value, 0.1, 1e-15);
 }
 
 }  // namespace

@@ -73,5 +73,64 @@ TEST(BondStatistics, WithoutParticlesGiveAReason) {
     EXPECT_FALSE(statistics.result().reason.empty());
 }
 
+// Half a jittered square lattice and half a gas, with |Q4| of two modes.
+std::vector<Vec2> two_phases(RandomStream& random) {
+    std::vector<Vec2> points = square_lattice(60, 1, 0.09, random);
+    std::erase_if(points, [](Vec2 p) { return p.x > 30; });
+    while (points.size() < 3600) {
+        points.push_back({30.5 + 29.5 * random.uniform(), 60 * random.uniform()});
+    }
+    return points;
+}
+
+TEST(BondStatistics, CountsFramesThatRepeatOneAnotherOnce) {
+    // 40 frames that are one and the same pattern, 40 that show each of 10 patterns four times in a
+    // row, and 40 different ones.
+    RandomStream random(4, "repeat");
+    const Box box = square_box(60, Boundary::walls);
+    BondStatistics same({}), repeated({}), different({});
+    const auto make = [&](int f) {
+        return BondStatistics::measure(pattern(two_phases(random), box, f), {});
+    };
+    const auto first = make(0);
+    auto shown = first;
+    for (int f = 0; f < 40; ++f) {
+        same.add(first);
+        if (f % 4 == 0) shown = make(f);
+        repeated.add(shown);
+        different.add(make(f));
+    }
+    const double particles = 3600;
+    const auto samples = [](const BondStatistics& s) {
+        return s.result().find_measurement("q4_low_mode")->samples;
+    };
+    const auto error = [](const BondStatistics& s) {
+        return *s.result().find_measurement("q4_low_mode")->error;
+    };
+    // Neighbours share neighbours, so that particles are not quite independent either: the scatter
+    // from frame to frame sees it. Where nothing changes it cannot be seen, and one frame's worth
+    // is left, up to the noise that 39 changes in some ten bins could hide: 2 sqrt(2/390) = 14 %.
+    EXPECT_GE(samples(same), particles);
+    EXPECT_LT(samples(same), particles / (1 - 0.14) * 1.02);
+    EXPECT_LT(samples(repeated), 0.4 * samples(different));
+    EXPECT_GT(samples(repeated), 0.15 * samples(different));
+    EXPECT_GT(samples(different), 20 * particles);
+    EXPECT_LE(samples(different), 40 * particles);
+    EXPECT_GT(error(repeated), 1.4 * error(different));
+}
+
+TEST(BondStatistics, CallsItsNumbersAfterTheSymmetry) {
+    RandomStream random(5, "six");
+    const BondOrderOptions six{.symmetry = 6};
+    BondStatistics statistics(six);
+    const Pattern p = pattern(square_lattice(20, 1, 0.02, random), square_box(20));
+    statistics.add(BondStatistics::measure(p, six));
+    const ObservableResult result = statistics.result();
+    EXPECT_NE(result.find_measurement("q6_mean"), nullptr);
+    EXPECT_EQ(result.find_measurement("q4_mean"), nullptr);
+    EXPECT_EQ(result.find_measurement("q6_mean")->samples, 400);
+    EXPECT_EQ(result.find_curve("q4_histogram")->title, "Distribution of |Q6|");
+}
+
 }  // namespace
 }  // namespace grainfield::analysis

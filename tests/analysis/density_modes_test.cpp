@@ -75,5 +75,13 @@ TEST(DensityModes, OfNoParticlesAreZero) {
     }
 }
 
+TEST(ModeGrid, RefusesTooManyModesBeforeItTakesMemoryForThem) {
+    EXPECT_THROW(ModeGrid({1e-9, 1e-9}, 2), OptionError);
+    EXPECT_THROW(ModeGrid({1e-9, 10}, 2), OptionError);  // many in one direction only
+    EXPECT_THROW(ModeGrid({1e-300, 1}, 2), OptionError);
+    EXPECT_GE(ModeGrid::about({0.1, 0.07}, 2),
+              0.97 * static_cast<double>(ModeGrid({0.1, 0.07}, 2).modes().size()));
+}
+
 }  // namespace
 }  // namespace grainfield::analysis

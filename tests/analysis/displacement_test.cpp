@@ -211,5 +211,77 @@ TEST(Displacement, OfTwoFramesHasOneLagAndNoFit) {
     EXPECT_FALSE(r.find_measurement("d_all")->reason.empty());
 }
 
+TEST(Displacement, PoolsPairsByTheirTimeStampsNotByFrameNumbers) {
+    // Consecutive frame numbers, 1 apart in time for the first half, 2 for the second, drifting at
+    // speed 1: MSD = t² exactly if lags are times.
+    const Box box = square_box(1000, Boundary::walls);
+    Displacement msd(all_lags, 40);
+    for (int f = 0; f < 40; ++f) {
+        const double t = f < 20 ? f : 20 + 2 * (f - 20);
+        Pattern p = linked({{10 + t, 5}, {10 + t, 50}}, {0, 1}, box, f);
+        p.time = t;
+        msd.add(std::move(p));
+    }
+    const auto values = series(msd.result(), "all");
+    ASSERT_GE(values.size(), 20U);
+    for (const auto& [t, value] : values) EXPECT_NEAR(value, t * t, 1e-12 * t * t);
+    EXPECT_EQ(series(msd.result(), "all", "n").at(1), 2 * 20);
+}
+
+TEST(Displacement, TakesTimeStampsWithJitterAsOneInterval) {
+    RandomStream random(31, "jitter");
+    const Box box = square_box(1000, Boundary::walls);
+    Displacement msd(all_lags, 60);
+    for (int f = 0; f < 60; ++f) {
+        Pattern p = linked({{10.0 + f, 5}}, {0}, box, f);
+        p.time = 0.04 * f + 0.001 * random.uniform();
+        msd.add(std::move(p));
+    }
+    const ObservableResult r = msd.result();
+    const auto pairs = series(r, "all", "n");
+    EXPECT_EQ(pairs.begin()->second, 59);
+    EXPECT_NEAR(pairs.begin()->first, 0.04, 0.001);
+}
+
+TEST(Displacement, SaysInWhatStepsUnevenTimeStampsWereGrouped) {
+    const Box box = square_box(1000, Boundary::walls);
+    Displacement msd(all_lags, 40);
+    Displacement hopeless(all_lags, 40);
+    for (int f = 0; f < 40; ++f) {
+        Pattern p = linked({{10.0 + f, 5}}, {0}, box, f);
+        p.time = f + (f % 2) * 0.5;
+        msd.add(p);
+        p.time = std::pow(1.37, f);
+        hopeless.add(std::move(p));
+    }
+    EXPECT_NE(msd.result().find_measurement("d_all")->reason.find("uneven time stamps"),
+              std::string::npos);
+    EXPECT_NE(hopeless.result().reason.find("too unevenly"), std::string::npos);
+}
+
+TEST(Displacement, TakesTimeStampsThatGoBack) {
+    const Box box = square_box(1000, Boundary::walls);
+    Displacement msd(all_lags, 20);
+    for (int f = 0; f < 20; ++f) {
+        const int t = f == 7 ? 8 : f == 8 ? 7 : f;  // two frames swapped
+        Pattern p = linked({{10.0 + t, 5}}, {0}, box, f);
+        p.time = t;
+        msd.add(std::move(p));
+    }
+    for (const auto& [t, value] : series(msd.result(), "all")) EXPECT_NEAR(value, t * t, 1e-9);
+}
+
+TEST(Displacement, CountsParticlesAsItsIndependentSamples) {
+    RandomStream random(32, "samples");
+    const Box box = square_box(1000, Boundary::walls);
+    Displacement msd(all_lags, 50);
+    std::vector<Vec2> points(40, Vec2{500, 500});
+    for (int f = 0; f < 50; ++f) {
+        for (Vec2& p : points) p += Vec2{random.normal(), random.normal()};
+        msd.add(linked(points, identities(40), box, f));
+    }
+    EXPECT_EQ(msd.result().find_measurement("d_all")->samples, 40);
+}
+
 }  // namespace
 }  // namespace grainfield::analysis

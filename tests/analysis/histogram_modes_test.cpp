@@ -1,5 +1,6 @@
 #include "analysis/histogram_modes.h"
 
+#include <array>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -21,21 +22,77 @@ std::vector<double> mixture(double low_share, std::size_t n, std::uint64_t seed)
     return counts;
 }
 
+struct Features {
+    double low, minimum, high;
+};
+
+// The extrema of the smoothed expectation of the counts.
+Features truth() {
+    const auto below = [](double x, double mean, double width) {
+        return 0.5 * std::erfc((mean - x) / (width * std::sqrt(2.0)));
+    };
+    const auto inside = [&](double low, double high, double mean, double width) {  // of |x|
+        return below(high, mean, width) - below(low, mean, width) + below(-low, mean, width) -
+               below(-high, mean, width);
+    };
+    std::vector<double> counts;
+    for (int b = 0; b < 50; ++b) {
+        const double low = b / 50.0;
+        const double high = (b + 1) / 50.0;
+        counts.push_back(
+            1e9 * (0.7 * inside(low, high, 0.33, 0.13) + 0.3 * inside(low, high, 0.95, 0.03)));
+    }
+    const HistogramModes modes = find_modes(counts);
+    return {*modes.low_mode, *modes.minimum, *modes.high_mode};
+}
+
 TEST(HistogramModes, OfAMixtureAreFoundWithTheMinimumBetween) {
     const HistogramModes modes = find_modes(mixture(0.7, 10000, 1));
     ASSERT_TRUE(modes.minimum.has_value()) << modes.reason;
-    EXPECT_NEAR(*modes.low_mode, 0.33, 0.05);
-    EXPECT_NEAR(*modes.high_mode, 0.95, 0.03);
-    EXPECT_GT(*modes.minimum, 0.65);
-    EXPECT_LT(*modes.minimum, 0.87);
-    EXPECT_GE(*modes.minimum_error, 0.01);
+    // Where the smoothed mixture itself has its peaks and its minimum (see `truth`).
+    const Features wanted = truth();
+    EXPECT_NEAR(*modes.low_mode, wanted.low, 6 * *modes.low_mode_error);
+    EXPECT_NEAR(*modes.high_mode, wanted.high, 6 * *modes.high_mode_error);
+    EXPECT_NEAR(*modes.minimum, wanted.minimum, 6 * *modes.minimum_error);
+    EXPECT_LT(*modes.low_mode_error, 0.01);
+    EXPECT_LT(*modes.high_mode_error, 0.002);
+    EXPECT_LT(*modes.minimum_error, 0.02);
 }
 
 TEST(HistogramModes, OfOnePeakHaveNoMinimumButAReason) {
     const HistogramModes modes = find_modes(mixture(1, 10000, 2));
     EXPECT_FALSE(modes.minimum.has_value());
     EXPECT_FALSE(modes.reason.empty());
-    EXPECT_NEAR(*modes.low_mode, 0.33, 0.05);
+    // |x| of a normal with 2.5 standard deviations below: folding shifts the peak by less than
+    // 1e-3.
+    EXPECT_NEAR(*modes.low_mode, 0.33, 6 * *modes.low_mode_error + 1e-3);
+}
+
+// The pull of 400 trials: its mean has a standard error of 0.05 and its width of 0.035; ±0.25 and
+// ±0.21 are more than five of them (p < 1e-6).
+TEST(HistogramModes, HaveErrorsThatCoverTheTruth) {
+    const Features wanted = truth();
+    const int trials = 400;
+    std::array<double, 3> sum{}, squares{};
+    for (int trial = 0; trial < trials; ++trial) {
+        // Each particle counted four times: a quarter of the counts is independent.
+        std::vector<double> counts = mixture(0.7, 10000, 1000 + static_cast<std::uint64_t>(trial));
+        for (double& c : counts) c *= 4;
+        const HistogramModes m = find_modes(counts, 0.25);
+        ASSERT_TRUE(m.minimum_error && m.low_mode_error && m.high_mode_error);
+        const std::array<double, 3> pull{(*m.low_mode - wanted.low) / *m.low_mode_error,
+                                         (*m.minimum - wanted.minimum) / *m.minimum_error,
+                                         (*m.high_mode - wanted.high) / *m.high_mode_error};
+        for (std::size_t i = 0; i < 3; ++i) {
+            sum[i] += pull[i];
+            squares[i] += pull[i] * pull[i];
+        }
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+        const double mean = sum[i] / trials;
+        EXPECT_NEAR(mean, 0, 0.25) << i;
+        EXPECT_NEAR(std::sqrt(squares[i] / trials - mean * mean), 1, 0.21) << i;
+    }
 }
 
 TEST(HistogramModes, AreNotInventedFromCountingNoise) {

@@ -1,6 +1,7 @@
 #include "analysis/neighbours.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <set>
 
@@ -98,6 +99,49 @@ TEST(CellList, FindsPointsOnALine) {
     std::vector<Vec2> points;
     for (int i = 0; i < 200; ++i) points.push_back({0.7 * i, 5});
     expect_exact(points, square_box(200, Boundary::walls));
+}
+
+TEST(CellList, FindsTheNearestExactlyWherePointsCrowd) {
+    RandomStream random(21, "crowd");
+    for (const Boundary boundary : {Boundary::walls, Boundary::periodic}) {
+        const Box box = square_box(1e6, boundary);
+        std::vector<Vec2> clusters;
+        for (const Vec2 centre : {Vec2{10, 10}, Vec2{999990, 20}, Vec2{5e5, 7e5}}) {
+            for (int i = 0; i < 150; ++i) {
+                clusters.push_back(centre + Vec2{9 * random.uniform(), 9 * random.uniform()});
+            }
+        }
+        for (int i = 0; i < 60; ++i) clusters.push_back({8e5, 1e5});
+        clusters.push_back({3e5, 1});
+        expect_exact(clusters, box);
+    }
+}
+
+// With cells over the whole extent all but one point share a cell: 1e10 distances, minutes. With a
+// tree it is 1e5 searches of a microsecond or so; the bar leaves room for a slow, shared machine.
+TEST(CellList, IsNotSlowedDownByOnePointFarOutside) {
+    RandomStream random(22, "outlier");
+    std::vector<Vec2> points = poisson_points(100000, square_box(316), random);
+    points.push_back({1e9, -1e9});
+    const auto start = std::chrono::steady_clock::now();
+    const CellList cells(points, square_box(316, Boundary::walls));
+    NeighbourList found;
+    double sum = 0;
+    for (int i = 0; i < 100001; ++i) sum += cells.near(i, 4, 1.2, found).nearest;
+    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+    EXPECT_LT(taken.count(), 5);
+    // The nearest neighbour of a Poisson point is 0.5/sqrt(density) away, standard deviation
+    // 0.26/sqrt(density); edges add a little.
+    const double density = 100000 / (316.0 * 316);
+    const double far = cells.near(100000, 4, 1.2, found).nearest;
+    EXPECT_NEAR((sum - far) / 100000, 0.5 / std::sqrt(density), 0.01);
+}
+
+TEST(CellList, IsNotSlowedDownByPointsAtOnePlace) {
+    const std::vector<Vec2> points(100000, Vec2{3, 3});
+    const CellList cells(points, square_box(10, Boundary::walls));
+    NeighbourList found;
+    for (int i = 0; i < 100000; ++i) EXPECT_EQ(cells.near(i, 4, 1.2, found).count, 0);
 }
 
 }  // namespace

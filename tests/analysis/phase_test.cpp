@@ -52,10 +52,12 @@ TEST(PhaseHistory, TakesTimeStampsThatGoBack) {
     phases.close_window();
     std::int64_t first = -1;
     const auto classes = phases.classes(0, first);
-    EXPECT_EQ(first, phases.window_of(4.1));
-    EXPECT_EQ(classes.front(), Phase::liquid);
-    EXPECT_EQ(classes[static_cast<std::size_t>(phases.window_of(5.0) - first)], Phase::solid);
-    EXPECT_EQ(classes.back(), Phase::solid);
+    const auto at = [&](double t) {
+        return classes[static_cast<std::size_t>(phases.window_of(t) - first)];
+    };
+    EXPECT_EQ(at(4.1), Phase::liquid);
+    EXPECT_EQ(at(5.0), Phase::solid);
+    EXPECT_EQ(at(6.0), Phase::solid);
 }
 
 TEST(PhaseHistory, TakesTheThresholdsAsInclusive) {
@@ -121,6 +123,44 @@ TEST(PhaseHistory, MergesAtAWindowBoundary) {
 TEST(PhaseHistory, RefusesCrossedThresholds) {
     EXPECT_THROW(PhaseHistory({.liquid_below = 0.8, .solid_above = 0.7}, seconds(), 2),
                  OptionError);
+}
+
+TEST(PhaseHistory, TakesATinyAveragingTimeWithoutMemoryPerElapsedWindow) {
+    // 1e12 windows pass between two frames: only those that hold a frame may exist.
+    PhaseHistory phases({.window = 1e-12}, seconds(), 4);
+    for (int f = 0; f < 4; ++f) phases.add({f, 1.0 * f, {0, 1}, {f < 2 ? 0.9F : 0.1F, 0.9F}});
+    phases.close_window();
+    std::int64_t first = -1;
+    const auto classes = phases.classes(0, first);
+    ASSERT_EQ(classes.size(), 4U);
+    for (int f = 0; f < 4; ++f) {
+        const auto at = static_cast<std::size_t>(phases.window_of(1.0 * f) - first);
+        EXPECT_EQ(classes[at], f < 2 ? Phase::solid : Phase::liquid);
+    }
+    EXPECT_EQ(phases.window_of(0.5), -1);
+    const ObservableResult r = phases.result();
+    EXPECT_EQ(r.find_measurement("solid_fraction")->reason,
+              "no window of 1e-12 holds two frames: phase of one frame");
+    EXPECT_NE(r.find_measurement("averaging_time")->reason.find("1 frames in it"),
+              std::string::npos);
+}
+
+TEST(PhaseHistory, KeepsFramesApartWhoseWindowsHaveNoNumber) {
+    PhaseHistory phases({.window = 1e-300}, seconds(), 3);
+    for (int f = 0; f < 3; ++f) phases.add({f, 1e10 + f, {0}, {0.9F}});
+    EXPECT_EQ(phases.result().find_curve("phase")->find("frame")->values.size(), 3U);
+}
+
+TEST(PhaseHistory, GivesTheTimeOfEachWindow) {
+    PhaseHistory phases({}, seconds(), 8);
+    for (int f = 0; f < 8; ++f) phases.add({f, 0.1 * f, {0}, {0.9F}});
+    const ObservableResult r = phases.result();
+    const auto& t = r.find_curve("phase")->find("t")->values;
+    ASSERT_EQ(t.size(), 2U);
+    EXPECT_DOUBLE_EQ(t[0], 0);
+    EXPECT_DOUBLE_EQ(t[1], 0.4);
+    EXPECT_EQ(r.find_measurement("solid_fraction")->reason,
+              "the same in every frame: no error from fluctuations");
 }
 
 }  // namespace

@@ -149,5 +149,34 @@ TEST(StructureFactor, RefusesABoxThatChanges) {
     EXPECT_THROW(sk.measure(pattern({{1, 1}}, square_box(11))), InputError);
 }
 
+TEST(StructureFactor, RefusesWavevectorsThatWouldNotFitIntoTheMemory) {
+    // 2.5e7 modes: below the bound of the grid, but 22 GB in 16 blocks.
+    try {
+        const StructureFactor sk({.k_max = 25}, square_box(1000), 100);
+        FAIL() << "accepted";
+    } catch (const OptionError& error) {
+        EXPECT_NE(std::string(error.what()).find("sk.k-max"), std::string::npos) << error.what();
+        EXPECT_NE(std::string(error.what()).find("GB"), std::string::npos) << error.what();
+    }
+}
+
+TEST(StructureFactor, SaysInItsTitleThatOneWalledFrameHasTheWallsInIt) {
+    RandomStream random(8, "title");
+    const Box box = square_box(30, Boundary::walls);
+    StructureFactor sk({}, box, 1);
+    sk.add(sk.measure(pattern(poisson_points(900, box, random), box)));
+    EXPECT_NE(sk.result().find_curve("sk")->title.find("walls"), std::string::npos);
+}
+
+TEST(StructureFactor, OfFewerThanFourFramesSaysThatItTakesThemAsIndependent) {
+    RandomStream random(9, "few");
+    const Box box = square_box(30, Boundary::walls);
+    StructureFactor sk({}, box, 3);
+    for (int f = 0; f < 3; ++f)
+        sk.add(sk.measure(pattern(poisson_points(900, box, random), box, f)));
+    const Measurement* m = sk.result().find_measurement("s_lowest_k");
+    EXPECT_FALSE(m->reason.empty());
+}
+
 }  // namespace
 }  // namespace grainfield::analysis

@@ -100,6 +100,17 @@ TEST_F(Pipeline, AnalyzeReportsEveryObservableWithAValueOrAReason) {
     }
 }
 
+TEST_F(Pipeline, AnalyzeSaysWhereItsLengthsComeFrom) {
+    const json lengths = json::parse(analyze_.out)["lengths"]["measurements"];
+    ASSERT_EQ(lengths.size(), 4U);
+    EXPECT_EQ(lengths[0]["name"], "particle_diameter");
+    EXPECT_THAT(lengths[0]["reason"].get<std::string>(), HasSubstr("apparent diameter"));
+    const json track = json::parse(track_.out);
+    EXPECT_EQ(lengths[1]["value"], track["diameter_px"]);
+    EXPECT_EQ(lengths[2]["value"], track["edge_width_px"]);
+    EXPECT_EQ(lengths[3]["value"], track["residual_rms"]);
+}
+
 TEST_F(Pipeline, ResultsExportAsOneCsvPerCurve) {
     const std::string curves = *folder_ / "curves";
     const Outcome outcome = run_grainfield({"export", results(), "-o", curves});

@@ -39,6 +39,7 @@ class AnyResults {
         for (int i = count(2); i > 0; --i) r.previews.push_back(sample_preview());
         r.record = sample_record();
         r.record.warnings.push_back(text());
+        r.sources = {sample_record(), r.record};
         return r;
     }
 
@@ -188,6 +189,10 @@ void expect_same(const Results& a, const Results& b) {
         grainfield::expect_same(a.previews[i], b.previews[i]);
     }
     grainfield::expect_same(a.record, b.record);
+    ASSERT_EQ(a.sources.size(), b.sources.size());
+    for (std::size_t i = 0; i < a.sources.size(); ++i) {
+        grainfield::expect_same(a.sources[i], b.sources[i]);
+    }
 }
 
 // 60 random results, with names that are equal, empty or no names of HDF5, and numbers of any bits.

@@ -13,6 +13,7 @@
 namespace grainfield::report {
 namespace {
 
+namespace fs = std::filesystem;
 using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
@@ -83,7 +84,8 @@ TEST(FigureFiles, OfAFailingGnuplotDoNotStay) {
     ASSERT_EQ(plan.skipped().size(), 1U);
     EXPECT_THAT(plan.skipped()[0].reason, HasSubstr("gnuplot failed"));
     for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
-        EXPECT_EQ(entry.path().extension(), ".csv");
+        EXPECT_NE(entry.path().extension(), ".svg");
+        EXPECT_NE(entry.path().extension(), ".part");
     }
 }
 
@@ -92,6 +94,24 @@ TEST(FigureFiles, InAPlaceThatIsAFileAreAnOutputError) {
     std::ofstream(folder / "figures") << "text";
     RunPlan plan;
     EXPECT_THROW(write_figure_files({}, {}, {}, folder / "figures", Gnuplot(), plan), OutputError);
+}
+
+TEST(FigureFiles, OfAnEarlierReportAreRemovedAndNothingElse) {
+    const sample::TemporaryFolder folder("earlier_figures");
+    const fs::path place = folder / "figures";
+    Input input;
+    RunPlan plan;
+    write_figure_files(input.figures, input.maps, input.labels, place, Gnuplot(), plan);
+    ASSERT_TRUE(fs::exists(place / "map_run1_frame0.csv"));
+    std::ofstream(place / "my_own.csv") << "keep me";
+    std::ofstream(folder / "outside.csv") << "keep me";
+    std::ofstream(place / "files.txt", std::ios::app) << "../outside.csv\n";
+    write_figure_files(input.figures, {}, input.labels, place, Gnuplot(), plan);
+    EXPECT_FALSE(fs::exists(place / "map_run1_frame0.csv"));
+    EXPECT_FALSE(fs::exists(place / "map_run1_frame0.svg"));
+    EXPECT_TRUE(fs::exists(place / "sk.csv"));
+    EXPECT_TRUE(fs::exists(place / "my_own.csv"));
+    EXPECT_TRUE(fs::exists(folder / "outside.csv"));
 }
 
 }  // namespace

@@ -147,5 +147,37 @@ TEST(Figures, OfEmptyResultsAreAllAbsent) {
     }
 }
 
+TEST(Figures, OfThePhasesAreAgainstTimeWhereItIsKnown) {
+    std::vector<Results> runs{sample::results(small())};
+    EXPECT_EQ(named(make_figures(runs, run_labels(runs)), "phase").x.title(), "Time t [s]");
+    runs[0].source.time_unit = TimeUnit::frame;
+    EXPECT_EQ(named(make_figures(runs, run_labels(runs)), "phase").x.title(), "Frame");
+    // An older file without times.
+    runs[0].source.time_unit = TimeUnit::second;
+    for (ObservableResult& o : runs[0].observables) {
+        if (o.name == "phase") {
+            std::erase_if(o.curves[0].columns, [](const Column& c) { return c.name == "t"; });
+        }
+    }
+    EXPECT_EQ(named(make_figures(runs, run_labels(runs)), "phase").x.title(), "Frame");
+}
+
+TEST(Figures, SayInTheTitleWhatLimitsTheMainCurve) {
+    std::vector<Results> runs{sample::results(small())};
+    for (ObservableResult& o : runs[0].observables) {
+        if (o.name == "sk") o.curves[0].title = "Structure factor, raw: one frame, walls included";
+    }
+    EXPECT_EQ(named(make_figures(runs, run_labels(runs)), "sk").title,
+              "Structure factor, raw: one frame, walls included");
+}
+
+TEST(Figures, NameTheOrderParameterAfterItsSymmetry) {
+    std::vector<Results> runs{sample::results(small())};
+    for (ObservableResult& o : runs[0].observables) {
+        if (o.name == "q4") o.options = {{"symmetry", std::int64_t{6}}};
+    }
+    EXPECT_EQ(named(make_figures(runs, run_labels(runs)), "q4_histogram").x.label, "|Q₆|");
+}
+
 }  // namespace
 }  // namespace grainfield::report

@@ -244,14 +244,16 @@ inline ObservableResult phase(const Scene& s) {
     Curve curve{"phase",
                 "Solid and liquid fraction",
                 {{"frame", "-", "Frame", {}},
+                 {"t", "time unit", "Time", {}},
                  {"solid_fraction", "-", "Solid", {}},
                  {"liquid_fraction", "-", "Liquid", {}}},
                 {}};
     for (int i = 0; i < (s.several_frames ? 60 : 1); ++i) {
         const double solid = 0.27 + 0.02 * std::sin(0.2 * i) + 0.004 * random.normal();
         curve.columns[0].values.push_back(200.0 * i);
-        curve.columns[1].values.push_back(solid);
-        curve.columns[2].values.push_back(0.9 - solid);
+        curve.columns[1].values.push_back(0.4 * i);
+        curve.columns[2].values.push_back(solid);
+        curve.columns[3].values.push_back(0.9 - solid);
     }
     result.curves = {curve};
     result.measurements = {{"solid_fraction", "-", 0.2713, 0.0031, 60, ""},

@@ -81,7 +81,9 @@ TEST(PrettyUnit, RaisesExponentsAndNamesTheTimeUnit) {
 TEST(WithError, ShowsTwoDigitsOfTheErrorAndTheValueToTheSamePlace) {
     const auto text = [](double value, double error) { return with_error(value, &error); };
     EXPECT_EQ(text(0.93123, 0.00214), "0.9312 ± 0.0021");
-    EXPECT_EQ(text(12345.6, 120.0), "12346 ± 120");
+    EXPECT_EQ(text(12345.6, 120.0), "12350 ± 120");
+    EXPECT_EQ(text(56789, 1234), "56800 ± 1200");
+    EXPECT_EQ(text(123.4, 9.96), "123 ± 10");
     EXPECT_EQ(text(1.2345e-5, 2.1e-7), "(1.234 ± 0.021) × 10⁻⁵");
     EXPECT_EQ(text(0, 0.5), "0.00 ± 0.50");
     EXPECT_EQ(text(0.5, std::nan("")), "0.5");
@@ -89,6 +91,16 @@ TEST(WithError, ShowsTwoDigitsOfTheErrorAndTheValueToTheSamePlace) {
     EXPECT_EQ(with_error(3.14159, nullptr), "3.142");
     EXPECT_EQ(with_error(2.5e7, nullptr), "2.5 × 10⁷");
     EXPECT_EQ(with_error(std::nan(""), nullptr), "–");
+}
+
+TEST(OrderSymbol, FollowsTheSymmetryThatWasMeasured) {
+    Results run;
+    EXPECT_EQ(order_symbol(run), "|Q₄|");
+    ObservableResult q4;
+    q4.name = "q4";
+    q4.options = {{"symmetry", std::int64_t{6}}};
+    run.observables = {q4};
+    EXPECT_EQ(order_symbol(run), "|Q₆|");
 }
 
 TEST(CountText, GroupsThousands) {
