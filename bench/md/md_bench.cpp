@@ -64,6 +64,7 @@ double processor_time() {
 void run(const std::string& name, const Case& c) {
     const MdSystem system = c.options.system();
     GrainState state = make_initial_state(c.options, 1);
+    sort_in_space(state);  // as a run does
     EngineOptions options;
     options.threads = c.threads;
     const auto engine = make_engine(system, options);
@@ -94,11 +95,12 @@ void run(const std::string& name, const Case& c) {
     std::sort(rate.begin(), rate.end());
     std::sort(processor_rate.begin(), processor_rate.end());
     fmt::print(
-        "{:22} N {:7} threads {} {:9.3g} events/s  (min {:.3g}, max {:.3g}; {:.3g} per processor second)  audit {:.1e}  "
+        "{:22} N {:7} threads {} {:9.3g} events/s  (min {:.3g}, max {:.3g}; {:.3g} per processor "
+        "second)  audit {:.1e}  "
         "{:.0f} MB  {}\n",
-        name, state.size(), c.threads, rate[rate.size() / 2], rate.front(), rate.back(), processor_rate[processor_rate.size() / 2],
-        std::abs(end - start + losses - work) / scale, static_cast<double>(engine->bytes()) / 1e6,
-        engine->policies());
+        name, state.size(), c.threads, rate[rate.size() / 2], rate.front(), rate.back(),
+        processor_rate[processor_rate.size() / 2], std::abs(end - start + losses - work) / scale,
+        static_cast<double>(engine->bytes()) / 1e6, engine->policies());
     std::fflush(stdout);
 }
 

@@ -106,13 +106,11 @@ void EventEngine<tangential, has_gravity, plates>::run_core(Tile& tile, double s
             const std::size_t first = cells_.index(0, y, z);
             const std::size_t last = first + static_cast<std::size_t>(cells_.count[0]);
             for (std::size_t c = first; c < last; ++c) {
-                for (std::int32_t i = cells_.head[c]; i >= 0;
-                     i = grain_[static_cast<std::size_t>(i)].next) {
-                    plan_[static_cast<std::size_t>(i)].key =
-                        std::min(plan_[static_cast<std::size_t>(i)].collision,
-                                 plan_[static_cast<std::size_t>(i)].crossing);
+                cells_.for_each(c, grain_, [&](std::int32_t i) {
+                    Plan& plan = plan_[static_cast<std::size_t>(i)];
+                    plan.key = std::min(plan.collision, plan.crossing);
                     schedule(tile, i);
-                }
+                });
             }
         }
     }
@@ -188,18 +186,16 @@ void EventEngine<tangential, has_gravity, plates>::loses_neighbours(Tile& tile, 
     const std::array<int, 3> low{cell[0] - 2, std::max(cell[1] - 2, tile.first_row), cell[2] - 2};
     const std::array<int, 3> high{cell[0] + 2, std::min(cell[1] + 2, tile.end_row - 1),
                                   cell[2] + 2};
-    for_each_image(low, high, [&](std::int32_t first, const Vec3&) {
-        for (std::int32_t j = first; j >= 0; j = grain_[static_cast<std::size_t>(j)].next) {
-            if (!is_known(j)) continue;
-            const double t = time_reached(j, lost, tile.now);
-            double& loses_at = loses_at_[static_cast<std::size_t>(j)];
-            if (t >= loses_at) continue;
-            loses_at = t;
-            Plan& plan = plan_[static_cast<std::size_t>(j)];
-            if (t > plan.key) continue;
-            plan.key = t;
-            if (t < tile.end) tile.calendar.push({t, plan.id, j});
-        }
+    for_each_image(low, high, [&](std::int32_t j, const Vec3&) {
+        if (!is_known(j)) return;
+        const double t = time_reached(j, lost, tile.now);
+        double& loses_at = loses_at_[static_cast<std::size_t>(j)];
+        if (t >= loses_at) return;
+        loses_at = t;
+        Plan& plan = plan_[static_cast<std::size_t>(j)];
+        if (t > plan.key) return;
+        plan.key = t;
+        if (t < tile.end) tile.calendar.push({t, plan.id, j});
     });
 }
 
@@ -231,10 +227,8 @@ double EventEngine<tangential, has_gravity, plates>::time_lost(const Tile& tile,
                                  plan.cell[2] - 2};
     const std::array<int, 3> high{plan.cell[0] + 2, std::min(row + 2, tile.end_row - 1),
                                   plan.cell[2] + 2};
-    for_each_image(low, high, [&](std::int32_t first, const Vec3&) {
-        for (std::int32_t j = first; j >= 0; j = grain_[static_cast<std::size_t>(j)].next) {
-            if (!is_known(j)) lost = std::min(lost, time_reached(i, j, now));
-        }
+    for_each_image(low, high, [&](std::int32_t j, const Vec3&) {
+        if (!is_known(j)) lost = std::min(lost, time_reached(i, j, now));
     });
     return lost;
 }
