@@ -71,6 +71,7 @@ void run(const std::string& name, const Case& c) {
     const double window = system.period();
     std::vector<double> rate;
     std::vector<double> processor_rate;
+    double first = 0;
     double losses = 0;
     double work = 0;
     double start = 0;
@@ -83,7 +84,9 @@ void run(const std::string& name, const Case& c) {
         engine->store(window, state);
         const Ledger& ledger = engine->ledger();
         const auto events = static_cast<double>(ledger.real_events());
-        if (w > 0) {
+        if (w == 0) {
+            first = events / (now() - begin);
+        } else {
             rate.push_back(events / (now() - begin));
             processor_rate.push_back(events / (processor_time() - processor_begin));
         }
@@ -95,10 +98,9 @@ void run(const std::string& name, const Case& c) {
     std::sort(rate.begin(), rate.end());
     std::sort(processor_rate.begin(), processor_rate.end());
     fmt::print(
-        "{:22} N {:7} threads {} {:9.3g} events/s  (min {:.3g}, max {:.3g}; {:.3g} per processor "
-        "second)  audit {:.1e}  "
-        "{:.0f} MB  {}\n",
-        name, state.size(), c.threads, rate[rate.size() / 2], rate.front(), rate.back(),
+        "{:22} N {:7} threads {} {:9.3g} events/s  (min {:.3g}, max {:.3g}, first window {:.3g}; "
+        "{:.3g} per processor second)  audit {:.1e}  {:.0f} MB  {}\n",
+        name, state.size(), c.threads, rate[rate.size() / 2], rate.front(), rate.back(), first,
         processor_rate[processor_rate.size() / 2], std::abs(end - start + losses - work) / scale,
         static_cast<double>(engine->bytes()) / 1e6, engine->policies());
     std::fflush(stdout);

@@ -234,7 +234,7 @@ double EventEngine<tangential, has_gravity, plates>::time_lost(const Tile& tile,
 }
 
 // When the sphere of reach of a lost grain, growing with the front speed, touches grain i:
-// |d + v τ| = R + V τ.
+// |d + v τ| = R + (V + ½ g Δ) τ, Δ the step.
 template <Tangential tangential, bool has_gravity, Plates plates>
 double EventEngine<tangential, has_gravity, plates>::time_reached(std::int32_t i, std::int32_t lost,
                                                                   double now) const {
@@ -254,12 +254,13 @@ double EventEngine<tangential, has_gravity, plates>::time_reached(std::int32_t i
     };
     if (cells_.periodic[0]) d.x = nearest(d.x, cells_.length[0]);
     if (cells_.periodic[2]) d.z = nearest(d.z, cells_.length[2]);
-    const double step = front_margin_ > 0 && g > 0 ? front_margin_ / g : 0;
-    const double radius = 1 + 1e-6 + 0.5 * g * step * step + front_speed_ * (now - since);
+    const double radius = 1 + 1e-6 + front_speed_ * (now - since);
     const double f = squared_norm(d) - radius * radius;
     if (f <= 0) return now;
-    const double a = squared_norm(v1) - front_speed_ * front_speed_;
-    const double b = dot(d, v1) - radius * front_speed_;
+    // Within a step, ½ g τ² of the grain's own fall is less than half the margin times τ.
+    const double closing = front_speed_ + 0.5 * front_margin_;
+    const double a = squared_norm(v1) - closing * closing;
+    const double b = dot(d, v1) - radius * closing;
     if (a >= 0) return now;  // faster than the front; the step is done again anyway
     const double root = std::sqrt(b * b - a * f);
     const double tau = b < 0 ? f / (root - b) : -(b + root) / a;
