@@ -23,14 +23,41 @@ CellGrid::CellGrid(const MdSystem& system) {
         if (axis == 2 && !periodic[axis] && length[axis] < tall) count[axis] = 1;
         width[axis] = length[axis] / count[axis];
     }
-    head.assign(static_cast<std::size_t>(count[0]) * static_cast<std::size_t>(count[1]) *
+    cell.assign(static_cast<std::size_t>(count[0]) * static_cast<std::size_t>(count[1]) *
                     static_cast<std::size_t>(count[2]),
-                -1);
+                {});
 }
 
 int CellGrid::coordinate(double position, int axis) const {
     const auto a = static_cast<std::size_t>(axis);
     return std::clamp(static_cast<int>(std::floor(position / width[a])), 0, count[a] - 1);
+}
+
+void CellGrid::link(std::size_t at, std::int32_t i, HugeVector<Grain>& grains) {
+    Cell& c = cell[at];
+    std::int32_t& place = c.id[static_cast<std::size_t>(std::min(c.count, Cell::places - 1))];
+    grains[static_cast<std::size_t>(i)].next = place;
+    place = i;
+    ++c.count;
+}
+
+void CellGrid::unlink(std::size_t at, std::int32_t i, HugeVector<Grain>& grains) {
+    Cell& c = cell[at];
+    const auto next = [&grains](std::int32_t j) -> std::int32_t& {
+        return grains[static_cast<std::size_t>(j)].next;
+    };
+    const std::int32_t filled = std::min(c.count, Cell::places);
+    --c.count;
+    std::int32_t& last = c.id[static_cast<std::size_t>(filled - 1)];
+    for (std::size_t k = 0; k + 1 < c.id.size(); ++k) {
+        if (c.id[k] != i) continue;
+        c.id[k] = last;
+        last = filled == Cell::places ? next(last) : -1;
+        return;
+    }
+    std::int32_t* slot = &last;
+    while (*slot != i) slot = &next(*slot);
+    *slot = next(i);
 }
 
 }  // namespace grainfield::simulate

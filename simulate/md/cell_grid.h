@@ -1,12 +1,23 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "core/huge_pages.h"
+#include "simulate/md/flight.h"
 #include "simulate/md/md_system.h"
 
 namespace grainfield::simulate {
+
+/// The grains of a cell: three in place, so that nearly always none must be asked for the next;
+/// what is more hangs on the third as a list by Grain::next.
+struct alignas(16) Cell {
+    static constexpr std::int32_t places = 3;
+    std::array<std::int32_t, places> id{-1, -1, -1};
+    std::int32_t count = 0;
+};
 
 /// Cells at least one diameter wide that say who can be near whom. A grain sees its own cell and
 /// those around it; periodic images are told apart by the shift of the cell, so that boxes of one
@@ -16,7 +27,7 @@ struct CellGrid {
     std::array<double, 3> width{1, 1, 1};  ///< [a]
     std::array<bool, 3> periodic{};
     std::array<double, 3> length{};
-    HugeVector<std::int32_t> head;  ///< first grain of each cell, −1: none; x fastest
+    HugeVector<Cell> cell;  ///< x fastest
 
     CellGrid() = default;
     explicit CellGrid(const MdSystem& system);
@@ -24,8 +35,36 @@ struct CellGrid {
     std::size_t index(int x, int y, int z) const {
         return static_cast<std::size_t>((z * count[1] + y) * count[0] + x);
     }
-    std::size_t size() const { return head.size(); }
+    std::size_t size() const { return cell.size(); }
     int coordinate(double position, int axis) const;
+    void link(std::size_t at, std::int32_t i, HugeVector<Grain>& grains);
+    void unlink(std::size_t at, std::int32_t i, HugeVector<Grain>& grains);
+
+    /// More grains than this have no room in a cell, not even in the widest, without overlap.
+    static constexpr std::int32_t most_in_cell = 32;
+
+    /// Writes the grains of cell `at`, `most_in_cell` at most, to `out`; their number. Room for
+    /// Cell::places more than there are is needed.
+    std::size_t copy(std::size_t at, const HugeVector<Grain>& grains, std::int32_t* out) const {
+        const Cell& c = cell[at];
+        for (std::size_t k = 0; k < c.id.size(); ++k) out[k] = c.id[k];
+        const std::int32_t here = std::min(c.count, most_in_cell);
+        for (std::int32_t k = Cell::places; k < here; ++k) {
+            out[k] = grains[static_cast<std::size_t>(out[k - 1])].next;
+        }
+        return static_cast<std::size_t>(here);
+    }
+
+    template <class F>
+    void for_each(std::size_t at, const HugeVector<Grain>& grains, F&& f) const {
+        const Cell& c = cell[at];
+        std::int32_t i = -1;
+        for (std::int32_t k = 0; k < c.count; ++k) {
+            i = k < Cell::places ? c.id[static_cast<std::size_t>(k)]
+                                 : grains[static_cast<std::size_t>(i)].next;
+            f(i);
+        }
+    }
     bool is_inside(int x, int y, int z) const {
         const auto inner = [](int c, int n) {
             return static_cast<unsigned>(c - 1) < static_cast<unsigned>(n - 2);

@@ -10,6 +10,7 @@
 #include "simulate/md/engine.h"
 #include "simulate/md/event_calendar.h"
 #include "simulate/md/flight.h"
+#include "simulate/md/pair_filter.h"
 #include "simulate/md/plate_time.h"
 
 namespace grainfield::simulate {
@@ -108,9 +109,12 @@ class EventEngine final : public Engine {
     void collide_wall(Tile& tile, std::int32_t i);
     void cross_cell(Tile& tile, std::int32_t i);
     void predict(std::int32_t i);
-    void consider_cell(const Grain& grain, Plan& plan, std::int32_t first, const Vec3& shift) const;
+    struct Nearby;
+    void consider(const Grain& grain, Plan& plan, Nearby& nearby, const Vec3& shift) const;
     void consider_around(const Grain& grain, Plan& plan, const std::array<int, 3>& low,
                          const std::array<int, 3>& high) const;
+    template <class F>
+    void for_each_cell(const std::array<int, 3>& low, const std::array<int, 3>& high, F&& f) const;
     template <class F>
     void for_each_image(const std::array<int, 3>& low, const std::array<int, 3>& high, F&& f) const;
     void consider_side_walls(const Grain& grain, Plan& plan) const;
@@ -132,6 +136,7 @@ class EventEngine final : public Engine {
     MdSystem system_;
     EngineOptions options_;
     PlateSolver plate_solver_;
+    PairFilter touching_ = pair_filter<has_gravity>();
     CellGrid cells_;
     HugeVector<Grain> grain_;
     HugeVector<Plan> plan_;

@@ -31,7 +31,7 @@ void EventEngine<tangential, has_gravity, plates>::load(const GrainState& state,
     plan_.resize(count);
     if constexpr (has_spin) spin_.assign(state.spin.begin(), state.spin.end());
     last_contact_ = state.last_contact;
-    std::fill(cells_.head.begin(), cells_.head.end(), -1);
+    std::fill(cells_.cell.begin(), cells_.cell.end(), Cell{});
     for (std::size_t i = 0; i < count; ++i) {
         const Vec3& r = state.position[i];
         grain_[i] = {.r = r, .v = state.velocity[i], .t = 0, .next = -1, .events = 0};
@@ -42,7 +42,7 @@ void EventEngine<tangential, has_gravity, plates>::load(const GrainState& state,
         plan.id = state.id[i];
         plan_[i] = plan;
     }
-    for (std::size_t i = count; i-- > 0;) link(static_cast<std::int32_t>(i));
+    for (std::size_t i = 0; i < count; ++i) link(static_cast<std::int32_t>(i));
     fetch_ahead_ = count > cached_grains;
     now_ = 0;
     end_ = end;
@@ -178,8 +178,7 @@ void EventEngine<tangential, has_gravity, plates>::execute(Tile& tile, std::int3
 }
 
 // The data of coming events are fetched in stages, each of which needs what the one before it
-// brought: grain and plan; the partner's plan; the cells around both; the first grain of each of
-// these cells; those that share a cell.
+// brought: grain and plan; the partner's plan; the cells around both; the grains in these cells.
 template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::look_ahead(const Tile& tile,
                                                               std::int32_t bucket) const {
@@ -196,23 +195,17 @@ void EventEngine<tangential, has_gravity, plates>::look_ahead(const Tile& tile,
     });
     tile.calendar.for_each(bucket + 3, [this, &tile](std::int32_t i) {
         for_each_row(tile, i, [this](std::size_t first, std::size_t last) {
-            fetch_line(&cells_.head[first]);
-            fetch_line(&cells_.head[last]);
+            fetch_line(&cells_.cell[first]);
+            fetch_line(&cells_.cell[last]);
         });
     });
-    // Without branches: an empty cell fetches grain 0 once more.
-    const auto line = [this](std::int32_t i) {
-        return &grain_[static_cast<std::size_t>(i < 0 ? 0 : i)];
-    };
-    tile.calendar.for_each(bucket + 2, [this, &tile, &line](std::int32_t i) {
-        for_each_row(tile, i, [this, &line](std::size_t first, std::size_t last) {
-            for (std::size_t c = first; c <= last; ++c) fetch_line(line(cells_.head[c]));
-        });
-    });
-    tile.calendar.for_each(bucket + 1, [this, &tile, &line](std::int32_t i) {
-        for_each_row(tile, i, [this, &line](std::size_t first, std::size_t last) {
+    // Without branches: an empty place fetches grain 0 once more.
+    tile.calendar.for_each(bucket + 1, [this, &tile](std::int32_t i) {
+        for_each_row(tile, i, [this](std::size_t first, std::size_t last) {
             for (std::size_t c = first; c <= last; ++c) {
-                fetch_line(line(line(cells_.head[c])->next));
+                for (const std::int32_t j : cells_.cell[c].id) {
+                    fetch_line(&grain_[static_cast<std::size_t>(std::max(j, 0))]);
+                }
             }
         });
     });
@@ -309,7 +302,7 @@ template <Tangential tangential, bool has_gravity, Plates plates>
 std::size_t EventEngine<tangential, has_gravity, plates>::bytes() const {
     std::size_t sum = grain_.capacity() * sizeof(Grain) + plan_.capacity() * sizeof(Plan) +
                       spin_.capacity() * sizeof(Vec3) + last_contact_.capacity() * sizeof(double) +
-                      cells_.head.capacity() * sizeof(std::int32_t) +
+                      cells_.cell.capacity() * sizeof(Cell) +
                       (lost_at_.capacity() + loses_at_.capacity()) * sizeof(double);
     for (const Tile& tile : tile_) sum += tile.calendar.bytes();
     return sum;

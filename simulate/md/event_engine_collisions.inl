@@ -161,19 +161,14 @@ void EventEngine<tangential, has_gravity, plates>::cross_cell(Tile& tile, std::i
 
 template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::link(std::int32_t i) {
-    const auto a = static_cast<std::size_t>(i);
-    const auto& cell = plan_[a].cell;
-    std::int32_t& head = cells_.head[cells_.index(cell[0], cell[1], cell[2])];
-    grain_[a].next = head;
-    head = i;
+    const auto& cell = plan_[static_cast<std::size_t>(i)].cell;
+    cells_.link(cells_.index(cell[0], cell[1], cell[2]), i, grain_);
 }
 
 template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::unlink(std::int32_t i) {
     const auto& cell = plan_[static_cast<std::size_t>(i)].cell;
-    std::int32_t* slot = &cells_.head[cells_.index(cell[0], cell[1], cell[2])];
-    while (*slot != i) slot = &grain_[static_cast<std::size_t>(*slot)].next;
-    *slot = grain_[static_cast<std::size_t>(i)].next;
+    cells_.unlink(cells_.index(cell[0], cell[1], cell[2]), i, grain_);
 }
 
 template <Tangential tangential, bool has_gravity, Plates plates>

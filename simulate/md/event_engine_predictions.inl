@@ -6,6 +6,21 @@
 
 namespace grainfield::simulate {
 
+/// Grains to be tested. First it is asked who is there, then when they touch: then all their lines
+/// are on their way at once, and no branch asks how many grains a cell has.
+template <Tangential tangential, bool has_gravity, Plates plates>
+struct EventEngine<tangential, has_gravity, plates>::Nearby {
+    static constexpr std::size_t three_cells = 3 * CellGrid::most_in_cell;
+    static constexpr std::size_t room = 2 * three_cells;
+    std::array<std::int32_t, room + pair_filter_room> id;
+    std::size_t count = 0;
+
+    bool is_full() const { return count + three_cells > room; }
+    void add(const CellGrid& cells, std::size_t cell, const HugeVector<Grain>& grains) {
+        count += cells.copy(cell, grains, &id[count]);
+    }
+};
+
 template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::predict(std::int32_t i) {
     Plan& plan = plan_[static_cast<std::size_t>(i)];
@@ -22,13 +37,14 @@ void EventEngine<tangential, has_gravity, plates>::predict(std::int32_t i) {
         const bool deep = cells_.count[2] > 1;
         const std::size_t low = deep ? centre - plane : centre;
         const std::size_t high = deep ? centre + plane : centre;
+        Nearby nearby;
         for (std::size_t p = low; p <= high; p += plane) {
             for (std::size_t q = p - row; q <= p + row; q += row) {
-                for (std::size_t c = q - 1; c <= q + 1; ++c) {
-                    consider_cell(grain, plan, cells_.head[c], {});
-                }
+                for (std::size_t c = q - 1; c <= q + 1; ++c) nearby.add(cells_, c, grain_);
+                if (nearby.is_full()) consider(grain, plan, nearby, {});
             }
         }
+        consider(grain, plan, nearby, {});
     } else {
         consider_around(grain, plan, {x - 1, y - 1, z - 1}, {x + 1, y + 1, z + 1});
         consider_side_walls(grain, plan);
@@ -44,40 +60,48 @@ void EventEngine<tangential, has_gravity, plates>::predict(std::int32_t i) {
     plan_crossing(grain, plan, grain.t);
 }
 
+// Tests the grains collected so far, and forgets them.
 template <Tangential tangential, bool has_gravity, Plates plates>
-inline void EventEngine<tangential, has_gravity, plates>::consider_cell(const Grain& grain,
-                                                                        Plan& plan,
-                                                                        std::int32_t first,
-                                                                        const Vec3& shift) const {
-    for (std::int32_t j = first; j >= 0;) {
-        const Grain& other = grain_[static_cast<std::size_t>(j)];
-        const double t =
-            pair_time<has_gravity>(grain, other, shift, system_.gravity, plan.collision);
+inline void EventEngine<tangential, has_gravity, plates>::consider(const Grain& grain, Plan& plan,
+                                                                   Nearby& nearby,
+                                                                   const Vec3& shift) const {
+    std::int32_t* const id = nearby.id.data();
+    const double g = system_.gravity;
+    const std::size_t count =
+        touching_(grain, grain_.data(), shift, g, plan.collision, id, nearby.count);
+    for (std::size_t k = 0; k < count; ++k) {
+        const Grain& other = grain_[static_cast<std::size_t>(id[k])];
+        const double t = pair_time<has_gravity>(grain, other, shift, g, plan.collision);
         if (t < plan.collision) {
             plan.collision = t;
-            plan.partner = j;
+            plan.partner = id[k];
             plan.partner_events = other.events;
         }
-        j = other.next;
     }
+    nearby.count = 0;
 }
 
 template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::consider_around(
     const Grain& grain, Plan& plan, const std::array<int, 3>& low,
     const std::array<int, 3>& high) const {
-    for_each_image(low, high, [&](std::int32_t first, const Vec3& shift) {
-        consider_cell(grain, plan, first, shift);
+    Nearby nearby;
+    Vec3 shift;
+    for_each_cell(low, high, [&](std::size_t cell, const Vec3& of_cell) {
+        if (nearby.is_full() || !(of_cell == shift)) consider(grain, plan, nearby, shift);
+        shift = of_cell;
+        nearby.add(cells_, cell, grain_);
     });
+    consider(grain, plan, nearby, shift);
 }
 
-// f(first grain, shift) for cells low … high, at most five an axis, wrapped around periodic axes
+// f(cell, shift) for the cells low … high, at most five an axis, wrapped around periodic axes
 // with the shift of the image, cut at walls.
 template <Tangential tangential, bool has_gravity, Plates plates>
 template <class F>
-void EventEngine<tangential, has_gravity, plates>::for_each_image(const std::array<int, 3>& low,
-                                                                  const std::array<int, 3>& high,
-                                                                  F&& f) const {
+void EventEngine<tangential, has_gravity, plates>::for_each_cell(const std::array<int, 3>& low,
+                                                                 const std::array<int, 3>& high,
+                                                                 F&& f) const {
     struct Image {
         int cell;
         double shift;
@@ -104,11 +128,22 @@ void EventEngine<tangential, has_gravity, plates>::for_each_image(const std::arr
     for (std::size_t c = 0; c < nz; ++c) {
         for (std::size_t b = 0; b < ny; ++b) {
             for (std::size_t a = 0; a < nx; ++a) {
-                f(cells_.head[cells_.index(xs[a].cell, ys[b].cell, zs[c].cell)],
-                  Vec3{xs[a].shift, ys[b].shift, zs[c].shift});
+                const Vec3 shift{xs[a].shift, ys[b].shift, zs[c].shift};
+                f(cells_.index(xs[a].cell, ys[b].cell, zs[c].cell), shift);
             }
         }
     }
+}
+
+// f(grain, shift) for all grains in these cells.
+template <Tangential tangential, bool has_gravity, Plates plates>
+template <class F>
+void EventEngine<tangential, has_gravity, plates>::for_each_image(const std::array<int, 3>& low,
+                                                                  const std::array<int, 3>& high,
+                                                                  F&& f) const {
+    for_each_cell(low, high, [&](std::size_t cell, const Vec3& shift) {
+        cells_.for_each(cell, grain_, [&](std::int32_t j) { f(j, shift); });
+    });
 }
 
 // Only grains in cells at a wall can meet it before they leave their cell.
@@ -209,12 +244,10 @@ double EventEngine<tangential, has_gravity, plates>::overlap_of(std::size_t i) c
     const Vec3& r = grain_[i].r;
     const auto& cell = plan_[i].cell;
     double least = 1;
-    const auto compare = [&](std::int32_t first, const Vec3& shift) {
-        for (std::int32_t j = first; j >= 0; j = grain_[static_cast<std::size_t>(j)].next) {
-            if (static_cast<std::size_t>(j) <= i) continue;
-            const Vec3 d = grain_[static_cast<std::size_t>(j)].r + shift - r;
-            least = std::min(least, squared_norm(d));
-        }
+    const auto compare = [&](std::int32_t j, const Vec3& shift) {
+        if (static_cast<std::size_t>(j) <= i) return;
+        const Vec3 d = grain_[static_cast<std::size_t>(j)].r + shift - r;
+        least = std::min(least, squared_norm(d));
     };
     const std::array<int, 3> low{cell[0] - 1, cell[1] - 1, cell[2] - 1};
     const std::array<int, 3> high{cell[0] + 1, cell[1] + 1, cell[2] + 1};

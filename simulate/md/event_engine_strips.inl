@@ -106,13 +106,11 @@ void EventEngine<tangential, has_gravity, plates>::run_core(Tile& tile, double s
             const std::size_t first = cells_.index(0, y, z);
             const std::size_t last = first + static_cast<std::size_t>(cells_.count[0]);
             for (std::size_t c = first; c < last; ++c) {
-                for (std::int32_t i = cells_.head[c]; i >= 0;
-                     i = grain_[static_cast<std::size_t>(i)].next) {
-                    plan_[static_cast<std::size_t>(i)].key =
-                        std::min(plan_[static_cast<std::size_t>(i)].collision,
-                                 plan_[static_cast<std::size_t>(i)].crossing);
+                cells_.for_each(c, grain_, [&](std::int32_t i) {
+                    Plan& plan = plan_[static_cast<std::size_t>(i)];
+                    plan.key = std::min(plan.collision, plan.crossing);
                     schedule(tile, i);
-                }
+                });
             }
         }
     }
@@ -188,18 +186,16 @@ void EventEngine<tangential, has_gravity, plates>::loses_neighbours(Tile& tile, 
     const std::array<int, 3> low{cell[0] - 2, std::max(cell[1] - 2, tile.first_row), cell[2] - 2};
     const std::array<int, 3> high{cell[0] + 2, std::min(cell[1] + 2, tile.end_row - 1),
                                   cell[2] + 2};
-    for_each_image(low, high, [&](std::int32_t first, const Vec3&) {
-        for (std::int32_t j = first; j >= 0; j = grain_[static_cast<std::size_t>(j)].next) {
-            if (!is_known(j)) continue;
-            const double t = time_reached(j, lost, tile.now);
-            double& loses_at = loses_at_[static_cast<std::size_t>(j)];
-            if (t >= loses_at) continue;
-            loses_at = t;
-            Plan& plan = plan_[static_cast<std::size_t>(j)];
-            if (t > plan.key) continue;
-            plan.key = t;
-            if (t < tile.end) tile.calendar.push({t, plan.id, j});
-        }
+    for_each_image(low, high, [&](std::int32_t j, const Vec3&) {
+        if (!is_known(j)) return;
+        const double t = time_reached(j, lost, tile.now);
+        double& loses_at = loses_at_[static_cast<std::size_t>(j)];
+        if (t >= loses_at) return;
+        loses_at = t;
+        Plan& plan = plan_[static_cast<std::size_t>(j)];
+        if (t > plan.key) return;
+        plan.key = t;
+        if (t < tile.end) tile.calendar.push({t, plan.id, j});
     });
 }
 
@@ -231,16 +227,14 @@ double EventEngine<tangential, has_gravity, plates>::time_lost(const Tile& tile,
                                  plan.cell[2] - 2};
     const std::array<int, 3> high{plan.cell[0] + 2, std::min(row + 2, tile.end_row - 1),
                                   plan.cell[2] + 2};
-    for_each_image(low, high, [&](std::int32_t first, const Vec3&) {
-        for (std::int32_t j = first; j >= 0; j = grain_[static_cast<std::size_t>(j)].next) {
-            if (!is_known(j)) lost = std::min(lost, time_reached(i, j, now));
-        }
+    for_each_image(low, high, [&](std::int32_t j, const Vec3&) {
+        if (!is_known(j)) lost = std::min(lost, time_reached(i, j, now));
     });
     return lost;
 }
 
 // When the sphere of reach of a lost grain, growing with the front speed, touches grain i:
-// |d + v τ| = R + V τ.
+// |d + v τ| = R + (V + ½ g Δ) τ, Δ the step.
 template <Tangential tangential, bool has_gravity, Plates plates>
 double EventEngine<tangential, has_gravity, plates>::time_reached(std::int32_t i, std::int32_t lost,
                                                                   double now) const {
@@ -260,12 +254,13 @@ double EventEngine<tangential, has_gravity, plates>::time_reached(std::int32_t i
     };
     if (cells_.periodic[0]) d.x = nearest(d.x, cells_.length[0]);
     if (cells_.periodic[2]) d.z = nearest(d.z, cells_.length[2]);
-    const double step = front_margin_ > 0 && g > 0 ? front_margin_ / g : 0;
-    const double radius = 1 + 1e-6 + 0.5 * g * step * step + front_speed_ * (now - since);
+    const double radius = 1 + 1e-6 + front_speed_ * (now - since);
     const double f = squared_norm(d) - radius * radius;
     if (f <= 0) return now;
-    const double a = squared_norm(v1) - front_speed_ * front_speed_;
-    const double b = dot(d, v1) - radius * front_speed_;
+    // Within a step, ½ g τ² of the grain's own fall is less than half the margin times τ.
+    const double closing = front_speed_ + 0.5 * front_margin_;
+    const double a = squared_norm(v1) - closing * closing;
+    const double b = dot(d, v1) - radius * closing;
     if (a >= 0) return now;  // faster than the front; the step is done again anyway
     const double root = std::sqrt(b * b - a * f);
     const double tau = b < 0 ? f / (root - b) : -(b + root) / a;

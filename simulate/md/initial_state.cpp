@@ -267,15 +267,17 @@ void melt(GrainState& state, MdSystem system, double collisions_per_grain, std::
     }
 }
 
-std::uint64_t z_order(std::uint32_t x, std::uint32_t y) {
-    const auto spread = [](std::uint64_t v) {
-        v = (v | v << 16) & 0x0000ffff0000ffff;
-        v = (v | v << 8) & 0x00ff00ff00ff00ff;
-        v = (v | v << 4) & 0x0f0f0f0f0f0f0f0f;
-        v = (v | v << 2) & 0x3333333333333333;
-        return (v | v << 1) & 0x5555555555555555;
+// Interleaves the lowest 21 bits of the coordinates.
+std::uint64_t z_order(const Vec3& r) {
+    const auto spread = [](double x) {
+        auto v = static_cast<std::uint64_t>(std::max(x, 0.0)) & 0x1fffff;
+        v = (v | v << 32) & 0x001f00000000ffff;
+        v = (v | v << 16) & 0x001f0000ff0000ff;
+        v = (v | v << 8) & 0x100f00f00f00f00f;
+        v = (v | v << 4) & 0x10c30c30c30c30c3;
+        return (v | v << 2) & 0x1249249249249249;
     };
-    return spread(x) | spread(y) << 1;
+    return spread(r.x) | spread(r.y) << 1 | spread(r.z) << 2;
 }
 
 template <class T>
@@ -345,10 +347,7 @@ GrainState state_of(const Snapshot& snapshot, const MdOptions& options, std::uin
 void sort_in_space(GrainState& state) {
     std::vector<std::pair<std::uint64_t, std::uint32_t>> key(state.size());
     for (std::size_t i = 0; i < key.size(); ++i) {
-        const Vec3& r = state.position[i];
-        key[i] = {z_order(static_cast<std::uint32_t>(std::max(r.x, 0.0)),
-                          static_cast<std::uint32_t>(std::max(r.y, 0.0))),
-                  static_cast<std::uint32_t>(i)};
+        key[i] = {z_order(state.position[i]), static_cast<std::uint32_t>(i)};
     }
     std::ranges::sort(key, [&state](const auto& a, const auto& b) {
         return a.first != b.first ? a.first < b.first : state.id[a.second] < state.id[b.second];

@@ -127,6 +127,7 @@ void MdSimulation::run_window(SnapshotSink& sink) {
     const double period = system_.period();
     const auto first = static_cast<double>(window_ * window_periods_);
     const double last = std::min(first + static_cast<double>(window_periods_), run.periods);
+    if (window_ % windows_between_sorts == 0) sort_in_space(state_);
     engine_->load(state_, (last - first) * period);
     max_overlap_ = std::max(max_overlap_, engine_->max_overlap());
     if (engine_->max_overlap() > 1e-9) {
@@ -173,7 +174,6 @@ void MdSimulation::settle() {
     settled_snapshots_ = next_snapshot_;
     settled_rows_ = series_.size();
     settled_last_ = last_sample_sums_;
-    if (window_ % windows_between_sorts == 0) sort_in_space(state_);
 }
 
 Checkpoint MdSimulation::checkpoint() const {
