@@ -91,8 +91,8 @@ class BoundCommand {
         if (inputs.count != Command::Count::none) {
             parser_->add_option("inputs", inputs_, inputs.meaning)
                 ->type_name(inputs.placeholder)
-                ->expected(inputs.count == Command::Count::many ? -1 : 1)
-                ->required();
+                ->expected(inputs.count == Command::Count::one ? 1 : -1)
+                ->required(inputs.count != Command::Count::any);
         }
         parser_->add_option("-c,--config", config_, "read options from this TOML file")
             ->type_name("FILE");
@@ -179,6 +179,7 @@ int run(BoundCommand& command) {
     try {
         const Summary summary = command.run(session);
         print_summary(session, summary);
+        if (!summary.failure.empty()) throw PhysicsError(summary.failure);
         if (summary.signal != 0) code = exit_code(summary.signal);
     } catch (const std::bad_alloc& error) {
         fmt::print(stderr, "error: out of memory; use fewer threads or a smaller input.\n");

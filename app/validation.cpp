@@ -9,6 +9,7 @@
 #include "app/watched_frames.h"
 #include "core/errors.h"
 #include "core/interrupt.h"
+#include "tracking/score/edge_noise.h"
 
 namespace grainfield::app {
 
@@ -37,6 +38,16 @@ Snapshot visible(const Snapshot& truth, const ScoredView& view) {
     return out;
 }
 
+/// The noise on edges in the first good frame [contrast]; 0 if there is none.
+double noise_of(const ValidationCase& scene, const Tracker& tracker) {
+    for (std::int64_t i = 0; i < scene.frames.count(); ++i) {
+        const Frame frame = scene.frames.read(i);
+        if (frame.status != FrameStatus::ok) continue;
+        return tracking::edge_noise(frame.image, tracker.model(), scene.truth.read(i).position);
+    }
+    return 0;
+}
+
 ScoredView view_of(const ValidationCase& scene, const ValidationSettings& settings,
                    const Tracker& tracker, double sphere_diameter) {
     ScoredView view;
@@ -44,7 +55,7 @@ ScoredView view_of(const ValidationCase& scene, const ValidationSettings& settin
     view.height = scene.frames.height();
     view.sphere_diameter = sphere_diameter;
     view.disc = tracker.model().disc;
-    view.noise = tracker.model().noise;
+    view.noise = noise_of(scene, tracker);
     view.threads = settings.threads;
     return view;
 }
@@ -117,8 +128,7 @@ ValidationOutcome validate(const ValidationCase& scene, const ValidationSettings
                            tracking::TrackSummary& summary, RunPlan& plan) {
     tracking::TrackOptions options = settings.tracking;
     options.threads = settings.threads;
-    const double sphere_diameter = options.sphere_diameter.value_or(scene.truth.info().diameter);
-    options.sphere_diameter = sphere_diameter;
+    if (!options.sphere_diameter) options.sphere_diameter = scene.sphere_diameter;
     Tracker tracker(scene.frames, options, plan);
     if (!tracker.is_calibrated()) {
         throw PhysicsError({.problem = "the tracker cannot calibrate on the frames of this scene",
@@ -126,6 +136,7 @@ ValidationOutcome validate(const ValidationCase& scene, const ValidationSettings
                             .expected = "dark or bright discs of one size",
                             .suggestion = "look at the frames, or give calibrate.diameter"});
     }
+    const double sphere_diameter = tracker.info().diameter;
     ValidationOutcome outcome{
         .scores = ValidationScores(view_of(scene, settings, tracker, sphere_diameter)),
         .tracks = {},

@@ -15,7 +15,8 @@ namespace grainfield::app {
 /// Frames and what is true of them.
 struct ValidationCase {
     FrameSource& frames;
-    SnapshotSource& truth;  ///< snapshot i belongs to frame i; px, with identities
+    SnapshotSource& truth;                  ///< snapshot i belongs to frame i; px, with identities
+    std::optional<double> sphere_diameter;  ///< true a [px]; empty: the tracker's apparent D
     std::optional<double> vibration_frequency;  ///< [1/time unit of the truth]
 };
 

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "report/text.h"
+
 namespace grainfield::app {
 
 namespace {
@@ -77,31 +79,31 @@ Table track_table(const ValidationOutcome& outcome) {
         "α, β, JSC and JSCθ as in the ISBI challenge, ε = D/4. Pixel locking: amplitude of the "
         "mean "
         "error against the sub-pixel phase, with what chance gives.";
-    table.columns = {{"value", "Value", ""}, {"unit", "", ""}, {"meaning", "Meaning", ""}};
-    const auto row = [&](const char* name, report::TableCell value, const char* unit,
-                         std::string meaning) {
-        table.rows.push_back(
-            {name, {std::move(value), {NAN, unit, false}, {NAN, std::move(meaning), false}}});
+    table.columns = {{"value", "Value", "", false}, {"meaning", "Meaning", "", true}};
+    const auto row = [&](const char* name, report::TableCell value, std::string meaning) {
+        table.rows.push_back({name, {std::move(value), {NAN, std::move(meaning), false}}});
     };
-    row("α", share(t.alpha), " ", "1: all true tracks followed");
-    row("β", share(t.beta), " ", "α less what spurious tracks cost");
-    row("JSC", share(t.jaccard_points), " ", "Jaccard of positions in paired tracks");
-    row("JSCθ", share(t.jaccard_tracks), " ", "Jaccard of tracks");
-    row("correct links", share(t.correct_link_fraction()), " ",
+    row("α", share(t.alpha), "1: all true tracks followed");
+    row("β", share(t.beta), "α less what spurious tracks cost");
+    row("JSC", share(t.jaccard_points), "Jaccard of positions in paired tracks");
+    row("JSCθ", share(t.jaccard_tracks), "Jaccard of tracks");
+    row("correct links", share(t.correct_link_fraction()),
         fmt::format("of {} times a true particle was found again", t.links));
-    row("switches", count(t.switches), " ", "found again under another identity");
-    row("fragments", count(t.fragments), " ", "found again after frames in which it was missed");
-    row("wrong links", count(t.wrong_links), " ", "steps from one true particle to another");
+    row("switches", count(t.switches), "found again under another identity");
+    row("fragments", count(t.fragments), "found again after frames in which it was missed");
+    row("wrong links", count(t.wrong_links), "steps from one true particle to another");
     for (const int axis : {0, 1}) {
         const auto locking = outcome.scores.detection().pixel_locking(axis);
-        row(axis == 0 ? "pixel locking x" : "pixel locking y", number(locking.amplitude, "{:.5f}"),
-            "px", fmt::format("chance: {:.5f} px", locking.error));
+        row(axis == 0 ? "pixel locking x [px]" : "pixel locking y [px]",
+            number(locking.amplitude, "{:.5f}"),
+            fmt::format("chance: {:.5f}; RMS of the whole curve {:.5f}", locking.error,
+                        locking.rms));
     }
-    row("|Q₄| error", number(outcome.scores.q4_rms(), "{:.4f}"), " ",
+    row("|Q₄| error", number(outcome.scores.q4_rms(), "{:.4f}"),
         fmt::format("RMS over {} particles; mean {:+.5f}", outcome.scores.q4_samples(),
                     outcome.scores.q4_bias()));
     const bool labelled = layers.labelled > 0;
-    row("layer labels", labelled ? share(layers.accuracy()) : report::TableCell{}, " ",
+    row("layer labels", labelled ? share(layers.accuracy()) : report::TableCell{},
         labelled ? fmt::format("right of {}; {:.5f} up to an exchange in each cluster",
                                layers.labelled, layers.accuracy_up_to_flip())
                  : std::string("the tracker gave no layers"));
@@ -118,22 +120,18 @@ Table effect_table(const ValidationOutcome& outcome) {
     table.columns = {{"true", "True", ""},
                      {"tracked", "Tracked", ""},
                      {"difference", "Difference", ""},
-                     {"sigma", "σ", ""},
-                     {"unit", "Unit", ""}};
+                     {"sigma", "σ", ""}};
     for (const DownstreamEffect& e : outcome.effects) {
-        table.rows.push_back({e.title,
-                              {number(e.truth),
-                               number(e.tracked),
-                               number(e.tracked - e.truth, "{:+.2g}"),
-                               number(e.error, "{:.2g}"),
-                               {NAN, e.unit == "-" ? " " : e.unit, false}}});
+        const std::string unit = report::pretty_unit(e.unit, outcome.runs[0].source.time_unit);
+        table.rows.push_back({unit.empty() ? e.title : e.title + " [" + unit + "]",
+                              {number(e.truth), number(e.tracked),
+                               number(e.tracked - e.truth, "{:+.2g}"), number(e.error, "{:.2g}")}});
     }
-    table.rows.push_back({"MSD at the shortest lag, offset (true: 4σ² expected)",
+    table.rows.push_back({"MSD at the shortest lag: offset, where 4σ² is expected [a²]",
                           {number(outcome.predicted_msd_offset, "{:.3g}"),
                            number(outcome.msd_offset, "{:.3g}"),
                            number(outcome.msd_offset - outcome.predicted_msd_offset, "{:+.2g}"),
-                           {},
-                           {NAN, "a^2", false}}});
+                           {}}});
     return table;
 }
 
@@ -141,7 +139,7 @@ Table threshold_table(const std::vector<ThresholdCheck>& checks) {
     Table table;
     table.name = "thresholds";
     table.title = "Thresholds of the scene";
-    table.columns = {{"value", "Measured", ""}, {"limit", "Limit", ""}, {"met", "", ""}};
+    table.columns = {{"value", "Measured", ""}, {"limit", "Limit", ""}, {"met", "", "", true}};
     for (const ThresholdCheck& c : checks) {
         const std::string limit = fmt::format("{} {:g}", c.is_least ? "≥" : "≤", c.limit);
         table.rows.push_back({c.unit == "-" ? c.name : c.name + " [" + c.unit + "]",
@@ -241,7 +239,7 @@ Figure recall_figure(const DetectionScores& scores) {
         figure_of("recall_by_distance", "Recall and precision under overlap",
                   "Spheres of two layers overlap in projection: the nearer two centres, "
                   "the harder.",
-                  distance_axis(), {"share", "Share", "", Scale::linear, false});
+                  distance_axis(), {"share", "Share", "", Scale::linear, true});
     add_series(figure, {"recall", Mark::line, true},
                by_distance(scores, [](const ClassScore& s) { return s.recall(); }));
     add_series(figure, {"precision", Mark::line, true},

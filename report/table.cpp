@@ -26,13 +26,17 @@ std::string table_html(const Table& table) {
         const std::string unit =
             column.unit.empty() ? ""
                                 : " <span class=\"unit\">[" + escape_html(column.unit) + "]</span>";
-        out += "<th>" + escape_html(column.label) + unit + "</th>";
+        out += (column.is_text ? "<th class=\"words\">" : "<th>") + escape_html(column.label) +
+               unit + "</th>";
     }
     out += "</tr></thead>\n<tbody>\n";
     for (const Table::Row& row : table.rows) {
         out += "<tr><th>" + escape_html(row.name) + "</th>";
-        for (const TableCell& cell : row.cells) {
-            out += (cell.failed ? "<td class=\"failed\">" : "<td>") + shown(cell) + "</td>";
+        for (std::size_t c = 0; c < row.cells.size(); ++c) {
+            const TableCell& cell = row.cells[c];
+            const bool words = c < table.columns.size() && table.columns[c].is_text;
+            const char* style = cell.failed ? " class=\"failed\"" : words ? " class=\"words\"" : "";
+            out += fmt::format("<td{}>{}</td>", style, shown(cell));
         }
         out += "</tr>\n";
     }

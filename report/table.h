@@ -17,6 +17,7 @@ struct TableColumn {
     std::string name;   ///< in the CSV: "rmse"
     std::string label;  ///< for people: "RMSE"
     std::string unit;   ///< "px"; empty if dimensionless
+    bool is_text = false;
 };
 
 /// A table of a page; the first column of each row is its name.

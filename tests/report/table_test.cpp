@@ -13,7 +13,8 @@ Table sample_table() {
     Table table;
     table.name = "scores";
     table.title = "Scores <by class>";
-    table.columns = {{"recall", "Recall", ""}, {"rmse", "RMSE", "px"}, {"state", "State", ""}};
+    table.columns = {
+        {"recall", "Recall", ""}, {"rmse", "RMSE", "px"}, {"state", "State", "", true}};
     table.rows = {{"liquid, dense", {{0.99871, "", false}, {0.0083, "", true}, {1, "met", false}}},
                   {"crystal", {{}, {}, {std::nan(""), "no \"bound\"", false}}}};
     return table;
@@ -25,6 +26,7 @@ TEST(Table, AsHtmlEscapesTextsAndMarksWhatFailed) {
     EXPECT_THAT(html, HasSubstr("<td class=\"failed\">0.0083</td>"));
     EXPECT_THAT(html, HasSubstr("RMSE <span class=\"unit\">[px]</span>"));
     EXPECT_THAT(html, HasSubstr("<td>–</td>"));
+    EXPECT_THAT(html, HasSubstr("<td class=\"words\">met</td>"));
     EXPECT_THAT(html, HasSubstr("no &quot;bound&quot;"));
     EXPECT_THAT(html, Not(HasSubstr("nan")));
 }

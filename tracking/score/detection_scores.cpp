@@ -243,16 +243,22 @@ DetectionScores::Locking DetectionScores::pixel_locking(int axis) const {
     double a = 0;
     double b = 0;
     double variance = 0;
+    double mean = 0;
+    double squares = 0;
     for (const PhaseBin& bin : phase_curve(axis)) {
-        if (!std::isfinite(bin.mean) || !std::isfinite(bin.error)) return {kNone, kNone};
+        if (!std::isfinite(bin.mean) || !std::isfinite(bin.error)) return {kNone, kNone, kNone};
         const double angle = 2 * std::numbers::pi * bin.phase;
         a += 2.0 / kPhaseBins * bin.mean * std::cos(angle);
         b += 2.0 / kPhaseBins * bin.mean * std::sin(angle);
-        variance += 2.0 / (kPhaseBins * kPhaseBins) * bin.error * bin.error;
+        variance += bin.error * bin.error / kPhaseBins;
+        mean += bin.mean / kPhaseBins;
+        squares += bin.mean * bin.mean / kPhaseBins;
     }
     const double half = std::numbers::pi / kPhaseBins;
     const double averaging = std::sin(half) / half;
-    return {std::hypot(a, b) / averaging, std::sqrt(variance) / averaging};
+    const double scatter = squares - mean * mean - variance * (1 - 1.0 / kPhaseBins);
+    return {std::hypot(a, b) / averaging, std::sqrt(2 * variance / kPhaseBins) / averaging,
+            std::sqrt(std::max(0.0, scatter))};
 }
 
 }  // namespace grainfield::tracking

@@ -88,11 +88,12 @@ class DetectionScores {
     /// over resolved particles; where no bounds are known all weights are 1.
     std::vector<PhaseBin> phase_curve(int axis) const;
 
-    /// Amplitude of the first harmonic of the phase curve, mean + a cos 2πφ + b sin 2πφ: how much
-    /// positions are drawn to (or from) the pixel grid.
+    /// How much positions are drawn to (or from) the pixel grid: the first harmonic of the phase
+    /// curve, mean + a cos 2πφ + b sin 2πφ, and all that is not constant.
     struct Locking {
         double amplitude = 0;  ///< sqrt(a² + b²) [px]; NaN if bins are empty
         double error = 0;      ///< standard error of a and b [px]: what chance alone gives
+        double rms = 0;        ///< of the curve about its mean, less what chance gives [px]
     };
     Locking pixel_locking(int axis) const;
 

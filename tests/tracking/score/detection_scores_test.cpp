@@ -144,6 +144,7 @@ TEST(DetectionScores, FindTheAmplitudeOfPixelLockingAlongItsAxisOnly) {
     const DetectionScores scores = with_errors(1, 0.02);
     const auto x = scores.pixel_locking(0);
     EXPECT_NEAR(x.amplitude, 0.02, 5 * x.error + 1e-4);
+    EXPECT_NEAR(x.rms, 0.02 / std::sqrt(2.0), 0.001);
     EXPECT_LT(scores.pixel_locking(1).amplitude, 5.3 * scores.pixel_locking(1).error);
     const auto curve = scores.phase_curve(0);
     ASSERT_EQ(curve.size(), 20U);
