@@ -219,7 +219,11 @@ Summary ValidateCommand::finish(Session& session, const ValidationOutcome& outco
                                 FiguresFolder* figures) const {
     const std::vector<ThresholdCheck> checks = check(thresholds_, outcome);
     std::vector<Results> runs = outcome.runs;
-    for (Results& run : runs) run.record = session.record();
+    for (Results& run : runs) {
+        run.record = session.record();
+        run.record.skipped.clear();  // the page takes them from the plan
+        run.record.warnings.clear();
+    }
     report::ReportOptions options = report_;
     if (options.title.empty()) options.title = "Validation of the tracker";
     report::write_report(runs, options, html.temporary(), figures_folder(output_), session.plan,

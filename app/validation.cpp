@@ -38,14 +38,17 @@ Snapshot visible(const Snapshot& truth, const ScoredView& view) {
     return out;
 }
 
-/// The noise on edges in the first good frame [contrast]; 0 if there is none.
+/// The noise on edges in the first good frame [contrast]; where it cannot be measured, that of the
+/// tracker's residual.
 double noise_of(const ValidationCase& scene, const Tracker& tracker) {
     for (std::int64_t i = 0; i < scene.frames.count(); ++i) {
         const Frame frame = scene.frames.read(i);
         if (frame.status != FrameStatus::ok) continue;
-        return tracking::edge_noise(frame.image, tracker.model(), scene.truth.read(i).position);
+        const double noise =
+            tracking::edge_noise(frame.image, tracker.model(), scene.truth.read(i).position);
+        if (noise > 0) return noise;
     }
-    return 0;
+    return tracker.model().noise;
 }
 
 ScoredView view_of(const ValidationCase& scene, const ValidationSettings& settings,
@@ -174,7 +177,8 @@ ValidationOutcome validate(const ValidationCase& scene, const ValidationSettings
         plan.warn(fmt::format("interrupted after {} of {} frames: scores of those, no analysis",
                               summary.frames, scene.frames.count()));
     } else {
-        analyse(outcome.runs[0], seen, settings, plan);
+        RunPlan same;  // what is skipped for the one is skipped for the other
+        analyse(outcome.runs[0], seen, settings, same);
         analyse(outcome.runs[1], found, settings, plan);
     }
     compare_downstream(outcome);

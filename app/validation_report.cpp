@@ -31,6 +31,13 @@ report::TableCell share(double value) {
     return number(value, "{:.5f}");
 }
 
+/// With its sign, and the minus of typographers.
+report::TableCell bias(double value) {
+    report::TableCell cell = number(value, "{:+.4f}");
+    if (cell.text.starts_with('-')) cell.text.replace(0, 1, "−");
+    return cell;
+}
+
 report::TableCell count(std::int64_t value) {
     return {static_cast<double>(value), fmt::format("{}", value), false};
 }
@@ -56,15 +63,14 @@ Table class_table(const DetectionScores& scores) {
     for (std::size_t c = 0; c < kTruthClasses; ++c) {
         const ClassScore& s = scores.classes()[c];
         const std::int64_t particles = s.matched + s.missed;
-        table.rows.push_back({s.name,
-                              {count(particles), count(s.missed), count(s.spurious),
-                               share(s.recall()), share(s.precision()), share(s.jaccard()),
-                               number(s.bias().x, "{:+.4f}"), number(s.bias().y, "{:+.4f}"),
-                               number(s.rmse().x, "{:.4f}"), number(s.rmse().y, "{:.4f}"),
-                               share(static_cast<double>(s.resolved) /
-                                     static_cast<double>(std::max<std::int64_t>(1, s.matched))),
-                               number(s.bound(), "{:.4f}"), number(s.bound_ratio(), "{:.2f}"),
-                               number(s.pull_rms(), "{:.2f}")}});
+        table.rows.push_back(
+            {s.name,
+             {count(particles), count(s.missed), count(s.spurious), share(s.recall()),
+              share(s.precision()), share(s.jaccard()), bias(s.bias().x), bias(s.bias().y),
+              number(s.rmse().x, "{:.4f}"), number(s.rmse().y, "{:.4f}"),
+              number(static_cast<double>(s.resolved) / static_cast<double>(s.matched)),
+              number(s.bound(), "{:.4f}"), number(s.bound_ratio(), "{:.2f}"),
+              number(s.pull_rms(), "{:.2f}")}});
     }
     return table;
 }

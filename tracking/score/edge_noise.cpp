@@ -12,10 +12,10 @@ constexpr std::size_t kFewest = 50;
 
 /// Per pixel 0: on an edge, 1: between the spheres, 2: in the core of one.
 std::vector<std::uint8_t> places(const Image& counts, const DiscProfile& disc,
-                                 const std::vector<Vec2>& truth) {
+                                 const std::vector<Vec2>& truth, double widths) {
     std::vector<std::uint8_t> place(counts.size(), 1);
-    const double core = disc.radius() - 3 * disc.edge_width;
-    const double reach = disc.reach() + 2;
+    const double core = disc.radius() - widths * disc.edge_width;
+    const double reach = disc.radius() + widths * disc.edge_width;
     for (const Vec2 c : truth) {
         const int first_row = static_cast<int>(std::max(0.0, std::ceil(c.y - reach)));
         const double last_row = std::min(counts.height() - 1.0, c.y + reach);
@@ -58,34 +58,53 @@ double variance_of(std::vector<float>& differences) {
     return squares / count / 6;  // 1² + 2² + 1²
 }
 
-}  // namespace
-
-double edge_noise(const Image& counts, const ImageModel& model, const std::vector<Vec2>& truth) {
-    const std::vector<std::uint8_t> place = places(counts, model.disc, truth);
+/// Second differences along the rows, between the spheres and in their cores.
+struct Differences {
     std::vector<float> bright, dark;
-    double contrast = 0;
+};
+
+Differences differences_of(const Image& counts, const std::vector<std::uint8_t>& place) {
+    Differences all;
     for (int y = 0; y < counts.height(); ++y) {
         const float* row = counts.row(y);
         const std::uint8_t* p =
             place.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(counts.width());
         for (int x = 1; x + 1 < counts.width(); ++x) {
             if (p[x] == 0 || p[x - 1] != p[x] || p[x + 1] != p[x]) continue;
-            (p[x] == 1 ? bright : dark).push_back(row[x - 1] - 2 * row[x] + row[x + 1]);
+            (p[x] == 1 ? all.bright : all.dark).push_back(row[x - 1] - 2 * row[x] + row[x + 1]);
         }
     }
+    return all;
+}
+
+double mean_contrast(const ImageModel& model, int width, int height) {
     constexpr int kSamples = 16;
+    double sum = 0;
     for (int i = 0; i < kSamples * kSamples; ++i) {
-        contrast += model.background((i % kSamples + 0.5) * counts.width() / kSamples,
-                                     (i / kSamples + 0.5) * counts.height() / kSamples) -
-                    model.dark_level;
+        sum += model.background((i % kSamples + 0.5) * width / kSamples,
+                                (i / kSamples + 0.5) * height / kSamples) -
+               model.dark_level;
     }
-    contrast = std::abs(contrast) / (kSamples * kSamples);
-    double light = variance_of(bright);
-    double shade = variance_of(dark);
-    if (light <= 0) light = shade;
-    if (shade < 0) shade = light;
-    if (light <= 0 || !(contrast > 0)) return 0;
-    return std::sqrt((light + shade) / 2) / contrast;
+    return std::abs(sum) / (kSamples * kSamples);
+}
+
+}  // namespace
+
+double edge_noise(const Image& counts, const ImageModel& model, const std::vector<Vec2>& truth) {
+    const double contrast = mean_contrast(model, counts.width(), counts.height());
+    if (!(contrast > 0)) return 0;
+    // Small or crowded spheres leave no pixel far from all edges; then nearer ones have to do.
+    for (const double widths : {4.5, 3.5, 2.5}) {
+        Differences all = differences_of(counts, places(counts, model.disc, truth, widths));
+        const bool is_last = widths < 3;
+        if (!is_last && std::min(all.bright.size(), all.dark.size()) < kFewest) continue;
+        double light = variance_of(all.bright);
+        double shade = variance_of(all.dark);
+        if (light <= 0) light = shade;
+        if (shade < 0) shade = light;
+        return light > 0 ? std::sqrt((light + shade) / 2) / contrast : 0;
+    }
+    return 0;
 }
 
 }  // namespace grainfield::tracking
