@@ -129,6 +129,19 @@ OptionError needs(const char* problem, const char* suggestion) {
 
 }  // namespace
 
+ValidateCommand::ValidateCommand() {
+    // A crystal patch that melts at its rim in a liquid, walls out of sight; 41 frames a tenth of a
+    // period apart.
+    md_.cell.grains = 10400;
+    md_.cell.length_x = md_.cell.length_y = 104;
+    md_.cell.sides_x = md_.cell.sides_y = simulate::Side::walls;
+    md_.initial.layout = simulate::InitialLayout::square;
+    md_.initial.temperature = 0.1;
+    md_.run.periods = 14;
+    md_.run.discard = 10;
+    md_.run.snapshot_every = 0.1;
+}
+
 std::string ValidateCommand::purpose() const {
     return "track frames whose truth is known and score what was found";
 }
@@ -149,6 +162,7 @@ std::vector<OptionTable> ValidateCommand::options() {
     own.integer("previews", previews_, "-", {0, 100}, "frames shown in the report");
     std::vector<OptionTable> tables{own};
     for (OptionTable& table : simulate::describe(md_)) tables.push_back(std::move(table));
+    tables.push_back(describe(camera_));
     for (OptionTable& table : tracking::describe(tracking_)) tables.push_back(std::move(table));
     tables.push_back(describe(thresholds_));
     return tables;
@@ -185,8 +199,21 @@ ValidateCommand::Scene ValidateCommand::given_scene(Session& session) const {
 }
 
 ValidateCommand::Scene ValidateCommand::rendered_scene(Session& session) const {
-    const auto md = make_trajectory(session);
-    throw needs("no renderer yet", "give frames");
+    if (!truth_.empty()) {
+        throw needs("--truth was given without frames", "name the frames, or leave out --truth");
+    }
+    Scene scene;
+    scene.trajectory = make_trajectory(session);
+    auto frames = std::make_unique<PlainFrames>(*scene.trajectory, camera_,
+                                                static_cast<std::uint64_t>(session.common.seed),
+                                                session.threads());
+    session.plan.run("render", fmt::format("{} × {} px, {:g} px a sphere", camera_.width,
+                                           camera_.height, camera_.scale));
+    scene.truth = std::make_unique<PlainTruth>(*frames);
+    scene.frames = std::move(frames);
+    scene.sphere_diameter = camera_.scale;
+    scene.vibration_frequency = scene.trajectory->info().vibration_frequency;
+    return scene;
 }
 
 std::unique_ptr<SnapshotSource> ValidateCommand::make_trajectory(Session& session) const {
@@ -245,7 +272,12 @@ Summary ValidateCommand::finish(Session& session, const ValidationOutcome& outco
 Summary ValidateCommand::run(Session& session) {
     if (!session.common.explain) require_output(session, output_);
     const Scene scene = session.inputs.empty() ? rendered_scene(session) : given_scene(session);
-    if (session.common.explain) return explanation(session.plan);
+    if (session.common.explain) {
+        session.plan.run("track", "calibrates on the first frame; see 'track --explain'");
+        session.plan.run("score", "matched within D/4, against the joint Cramér–Rao bound");
+        session.plan.run("analyse", "the true and the tracked positions");
+        return explanation(session.plan);
+    }
     const auto overwrite = session.common.force ? io::Overwrite::force : io::Overwrite::refuse;
     io::OutputFile html(output_, overwrite);
     std::optional<FiguresFolder> figures;

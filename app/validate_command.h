@@ -8,6 +8,7 @@
 
 #include "app/command.h"
 #include "app/figures_folder.h"
+#include "app/plain_frames.h"
 #include "app/stored_snapshots.h"
 #include "app/validation.h"
 #include "app/validation_thresholds.h"
@@ -22,6 +23,7 @@ namespace grainfield::app {
 /// a trajectory that exists; or they are given together with their truth.
 class ValidateCommand : public Command {
  public:
+    ValidateCommand();
     std::string name() const override { return "validate"; }
     std::string purpose() const override;
     Inputs inputs() const override;
@@ -31,6 +33,7 @@ class ValidateCommand : public Command {
  private:
     /// Frames and truth, and what has to live as long as they do.
     struct Scene {
+        std::unique_ptr<SnapshotSource> trajectory;  ///< what the frames show; none if given
         std::unique_ptr<FrameSource> frames;
         std::unique_ptr<SnapshotSource> truth;
         std::optional<double> sphere_diameter;  ///< [px]
@@ -49,6 +52,7 @@ class ValidateCommand : public Command {
     int previews_ = 1;
     report::ReportOptions report_;
     simulate::MdOptions md_;
+    PlainFrameOptions camera_;
     tracking::TrackOptions tracking_;
     ValidationThresholds thresholds_;
 };

@@ -148,6 +148,7 @@ ValidationOutcome validate(const ValidationCase& scene, const ValidationSettings
     StoredSnapshots found, seen;
     TrajectoryInfo info = tracker.info();
     info.vibration_frequency = scene.vibration_frequency;
+    if (info.time_unit == TimeUnit::frame) info.time_unit = scene.truth.info().time_unit;
     found.set_info(info);
     info.origin = Origin::rendered;
     seen.set_info(info);

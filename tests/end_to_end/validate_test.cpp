@@ -1,7 +1,8 @@
 // `grainfield validate` on frames that exist: scores for scripts, thresholds, exit codes.
-#include <cmath>
+#include <chrono>
 #include <fstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <fmt/format.h>
@@ -101,6 +102,71 @@ TEST_F(GivenFrames, MustComeWithATruthThatBelongsToThem) {
     EXPECT_EQ(other.code, 3);
     EXPECT_THAT(other.err, HasSubstr("4 snapshots; expected 2, one a frame"));
     EXPECT_FALSE(std::filesystem::exists(*folder_ / "d.html"));
+}
+
+/// Seconds of a whole chain: 430 grains, 8 frames.
+std::vector<std::string> small_scene(const std::string& output) {
+    return {"validate",   "-o",       output,       "--grains", "430",
+            "--length-x", "21",       "--length-y", "21",       "--width",
+            "300",        "--height", "300",        "--scale",  "14",
+            "--periods",  "2.8",      "--discard",  "2",        "--snapshot-every",
+            "0.1"};
+}
+
+TEST(ValidateScene, GoesFromMolecularDynamicsToScores) {
+    const ScratchFolder folder;
+    std::vector<std::string> words = small_scene(folder / "a.html");
+    words.insert(words.end(), {"--json", "--recall", "0.99", "--precision", "0.99"});
+    const Outcome outcome = run_grainfield(words);
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const json summary = json::parse(outcome.out);
+    EXPECT_EQ(summary["frames"], 9);
+    EXPECT_GT(summary["classes"]["crystal"]["matched"], 100);
+    EXPECT_GT(summary["classes"]["liquid"]["matched"], 500);
+    EXPECT_GT(summary["classes"]["border"]["matched"], 100);
+    EXPECT_GT(summary["classes"]["top"]["matched"], 300);
+    EXPECT_GT(summary["tracks"]["correct_links"], 0.98);
+    EXPECT_TRUE(summary["downstream"]["q4_mean"]["true"].is_number());
+    EXPECT_TRUE(summary["downstream"]["s_low_k"]["tracked"].is_number());
+    EXPECT_TRUE(std::filesystem::exists(folder / "a_files/downstream.csv"));
+}
+
+TEST(ValidateScene, GivesTheSameScoresForAnyNumberOfThreads) {
+    const ScratchFolder folder;
+    std::vector<std::string> scores;
+    for (const char* threads : {"1", "3"}) {
+        std::vector<std::string> words = small_scene(folder / (std::string(threads) + ".html"));
+        words.insert(words.end(), {"--threads", threads});
+        const Outcome outcome = run_grainfield(words);
+        ASSERT_EQ(outcome.code, 0) << outcome.err;
+        scores.push_back(testing::read_all(folder / (std::string(threads) + "_files/scores.csv")) +
+                         testing::read_all(folder / (std::string(threads) + "_files/sk.csv")));
+    }
+    EXPECT_EQ(scores[0], scores[1]);
+}
+
+TEST(ValidateScene, ExplainsWithoutRunning) {
+    const Outcome outcome = run_grainfield({"validate", "--explain"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("render"));
+    EXPECT_THAT(outcome.out, HasSubstr("score"));
+}
+
+TEST(ValidateScene, StopsAtCtrlCWithTheScoresOfTheFramesDone) {
+    const ScratchFolder folder;
+    std::vector<std::string> words = small_scene(folder / "a.html");
+    for (std::string& word : words) {
+        if (word == "2.8") word = "40";
+    }
+    words.insert(words.begin(), GRAINFIELD_PROGRAM);
+    const testing::Process process(words);
+    // 380 frames take far longer than this, the molecular dynamics far less.
+    std::this_thread::sleep_for(std::chrono::seconds(4));
+    process.send(SIGINT);
+    const Outcome outcome = process.wait();
+    EXPECT_EQ(outcome.code, 130) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("interrupted after"));
+    EXPECT_THAT(testing::read_all(folder / "a.html"), HasSubstr("Positions, by class"));
 }
 
 }  // namespace
