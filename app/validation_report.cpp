@@ -82,9 +82,9 @@ Table track_table(const ValidationOutcome& outcome) {
     table.name = "track_scores";
     table.title = "Tracks, pixels, layers";
     table.note =
-        "α, β, JSC and JSCθ as in the ISBI challenge, ε = D/4. Pixel locking: amplitude of the "
-        "mean "
-        "error against the sub-pixel phase, with what chance gives.";
+        "α, β, JSC and JSCθ as in the ISBI challenge, ε = D/4. Pixel locking: first harmonic of "
+        "the "
+        "mean error against the sub-pixel phase.";
     table.columns = {{"value", "Value", "", false}, {"meaning", "Meaning", "", true}};
     const auto row = [&](const char* name, report::TableCell value, std::string meaning) {
         table.rows.push_back({name, {std::move(value), {NAN, std::move(meaning), false}}});
@@ -193,12 +193,17 @@ Figure phase_figure(const DetectionScores& scores) {
 }
 
 Figure pull_figure(const DetectionScores& scores) {
-    Figure figure = figure_of("pulls", "Errors in units of the reported error",
-                              "Grey: the normal distribution that right error bars would give.",
-                              {"pull", "(found − true)/reported", "", Scale::linear, false},
-                              {"density", "Probability density", "", Scale::linear, true});
-    double total = 0;
+    auto total = static_cast<double>(scores.pulls_beyond());
     for (const std::int64_t n : scores.pull_histogram()) total += static_cast<double>(n);
+    const double beyond = static_cast<double>(scores.pulls_beyond()) / std::max(1.0, total);
+    Figure figure = figure_of(
+        "pulls", "Errors in units of the reported error",
+        fmt::format(
+            "Dashed: the normal distribution that right error bars would give. {:.2g} % lie "
+            "beyond ±{:g}.",
+            100 * beyond, DetectionScores::kLargestPull),
+        {"pull", "(found − true)/reported", "", Scale::linear, false},
+        {"density", "Probability density", "", Scale::linear, true});
     if (total == 0) {
         figure.absent.push_back({0, "no particle with a reported standard error was matched"});
         return figure;
@@ -240,16 +245,16 @@ const Axis& distance_axis() {
     return axis;
 }
 
-Figure recall_figure(const DetectionScores& scores) {
+Figure missed_figure(const DetectionScores& scores) {
     Figure figure =
-        figure_of("recall_by_distance", "Recall and precision under overlap",
+        figure_of("missed_by_distance", "Missed and false under overlap",
                   "Spheres of two layers overlap in projection: the nearer two centres, "
                   "the harder.",
                   distance_axis(), {"share", "Share", "", Scale::linear, true});
-    add_series(figure, {"recall", Mark::line, true},
-               by_distance(scores, [](const ClassScore& s) { return s.recall(); }));
-    add_series(figure, {"precision", Mark::line, true},
-               by_distance(scores, [](const ClassScore& s) { return s.precision(); }));
+    add_series(figure, {"missed, 1 − recall", Mark::line, true},
+               by_distance(scores, [](const ClassScore& s) { return 1 - s.recall(); }));
+    add_series(figure, {"false, 1 − precision", Mark::line, true},
+               by_distance(scores, [](const ClassScore& s) { return 1 - s.precision(); }));
     return figure;
 }
 
@@ -358,7 +363,7 @@ report::ReportAdditions validation_report(const ValidationOutcome& outcome,
     if (outcome.runs.size() > 1 && !outcome.effects.empty()) {
         additions.tables.push_back(effect_table(outcome));
     }
-    additions.figures = {phase_figure(detection), pull_figure(detection), recall_figure(detection),
+    additions.figures = {phase_figure(detection), pull_figure(detection), missed_figure(detection),
                          error_figure(detection), offset_figure(outcome), ratio_figure(outcome)};
     return additions;
 }

@@ -106,10 +106,11 @@ TEST_F(GivenFrames, MustComeWithATruthThatBelongsToThem) {
 
 /// Seconds of a whole chain: 430 grains, 8 frames.
 std::vector<std::string> small_scene(const std::string& output) {
-    return {"validate",   "-o",       output,       "--grains", "430",
-            "--length-x", "21",       "--length-y", "21",       "--width",
-            "300",        "--height", "300",        "--scale",  "14",
-            "--periods",  "2.8",      "--discard",  "2",        "--snapshot-every",
+    return {"validate", "-o",         output, "--grains",
+            "430",      "--length-x", "21",   "--length-y",
+            "21",       "--width",    "300",  "--camera-height",
+            "300",      "--scale",    "14",   "--periods",
+            "2.8",      "--discard",  "2",    "--snapshot-every",
             "0.1"};
 }
 

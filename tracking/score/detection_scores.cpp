@@ -174,8 +174,11 @@ void DetectionScores::add_pulls(Vec2 error, Vec2 bound, Vec2 reported) {
     for (const auto& [e, sigma] : {std::pair{error.x, reported.x}, {error.y, reported.y}}) {
         if (!(sigma > 0) || !std::isfinite(sigma)) continue;
         const double place = (e / sigma / kLargestPull + 1) / 2 * kPullBins;
-        const double bin = std::clamp(std::floor(place), 0.0, kPullBins - 1.0);
-        ++pull_histogram_[static_cast<std::size_t>(bin)];
+        if (place >= 0 && place < kPullBins) {
+            ++pull_histogram_[static_cast<std::size_t>(place)];
+        } else {
+            ++pulls_beyond_;
+        }
     }
 }
 

@@ -68,7 +68,7 @@ class DetectionScores {
  public:
     static constexpr int kPhaseBins = 20;
     static constexpr int kPullBins = 48;
-    static constexpr double kLargestPull = 6;  ///< of the histogram; larger ones in the last bin
+    static constexpr double kLargestPull = 6;  ///< of the histogram
 
     /// At most 64 classes; `gate` [px], 0.25 D for grains. Throws OptionError otherwise.
     DetectionScores(std::vector<std::string> classes, double gate);
@@ -97,9 +97,10 @@ class DetectionScores {
     };
     Locking pixel_locking(int axis) const;
 
-    /// Number of errors/reported standard errors in bins of [−6, 6], both axes, over the resolved
-    /// particles of class 0.
+    /// Number of errors/reported standard errors in bins of [−6, 6), both axes, over the resolved
+    /// particles of class 0; and of those outside.
     std::span<const std::int64_t> pull_histogram() const { return pull_histogram_; }
+    std::int64_t pulls_beyond() const { return pulls_beyond_; }
 
  private:
     struct PhaseSums {
@@ -117,6 +118,7 @@ class DetectionScores {
     std::vector<ClassScore> classes_;
     std::array<std::array<PhaseSums, kPhaseBins>, 2> phase_{};
     std::array<std::int64_t, kPullBins> pull_histogram_{};
+    std::int64_t pulls_beyond_ = 0;
 };
 
 }  // namespace grainfield::tracking

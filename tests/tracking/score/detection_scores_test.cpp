@@ -127,9 +127,10 @@ TEST(DetectionScores, RecoverTheRatioToTheBoundAndThePulls) {
     // 5σ of an RMS of 20,000 (mostly the 20,000 errors with the wide bound): 1.3 · 5/√40,000.
     EXPECT_NEAR(all.bound_ratio(), 1.3, 0.033);
     EXPECT_NEAR(all.pull_rms(), 1.3, 0.024);
-    std::int64_t counted = 0;
+    std::int64_t counted = scores.pulls_beyond();
     for (const std::int64_t n : scores.pull_histogram()) counted += n;
     EXPECT_EQ(counted, 40000);
+    EXPECT_LT(scores.pulls_beyond(), 3) << "beyond 6/1.3 standard deviations: 0.16 expected";
 }
 
 TEST(DetectionScores, AnErrorBarOfThePixelLockingCoversWhatChanceGives) {
