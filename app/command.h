@@ -38,12 +38,13 @@ struct Summary {
     std::string text;              ///< for people
     nlohmann::ordered_json facts;  ///< the command's own keys of the `--json` object
     int signal = 0;                ///< set if the work was cut short by a signal
+    std::string failure{};         ///< a check that was missed: said last, exit code 5
 };
 
 /// A subcommand of `grainfield`.
 class Command {
  public:
-    enum class Count { none, one, many };
+    enum class Count { none, any, one, many };
     struct Inputs {
         std::string placeholder;  ///< "VIDEO|IMAGES"
         std::string meaning;

@@ -105,7 +105,7 @@ class BoundCommand {
         if (inputs.count != Command::Count::none) {
             parser_->add_option("inputs", inputs_, inputs.meaning)
                 ->type_name(inputs.placeholder)
-                ->expected(inputs.count == Command::Count::many ? -1 : 1);  // see require_inputs
+                ->expected(inputs.count == Command::Count::one ? 1 : -1);  // see require_inputs
         }
         parser_->add_option("-c,--config", config_, "read options from this TOML file")
             ->type_name("FILE");
@@ -147,7 +147,10 @@ class BoundCommand {
 
     void require_inputs() const {
         const Command::Inputs wanted = command_->inputs();
-        if (wanted.count == Command::Count::none || !inputs_.empty()) return;
+        if (wanted.count == Command::Count::none || wanted.count == Command::Count::any ||
+            !inputs_.empty()) {
+            return;
+        }
         throw OptionError(
             {.problem = fmt::format("'{}' has no input", command_->name()),
              .actual = {},
@@ -205,6 +208,7 @@ int run(BoundCommand& command) {
     try {
         const Summary summary = command.run(session);
         print_summary(session, summary);
+        if (!summary.failure.empty()) throw PhysicsError(summary.failure);
         if (summary.signal != 0) code = exit_code(summary.signal);
     } catch (const std::bad_alloc& error) {
         fmt::print(

@@ -6,6 +6,7 @@
 #include "app/simulate_field_command.h"
 #include "app/simulate_md_command.h"
 #include "app/track_command.h"
+#include "app/validate_command.h"
 
 namespace grainfield::app {
 
@@ -16,6 +17,7 @@ std::vector<std::unique_ptr<Command>> make_commands() {
     commands.push_back(std::make_unique<SimulateFieldCommand>());
     commands.push_back(std::make_unique<AnalyzeCommand>());
     commands.push_back(std::make_unique<CompareCommand>());
+    commands.push_back(std::make_unique<ValidateCommand>());
     commands.push_back(std::make_unique<ExportCommand>());
     commands.push_back(std::make_unique<InfoCommand>());
     return commands;

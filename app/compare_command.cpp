@@ -1,10 +1,10 @@
 #include "app/compare_command.h"
 
 #include <optional>
-#include <system_error>
 
 #include <fmt/format.h>
 
+#include "app/figures_folder.h"
 #include "app/interrupt_deadline.h"
 #include "core/errors.h"
 #include "core/interrupt.h"
@@ -13,48 +13,7 @@
 
 namespace grainfield::app {
 
-namespace {
-
 namespace fs = std::filesystem;
-
-fs::path figures_folder(const fs::path& html) {
-    return html.parent_path() / (html.stem().string() + "_files");
-}
-
-bool is_there(const fs::path& path) {
-    std::error_code unreachable;
-    return fs::exists(path, unreachable);
-}
-
-/// The folder of the figures: refused if it is there already, and removed again, unless it was
-/// there before, when the report does not come about.
-class FiguresFolder {
- public:
-    FiguresFolder(fs::path path, io::Overwrite overwrite)
-        : path_(std::move(path)), is_new_(!is_there(path_)) {
-        if (is_new_ || overwrite == io::Overwrite::force) return;
-        throw OutputError({.problem = fmt::format("output folder '{}' exists", path_.string()),
-                           .actual = {},
-                           .expected = {},
-                           .suggestion = "give --force to write into it, or --no-figures"});
-    }
-    ~FiguresFolder() {
-        std::error_code ignored;
-        if (is_new_ && !kept_) fs::remove_all(path_, ignored);
-    }
-    FiguresFolder(const FiguresFolder&) = delete;
-    FiguresFolder& operator=(const FiguresFolder&) = delete;
-
-    const fs::path& path() const { return path_; }
-    void keep() { kept_ = true; }
-
- private:
-    fs::path path_;
-    bool is_new_;
-    bool kept_ = false;
-};
-
-}  // namespace
 
 std::string CompareCommand::purpose() const {
     return "make one report of one or more results";

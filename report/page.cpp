@@ -145,6 +145,14 @@ std::string map_html(const PageContent& content) {
     return out + links + "</figure></section>\n";
 }
 
+std::string tables_html(const PageContent& content) {
+    std::string out;
+    for (const Table& table : content.tables) {
+        out += table_html(table) + file_links(content, table.name);
+    }
+    return out.empty() ? "" : "<section class=\"tables\"><h2>Scores</h2>\n" + out + "</section>\n";
+}
+
 std::string data_json(const PageContent& content) {
     std::string figures;
     for (const Figure& figure : content.figures) {
@@ -172,7 +180,8 @@ std::string page_html(const PageContent& content) {
     out += warnings_html(content.runs, content.labels, content.plan);
     out +=
         "<noscript><p class=\"absent\">The plots need JavaScript; it runs on this machine "
-        "only.</p></noscript>\n<section><h2>Key numbers</h2>\n";
+        "only.</p></noscript>\n";
+    out += tables_html(content) + "<section><h2>Key numbers</h2>\n";
     out += key_numbers_html(key_numbers(content.runs), content.labels) + "</section>\n";
     out += map_html(content) + "<section class=\"figures\">\n";
     for (const Figure& figure : content.figures) out += figure_html(content, figure);

@@ -7,6 +7,7 @@
 #include "core/run_plan.h"
 #include "report/figure.h"
 #include "report/particle_map.h"
+#include "report/table.h"
 
 namespace grainfield::report {
 
@@ -17,9 +18,10 @@ struct PageContent {
     const std::vector<std::string>& labels;
     const std::vector<Figure>& figures;
     const std::vector<ParticleMap>& maps;
-    std::string files_folder;        ///< of the SVG and CSV files, relative to the page
-    std::vector<std::string> files;  ///< names of those that exist
-    const RunPlan& plan;             ///< of the command that writes the report
+    std::string files_folder;          ///< of the SVG and CSV files, relative to the page
+    std::vector<std::string> files;    ///< names of those that exist
+    const RunPlan& plan;               ///< of the command that writes the report
+    const std::vector<Table>& tables;  ///< before the key numbers; may be empty
 };
 
 /// The whole HTML page, self-contained: styles, scripts (plotly.js with its licence) and data are

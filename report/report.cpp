@@ -1,5 +1,7 @@
 #include "report/report.h"
 
+#include <utility>
+
 #include "core/errors.h"
 #include "report/figure_files.h"
 #include "report/figures.h"
@@ -23,13 +25,14 @@ std::string relative_folder(const std::filesystem::path& folder,
 
 void write_report(const std::vector<Results>& runs, const ReportOptions& options,
                   const std::filesystem::path& html, const std::filesystem::path& figures_dir,
-                  RunPlan& plan) {
+                  RunPlan& plan, const ReportAdditions& additions) {
     if (runs.empty()) {
         throw OptionError(ErrorText{"a report needs at least one results file", "none given", "",
                                     "make one with 'grainfield analyze'"});
     }
     const std::vector<std::string> labels = run_labels(runs);
-    const std::vector<Figure> figures = make_figures(runs, labels);
+    std::vector<Figure> figures = additions.figures;
+    for (Figure& figure : make_figures(runs, labels)) figures.push_back(std::move(figure));
     const std::vector<ParticleMap> maps = make_maps(runs, {});
     std::string title = clean_text(options.title);
     if (title.empty()) title = "Report of a vibrated layer";
@@ -37,10 +40,14 @@ void write_report(const std::vector<Results>& runs, const ReportOptions& options
     std::vector<std::string> files;
     if (options.figures) {
         files = write_figure_files(figures, maps, labels, figures_dir, Gnuplot(), plan);
+        for (const Table& table : additions.tables) {
+            files.push_back(table.name + ".csv");
+            write_file(figures_dir / files.back(), table_csv(table));
+        }
     }
-    write_file(html,
-               page_html({title, runs, labels, figures, maps,
-                          options.figures ? relative_folder(figures_dir, html) : "", files, plan}));
+    write_file(html, page_html({title, runs, labels, figures, maps,
+                                options.figures ? relative_folder(figures_dir, html) : "", files,
+                                plan, additions.tables}));
 }
 
 }  // namespace grainfield::report

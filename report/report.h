@@ -6,6 +6,8 @@
 
 #include "core/results.h"
 #include "core/run_plan.h"
+#include "report/figure.h"
+#include "report/table.h"
 
 namespace grainfield::report {
 
@@ -14,16 +16,23 @@ struct ReportOptions {
     bool figures = true;  ///< also write every figure as SVG and CSV into the folder beside
 };
 
+/// What a command adds to a report of its own: tables before the key numbers, figures before those
+/// of the runs.
+struct ReportAdditions {
+    std::vector<Table> tables;
+    std::vector<Figure> figures;
+};
+
 /// Writes the report of one or more runs, side by side: one HTML file that needs no network and no
-/// other file, and, in `figures_dir`, every figure as SVG and CSV. `html` is written as it is named
-/// (the caller renames it when all is well). What could not be drawn is said in the plan: without
-/// gnuplot the plots have no SVG.
+/// other file, and, in `figures_dir`, every figure as SVG and CSV and every table as CSV. `html` is
+/// written as it is named (the caller renames it when all is well). What could not be drawn is said
+/// in the plan: without gnuplot the plots have no SVG.
 ///
 /// Size: 1.6 MB, and per run about 0.1 MB for 10,000 particles plus the previews; previews of all
 /// runs share 8 MB (images are reduced, see MapBudget).
 /// Throws OptionError without runs, OutputError if a file cannot be written.
 void write_report(const std::vector<Results>& runs, const ReportOptions& options,
                   const std::filesystem::path& html, const std::filesystem::path& figures_dir,
-                  RunPlan& plan);
+                  RunPlan& plan, const ReportAdditions& additions = {});
 
 }  // namespace grainfield::report

@@ -10,13 +10,13 @@
 
 #include "core/random.h"
 #include "tests/support/layer_frames.h"
-#include "tests/support/track_scores.h"
 #include "tracking/link/linker.h"
+#include "tracking/score/track_scores.h"
 
 namespace {
 
 using namespace grainfield;
-using testing::IdentifiedFrame;
+using tracking::IdentifiedFrame;
 
 constexpr int kFrames = 12;
 constexpr int kMemory = 3;
@@ -91,14 +91,14 @@ class NearestFirst {
 };
 
 template <class AnyLinker>
-testing::TrackScores scores_of(AnyLinker& linker, const std::vector<IdentifiedFrame>& truth,
-                               double diameter) {
+tracking::TrackScores scores_of(AnyLinker& linker, const std::vector<IdentifiedFrame>& truth,
+                                double diameter) {
     std::vector<IdentifiedFrame> found;
     for (std::size_t f = 0; f < truth.size(); ++f) {
         found.push_back(
             {linker.link(static_cast<std::int64_t>(f), truth[f].position), truth[f].position});
     }
-    return testing::score_tracks(found, truth, 0.25 * diameter);
+    return tracking::score_tracks(found, truth, 0.25 * diameter);
 }
 
 /// Arguments: matter, step and search range in hundredths of D (0: as the linker chooses), dropouts
@@ -134,7 +134,7 @@ void link_frame(benchmark::State& state) {
     const auto scores = scores_of(scored, truth, diameter);
     NearestFirst nearest(scored.summary().range);
     const auto before = scores_of(nearest, truth, diameter);
-    const auto share = [](const testing::TrackScores& s) {
+    const auto share = [](const tracking::TrackScores& s) {
         return static_cast<double>(s.switches) / static_cast<double>(s.links);
     };
     state.counters["spheres"] = static_cast<double>(scene.position.size());

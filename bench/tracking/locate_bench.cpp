@@ -7,8 +7,8 @@
 #include <benchmark/benchmark.h>
 
 #include "tests/support/layer_frames.h"
-#include "tests/support/scoring.h"
 #include "tracking/calibrate/calibration.h"
+#include "tracking/score/position_score.h"
 
 namespace {
 
@@ -70,9 +70,9 @@ void locate_cold(benchmark::State& state) {
     }
     const auto& truth = c.scene.position;
     const auto crystal = truth.begin() + static_cast<std::ptrdiff_t>(c.scene.crystal_begin);
-    const auto all = testing::score(found.position, truth, 4, kSize, kSize, 16);
+    const auto all = score_positions(found.position, truth, 4, kSize, kSize, 16);
     const auto liquid =
-        testing::score(found.position, {truth.begin(), crystal}, 4, kSize, kSize, 16);
+        score_positions(found.position, {truth.begin(), crystal}, 4, kSize, kSize, 16);
     state.counters["spheres"] = static_cast<double>(truth.size());
     state.counters["missed"] = all.missed;
     state.counters["false"] = all.spurious;
@@ -80,7 +80,7 @@ void locate_cold(benchmark::State& state) {
     state.counters["over_bound"] = liquid.rms / kBounds[which];
     if (crystal != truth.end()) {
         state.counters["rms_crystal_px"] =
-            testing::score(found.position, {crystal, truth.end()}, 4, kSize, kSize, 16).rms;
+            score_positions(found.position, {crystal, truth.end()}, 4, kSize, kSize, 16).rms;
     }
 }
 

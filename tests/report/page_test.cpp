@@ -24,7 +24,7 @@ std::string page_of(const std::vector<Results>& runs, const std::string& title =
     const auto labels = run_labels(runs);
     const auto figures = make_figures(runs, labels);
     const auto maps = make_maps(runs, {});
-    return page_html({title, runs, labels, figures, maps, "the figures", std::move(files), {}});
+    return page_html({title, runs, labels, figures, maps, "the figures", std::move(files), {}, {}});
 }
 
 std::string between(const std::string& text, const std::string& start, const std::string& end) {

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/layer_frames.h"
-#include "tests/support/scoring.h"
 #include "tracking/calibrate/calibration.h"
+#include "tracking/score/position_score.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -21,8 +21,8 @@ Located located(const Image& frame, int threads = 2) {
     return locator.locate(calibration->model.darkness(frame), {}, {});
 }
 
-testing::Score scored(const Located& found, const LayerScene& scene) {
-    return testing::score(found.position, scene.position, 4, scene.width, scene.height, 16);
+PositionScore scored(const Located& found, const LayerScene& scene) {
+    return score_positions(found.position, scene.position, 4, scene.width, scene.height, 16);
 }
 
 TEST(Locate, FindsEveryIsolatedDiscAtTheBound) {
@@ -95,7 +95,7 @@ TEST(Locate, CutDiscsAreFoundUntilTheBorderRuleForbidsIt) {
     }
     Locator locator(120, 120, {20, 1.5}, 1);
     const auto found = locator.locate(darkness, {}, {});
-    const auto s = testing::score(found.position, scene.position, 4, 120, 120, 0);
+    const auto s = score_positions(found.position, scene.position, 4, 120, 120, 0);
     EXPECT_EQ(s.spurious, 0);
     EXPECT_GE(s.partner[0], 0);
     EXPECT_GE(s.partner[1], 0);

@@ -6,10 +6,10 @@
 #include <gtest/gtest.h>
 #include <tiffio.h>
 
-#include "tests/support/scoring.h"
 #include "tracking/calibrate/calibration.h"
 #include "tracking/calibrate/edge_fit.h"
 #include "tracking/refine/disc_kernel.h"
+#include "tracking/score/position_score.h"
 
 namespace grainfield::tracking {
 namespace {

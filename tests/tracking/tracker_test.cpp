@@ -7,7 +7,7 @@
 
 #include "core/errors.h"
 #include "tests/support/layer_frames.h"
-#include "tests/support/scoring.h"
+#include "tracking/score/position_score.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -88,7 +88,7 @@ TEST(Tracker, FollowsEverySphereThroughAMovie) {
     std::vector<std::int64_t> last(m.truth[0].position.size(), -1);
     for (std::size_t f = 0; f < 6; ++f) {
         const Snapshot& s = sink.snapshots[f];
-        const auto score = testing::score(s.position, m.truth[f].position, 3, 300, 300, 12);
+        const auto score = score_positions(s.position, m.truth[f].position, 3, 300, 300, 12);
         EXPECT_GE(score.recall(), 0.99);
         EXPECT_GE(score.precision(), 0.99);
         for (std::size_t i = 0; i < last.size(); ++i) {

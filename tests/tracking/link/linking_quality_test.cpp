@@ -8,7 +8,7 @@
 
 #include "core/random.h"
 #include "tests/support/layer_frames.h"
-#include "tests/support/track_scores.h"
+#include "tracking/score/track_scores.h"
 #include "tracking/link/linker.h"
 
 namespace grainfield::tracking {
@@ -92,9 +92,9 @@ class Rattle {
     Rattle(const testing::LayerScene& scene, double step, double dropouts, std::uint64_t seed)
         : scene_(scene), sigma_(step / 2), dropouts_(dropouts), seed_(seed) {}
 
-    testing::IdentifiedFrame frame(int number) const {
+    IdentifiedFrame frame(int number) const {
         RandomStream random(seed_, "rattle", static_cast<std::uint64_t>(number));
-        testing::IdentifiedFrame f;
+        IdentifiedFrame f;
         for (std::size_t i = 0; i < scene_.position.size(); ++i) {
             const Vec2 p = scene_.position[i] + sigma_ * Vec2{random.normal(), random.normal()};
             if (random.uniform() < dropouts_) continue;
@@ -117,12 +117,12 @@ TEST_P(SmallSteps, MakeNoWrongLink) {
     const auto scene = scene_of(matter, 700);
     const Rattle rattle(scene, step * kDiameter, dropouts, 1);
     Linker linker({.search_range = kDiameter / 2, .memory = 3});
-    std::vector<testing::IdentifiedFrame> truth, found;
+    std::vector<IdentifiedFrame> truth, found;
     for (int f = 0; f < 10; ++f) {
         truth.push_back(rattle.frame(f));
         found.push_back({linker.link(f, truth.back().position), truth.back().position});
     }
-    const auto scores = testing::score_tracks(found, truth, 0.25 * kDiameter);
+    const auto scores = score_tracks(found, truth, 0.25 * kDiameter);
     // A memory of 3 loses a sphere that is missing 4 frames in a row: at 5 % dropouts 6e-6 each.
     EXPECT_EQ(scores.switches, 0);
     EXPECT_EQ(scores.wrong_links, 0);

@@ -1,14 +1,14 @@
-#include "tests/support/scoring.h"
+#include "tracking/score/position_score.h"
 
 #include <gtest/gtest.h>
 
-namespace grainfield::testing {
+namespace grainfield::tracking {
 namespace {
 
-TEST(Scoring, CountsMatchedMissedAndSpurious) {
+TEST(PositionScore, CountsMatchedMissedAndSpurious) {
     const std::vector<Vec2> truth{{10, 10}, {20, 20}, {30, 30}};
     const std::vector<Vec2> found{{10.3, 10}, {29.7, 30}, {50, 50}};
-    const Score s = score(found, truth, 2, 100, 100, 0);
+    const PositionScore s = score_positions(found, truth, 2, 100, 100, 0);
     EXPECT_EQ(s.matched, 2);
     EXPECT_EQ(s.missed, 1);
     EXPECT_EQ(s.spurious, 1);
@@ -18,17 +18,17 @@ TEST(Scoring, CountsMatchedMissedAndSpurious) {
     EXPECT_EQ(s.partner[1], -1);
 }
 
-TEST(Scoring, NearestPairsGoFirstAndOneToOne) {
-    const Score s = score({{10.0, 10}}, {{9, 10}, {10.5, 10}}, 4, 100, 100, 0);
+TEST(PositionScore, NearestPairsGoFirstAndOneToOne) {
+    const PositionScore s = score_positions({{10.0, 10}}, {{9, 10}, {10.5, 10}}, 4, 100, 100, 0);
     EXPECT_EQ(s.partner[0], -1);
     EXPECT_EQ(s.partner[1], 0);
 }
 
-TEST(Scoring, TheMarginCountsNeitherAsMissedNorAsSpurious) {
-    const Score s = score({{2, 2}}, {{98, 98}}, 1, 100, 100, 16);
+TEST(PositionScore, TheMarginCountsNeitherAsMissedNorAsSpurious) {
+    const PositionScore s = score_positions({{2, 2}}, {{98, 98}}, 1, 100, 100, 16);
     EXPECT_EQ(s.missed, 0);
     EXPECT_EQ(s.spurious, 0);
 }
 
 }  // namespace
-}  // namespace grainfield::testing
+}  // namespace grainfield::tracking

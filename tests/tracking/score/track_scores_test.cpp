@@ -1,8 +1,13 @@
-#include "tests/support/track_scores.h"
+#include "tracking/score/track_scores.h"
+
+#include <algorithm>
+#include <numeric>
 
 #include <gtest/gtest.h>
 
-namespace grainfield::testing {
+#include "core/random.h"
+
+namespace grainfield::tracking {
 namespace {
 
 using Movie = std::vector<IdentifiedFrame>;
@@ -95,5 +100,78 @@ TEST(TrackScores, TracksArePairedForTheLeastTotalNotNearestFirst) {
     EXPECT_DOUBLE_EQ(score_tracks(found, truth, 3).alpha, 1 - 3.5 / 6);
 }
 
+TEST(TrackScores, TheCorrectLinkFractionCountsSwitches) {
+    Movie found = two_still();
+    found[3].id[0] = 9;
+    const TrackScores s = score_tracks(found, two_still(), 4);
+    EXPECT_DOUBLE_EQ(s.correct_link_fraction(), 5.0 / 6);
+    EXPECT_EQ(TrackScores{}.correct_link_fraction(), 1);
+}
+
+/// α by its definition: every pairing of true tracks with found ones or with nobody.
+double alpha_by_brute_force(const Movie& found, const Movie& truth, std::int64_t tracks,
+                            double epsilon) {
+    const auto position = [](const IdentifiedFrame& f, std::int64_t id) -> const Vec2* {
+        const auto at = std::ranges::find(f.id, id);
+        return at == f.id.end() ? nullptr
+                                : &f.position[static_cast<std::size_t>(at - f.id.begin())];
+    };
+    const auto distance = [&](std::int64_t x, std::int64_t y) {
+        double sum = 0;
+        for (std::size_t f = 0; f < truth.size(); ++f) {
+            const Vec2* a = position(truth[f], x);
+            const Vec2* b = y < 0 ? nullptr : position(found[f], y);
+            if (a != nullptr && b != nullptr) sum += std::min(epsilon, norm(*a - *b));
+            if ((a == nullptr) != (b == nullptr)) sum += epsilon;
+        }
+        return sum;
+    };
+    // As many dummies as tracks: found tracks n … 2n − 1 do not exist.
+    std::vector<std::int64_t> order(static_cast<std::size_t>(2 * tracks));
+    std::iota(order.begin(), order.end(), 0);
+    double least = 1e300;
+    do {
+        double sum = 0;
+        for (std::int64_t x = 0; x < tracks; ++x) {
+            const std::int64_t y = order[static_cast<std::size_t>(x)];
+            sum += distance(x, y < tracks ? y : -1);
+        }
+        least = std::min(least, sum);
+    } while (std::ranges::next_permutation(order).found);
+    double nothing = 0;
+    for (std::int64_t x = 0; x < tracks; ++x) nothing += distance(x, -1);
+    return 1 - least / nothing;
+}
+
+TEST(TrackScores, AlphaIsTheLeastOverAllPairings) {
+    for (std::uint64_t seed = 0; seed < 6; ++seed) {
+        RandomStream random(seed, "tracks");
+        Movie truth(5), found(5);
+        for (std::size_t f = 0; f < 5; ++f) {
+            for (std::int64_t i = 0; i < 4; ++i) {
+                const Vec2 p{1.5 * static_cast<double>(i) + 0.3 * random.normal(),
+                             0.3 * random.normal()};
+                if (random.uniform() < 0.8) {
+                    truth[f].id.push_back(i);
+                    truth[f].position.push_back(p);
+                }
+                if (random.uniform() < 0.8) {
+                    found[f].id.push_back((i + (random.uniform() < 0.2 ? 1 : 0)) % 4);
+                    found[f].position.push_back(p + Vec2{0.4 * random.normal(), 0});
+                    // Two found at once under one name: keep the first.
+                    const auto last = found[f].id.back();
+                    if (std::ranges::count(found[f].id, last) > 1) {
+                        found[f].id.pop_back();
+                        found[f].position.pop_back();
+                    }
+                }
+            }
+        }
+        EXPECT_NEAR(score_tracks(found, truth, 2).alpha, alpha_by_brute_force(found, truth, 4, 2),
+                    1e-12)
+            << seed;
+    }
+}
+
 }  // namespace
-}  // namespace grainfield::testing
+}  // namespace grainfield::tracking

@@ -5,7 +5,7 @@
 
 #include "core/vec2.h"
 
-namespace grainfield::testing {
+namespace grainfield::tracking {
 
 /// Identified positions of one frame; position[i] belongs to track id[i].
 struct IdentifiedFrame {
@@ -28,11 +28,17 @@ struct TrackScores {
     std::int64_t switches = 0;   ///< of those, under another identity than last time
     std::int64_t fragments = 0;  ///< of those, after frames in which it existed and was not found
     std::int64_t wrong_links = 0;  ///< steps of a found track from one true particle to another
+
+    /// The share of links under the identity of last time; 1 where there was nothing to link.
+    double correct_link_fraction() const {
+        return links > 0 ? 1 - static_cast<double>(switches) / static_cast<double>(links) : 1.0;
+    }
 };
 
-/// Frames are counted by index in both lists. `epsilon` [px]; 0.25 D for grains. Switches,
-/// fragments and wrong links use the pairing of `score` (nearest first, one-to-one) in each frame.
+/// Frames are counted by index in both lists; a frame that was not tracked is an empty one.
+/// `epsilon` [px]; 0.25 D for grains. Switches, fragments and wrong links use match_positions in
+/// each frame. Memory: 100 B for each pair of tracks that ever come nearer than ε.
 TrackScores score_tracks(const std::vector<IdentifiedFrame>& found,
                          const std::vector<IdentifiedFrame>& truth, double epsilon);
 
-}  // namespace grainfield::testing
+}  // namespace grainfield::tracking

@@ -1,16 +1,15 @@
-#include "tests/support/track_scores.h"
+#include "tracking/score/track_scores.h"
 
 #include <algorithm>
-#include <limits>
 #include <map>
 #include <tuple>
 #include <unordered_map>
 
-#include "tests/support/scoring.h"
 #include "tracking/link/assignment.h"
 #include "tracking/link/candidates.h"
+#include "tracking/score/position_score.h"
 
-namespace grainfield::testing {
+namespace grainfield::tracking {
 namespace {
 
 /// Tracks by number 0, 1, … in the order of their first appearance, with their lengths.
@@ -53,7 +52,7 @@ SharedOf shared_tracks(const std::vector<IdentifiedFrame>& found, const Numberin
     SharedOf shared;
     const std::size_t frames = std::min(found.size(), truth.size());
     for (std::size_t f = 0; f < frames; ++f) {
-        const tracking::TrackGrid grid(found[f].position, epsilon);
+        const TrackGrid grid(found[f].position, epsilon);
         for (std::size_t i = 0; i < truth[f].position.size(); ++i) {
             grid.near(truth[f].position[i], [&](std::uint32_t j) {
                 const double d = norm(found[f].position[j] - truth[f].position[i]);
@@ -80,23 +79,20 @@ SharedOf shared_tracks(const std::vector<IdentifiedFrame>& found, const Numberin
 void count_identities(const std::vector<IdentifiedFrame>& found, const Numbering& found_numbers,
                       const std::vector<IdentifiedFrame>& truth, const Numbering& true_numbers,
                       double epsilon, TrackScores& scores) {
-    constexpr double kAll = std::numeric_limits<double>::max();
     constexpr std::int64_t kNever = -1;
     std::vector<std::int64_t> identity(true_numbers.length.size(), kNever);
     std::vector<char> lost(true_numbers.length.size(), 0);
     std::vector<std::int64_t> owner(found_numbers.length.size(), kNever);
     for (std::size_t f = 0; f < truth.size(); ++f) {
         const auto& positions = f < found.size() ? found[f].position : std::vector<Vec2>();
-        const Score frame =
-            score(positions, truth[f].position, epsilon, std::numeric_limits<int>::max(), 1, -kAll);
+        const std::vector<int> partner = match_positions(positions, truth[f].position, epsilon);
         for (std::size_t i = 0; i < truth[f].position.size(); ++i) {
             const std::uint32_t x = true_numbers.number[f][i];
-            if (frame.partner[i] < 0) {
+            if (partner[i] < 0) {
                 lost[x] = identity[x] != kNever;
                 continue;
             }
-            const std::int64_t now =
-                found_numbers.number[f][static_cast<std::size_t>(frame.partner[i])];
+            const std::int64_t now = found_numbers.number[f][static_cast<std::size_t>(partner[i])];
             if (identity[x] != kNever) {
                 ++scores.links;
                 scores.switches += identity[x] != now;
@@ -119,14 +115,14 @@ TrackScores score_tracks(const std::vector<IdentifiedFrame>& found,
     const Numbering x(truth);
     const SharedOf shared = shared_tracks(found, y, truth, x, epsilon);
 
-    std::vector<tracking::AssignmentPair> pairs;
+    std::vector<AssignmentPair> pairs;
     for (const auto& [pair, s] : shared) {
         const double frames_of_either = x.length[pair.first] + y.length[pair.second] - s.both;
         pairs.push_back({pair.first, pair.second, epsilon * frames_of_either - s.saved});
     }
     std::vector<double> alone;
     for (const double n : x.length) alone.push_back(epsilon * n);
-    tracking::AssignmentSolver solver;
+    AssignmentSolver solver;
     const auto& partner = solver.solve(static_cast<std::uint32_t>(x.length.size()),
                                        static_cast<std::uint32_t>(y.length.size()), pairs, alone);
 
@@ -159,4 +155,4 @@ TrackScores score_tracks(const std::vector<IdentifiedFrame>& found,
     return scores;
 }
 
-}  // namespace grainfield::testing
+}  // namespace grainfield::tracking

@@ -1,0 +1,297 @@
+#include "app/validate_command.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "app/figures_folder.h"
+#include "app/validation_report.h"
+#include "core/errors.h"
+#include "core/interrupt.h"
+#include "io/frame_files.h"
+#include "io/open_snapshots.h"
+#include "io/output_file.h"
+#include "simulate/md/initial_state.h"
+#include "simulate/md/md_simulation.h"
+
+namespace grainfield::app {
+
+namespace {
+
+using nlohmann::ordered_json;
+using tracking::ClassScore;
+
+/// NaN has no place in JSON.
+ordered_json number(double value) {
+    return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
+}
+
+ordered_json facts(const ClassScore& s) {
+    ordered_json facts;
+    facts["recall"] = number(s.recall());
+    facts["precision"] = number(s.precision());
+    facts["jaccard"] = number(s.jaccard());
+    facts["rmse_px"] = number(s.rmse_per_axis());
+    facts["bias_px"] = {number(s.bias().x), number(s.bias().y)};
+    facts["bound_px"] = number(s.bound());
+    facts["bound_ratio"] = number(s.bound_ratio());
+    facts["pull_rms"] = number(s.pull_rms());
+    facts["matched"] = s.matched;
+    facts["missed"] = s.missed;
+    facts["spurious"] = s.spurious;
+    return facts;
+}
+
+ordered_json facts(const ValidationOutcome& outcome, const tracking::TrackSummary& tracked,
+                   const std::vector<ThresholdCheck>& checks) {
+    const auto& detection = outcome.scores.detection();
+    ordered_json all = facts(detection.find("all"));
+    ordered_json facts_of_run;
+    facts_of_run["frames"] = detection.frames();
+    for (const char* key : {"recall", "precision", "rmse_px", "bound_ratio"}) {
+        facts_of_run[key] = all[key];
+    }
+    for (std::size_t c = 0; c < kTruthClasses; ++c) {
+        facts_of_run["classes"][detection.classes()[c].name] = facts(detection.classes()[c]);
+    }
+    const auto& t = outcome.tracks;
+    facts_of_run["tracks"] = {{"alpha", t.alpha},
+                              {"beta", t.beta},
+                              {"jsc", t.jaccard_points},
+                              {"jsc_theta", t.jaccard_tracks},
+                              {"correct_links", t.correct_link_fraction()},
+                              {"links", t.links},
+                              {"switches", t.switches},
+                              {"fragments", t.fragments},
+                              {"wrong_links", t.wrong_links}};
+    const auto locking = [&](int axis) { return number(detection.pixel_locking(axis).amplitude); };
+    facts_of_run["pixel_locking_px"] = {locking(0), locking(1)};
+    facts_of_run["layer_accuracy"] = number(outcome.scores.layers().accuracy());
+    facts_of_run["q4_error"] = number(outcome.scores.q4_rms());
+    facts_of_run["msd_offset"] = number(outcome.msd_offset);
+    facts_of_run["msd_offset_expected"] = number(outcome.predicted_msd_offset);
+    facts_of_run["downstream"] = ordered_json::object();
+    for (const DownstreamEffect& e : outcome.effects) {
+        facts_of_run["downstream"][e.name] = {{"true", number(e.truth)},
+                                              {"tracked", number(e.tracked)}};
+    }
+    facts_of_run["thresholds"] = ordered_json::array();
+    for (const ThresholdCheck& c : checks) {
+        facts_of_run["thresholds"].push_back(
+            {{"name", c.name}, {"limit", c.limit}, {"value", number(c.value)}, {"met", c.met()}});
+    }
+    const auto& ms = tracked.ms_per_frame;
+    facts_of_run["ms_per_frame"] = {{"render", ms.read},
+                                    {"detect", ms.detect},
+                                    {"refine", ms.refine},
+                                    {"link", ms.link},
+                                    {"score", ms.write}};
+    return facts_of_run;
+}
+
+std::string words(const std::string& output, const ValidationOutcome& outcome,
+                  const std::vector<ThresholdCheck>& checks) {
+    const auto& detection = outcome.scores.detection();
+    std::string text =
+        fmt::format("{}: {} frames\n  {:<10}{:>10}{:>9}{:>10}{:>10}{:>8}\n", output,
+                    detection.frames(), "", "true", "recall", "precision", "RMSE/px", "/bound");
+    for (std::size_t c = 0; c < kTruthClasses; ++c) {
+        const ClassScore& s = detection.classes()[c];
+        if (s.matched + s.missed == 0) continue;
+        text += fmt::format("  {:<10}{:>10}{:>9.5f}{:>10.5f}{:>10.4f}{:>8.2f}\n", s.name,
+                            s.matched + s.missed, s.recall(), s.precision(), s.rmse_per_axis(),
+                            s.bound_ratio());
+    }
+    const auto& t = outcome.tracks;
+    text +=
+        fmt::format("  tracks    α {:.4f}, β {:.4f}, JSC {:.4f}, JSCθ {:.4f}, links {:.5f}\n",
+                    t.alpha, t.beta, t.jaccard_points, t.jaccard_tracks, t.correct_link_fraction());
+    for (const ThresholdCheck& c : checks) {
+        text += fmt::format("  {:<10}{}\n", c.met() ? "met" : "MISSED", c.text());
+    }
+    return text;
+}
+
+/// The checks that were missed, in one line; empty if there are none.
+std::string missed(const std::vector<ThresholdCheck>& checks) {
+    std::string text;
+    for (const ThresholdCheck& c : checks) {
+        if (!c.met()) text += (text.empty() ? "thresholds missed: " : "; ") + c.text();
+    }
+    return text.empty() ? text : text + ".";
+}
+
+OptionError needs(const char* problem, const char* suggestion) {
+    return OptionError(
+        {.problem = problem, .actual = {}, .expected = {}, .suggestion = suggestion});
+}
+
+}  // namespace
+
+ValidateCommand::ValidateCommand() {
+    // A crystal patch that melts at its rim in a liquid, walls out of sight; 41 frames a tenth of a
+    // period apart.
+    md_.cell.grains = 10400;
+    md_.cell.length_x = md_.cell.length_y = 104;
+    md_.cell.sides_x = md_.cell.sides_y = simulate::Side::walls;
+    md_.initial.layout = simulate::InitialLayout::square;
+    md_.initial.temperature = 0.1;
+    md_.run.periods = 14;
+    md_.run.discard = 10;
+    md_.run.snapshot_every = 0.1;
+}
+
+std::string ValidateCommand::purpose() const {
+    return "track frames whose truth is known and score what was found";
+}
+
+Command::Inputs ValidateCommand::inputs() const {
+    return {.placeholder = "VIDEO|IMAGE...",
+            .meaning = "frames that exist, with --truth; by default frames are rendered",
+            .count = Count::any};
+}
+
+std::vector<OptionTable> ValidateCommand::options() {
+    OptionTable own("");
+    own.text("output", output_, "HTML page to write; figures go into a folder beside it");
+    own.text("title", report_.title, "title of the page");
+    own.flag("figures", report_.figures, "write every plot and table as SVG and CSV beside it");
+    own.text("trajectory", trajectory_, "render this trajectory instead of running MD");
+    own.text("truth", truth_, "true positions in px of the frames given as input");
+    own.integer("previews", previews_, "-", {0, 100}, "frames shown in the report");
+    std::vector<OptionTable> tables{own};
+    for (OptionTable& table : simulate::describe(md_)) tables.push_back(std::move(table));
+    tables.push_back(describe(camera_));
+    for (OptionTable& table : tracking::describe(tracking_)) tables.push_back(std::move(table));
+    tables.push_back(describe(thresholds_));
+    return tables;
+}
+
+ValidateCommand::Scene ValidateCommand::given_scene(Session& session) const {
+    if (truth_.empty()) {
+        throw needs("frames were given without their truth",
+                    "name the true positions with --truth FILE");
+    }
+    Scene scene;
+    scene.frames = io::open_frames(session.inputs, {});
+    for (const std::string& warning : scene.frames->warnings()) session.plan.warn(warning);
+    const Box frame{.origin = {-0.5, -0.5},
+                    .length = {static_cast<double>(scene.frames->width()),
+                               static_cast<double>(scene.frames->height())}};
+    TrajectoryInfo hints;
+    hints.length_unit = LengthUnit::pixel;
+    scene.truth = io::open_snapshots(truth_, frame, hints);
+    session.inputs.emplace_back(truth_);
+    if (scene.truth->count() != scene.frames->count()) {
+        throw InputError({.problem = fmt::format("'{}' does not belong to these frames", truth_),
+                          .actual = fmt::format("{} snapshots", scene.truth->count()),
+                          .expected = fmt::format("{}, one a frame", scene.frames->count()),
+                          .suggestion = {}});
+    }
+    if (scene.truth->count() > 0 && scene.truth->read(0).id.empty()) {
+        throw InputError({.problem = fmt::format("'{}' has no identities", truth_),
+                          .actual = {},
+                          .expected = "a particle number that stays the same from frame to frame",
+                          .suggestion = {}});
+    }
+    return scene;
+}
+
+ValidateCommand::Scene ValidateCommand::rendered_scene(Session& session) const {
+    if (!truth_.empty()) {
+        throw needs("--truth was given without frames", "name the frames, or leave out --truth");
+    }
+    Scene scene;
+    scene.trajectory = make_trajectory(session);
+    auto frames = std::make_unique<PlainFrames>(*scene.trajectory, camera_,
+                                                static_cast<std::uint64_t>(session.common.seed),
+                                                session.threads());
+    session.plan.run("render", fmt::format("{} × {} px, {:g} px a sphere", camera_.width,
+                                           camera_.height, camera_.scale));
+    scene.truth = std::make_unique<PlainTruth>(*frames);
+    scene.frames = std::move(frames);
+    scene.sphere_diameter = camera_.scale;
+    scene.vibration_frequency = scene.trajectory->info().vibration_frequency;
+    return scene;
+}
+
+std::unique_ptr<SnapshotSource> ValidateCommand::make_trajectory(Session& session) const {
+    if (!trajectory_.empty()) {
+        session.inputs.emplace_back(trajectory_);
+        return io::open_snapshots(trajectory_, std::nullopt, {});
+    }
+    simulate::GrainState initial;
+    if (!session.common.explain) {
+        initial =
+            simulate::make_initial_state(md_, static_cast<std::uint64_t>(session.common.seed));
+    }
+    simulate::MdSimulation simulation(md_, std::move(initial), session.threads(), session.plan);
+    auto snapshots = std::make_unique<StoredSnapshots>();
+    snapshots->set_info(simulation.info());
+    if (session.common.explain) return snapshots;
+    Progress progress("simulating", static_cast<std::int64_t>(md_.run.periods), "periods",
+                      session.common.verbosity());
+    while (!simulation.is_done()) {
+        throw_if_interrupted("validation");
+        const double before = simulation.periods_done();
+        simulation.run_window(*snapshots);
+        progress.advance(static_cast<std::int64_t>(simulation.periods_done() - before));
+    }
+    return snapshots;
+}
+
+Summary ValidateCommand::finish(Session& session, const ValidationOutcome& outcome,
+                                const tracking::TrackSummary& tracked, io::OutputFile& html,
+                                FiguresFolder* figures) const {
+    const std::vector<ThresholdCheck> checks = check(thresholds_, outcome);
+    std::vector<Results> runs = outcome.runs;
+    for (Results& run : runs) {
+        run.record = session.record();
+        run.record.skipped.clear();  // the page takes them from the plan
+        run.record.warnings.clear();
+    }
+    report::ReportOptions options = report_;
+    if (options.title.empty()) options.title = "Validation of the tracker";
+    report::write_report(runs, options, html.temporary(), figures_folder(output_), session.plan,
+                         validation_report(outcome, checks));
+    html.commit();
+    session.outputs.push_back(output_);
+    if (figures != nullptr) {
+        figures->keep();
+        session.outputs.push_back(figures->path());
+    }
+    Summary summary{.text = words(output_, outcome, checks),
+                    .facts = facts(outcome, tracked, checks),
+                    .signal = caught_signal(),
+                    .failure = {}};
+    if (summary.signal == 0) summary.failure = missed(checks);
+    return summary;
+}
+
+Summary ValidateCommand::run(Session& session) {
+    if (!session.common.explain) require_output(session, output_);
+    const Scene scene = session.inputs.empty() ? rendered_scene(session) : given_scene(session);
+    if (session.common.explain) {
+        session.plan.run("track", "calibrates on the first frame; see 'track --explain'");
+        session.plan.run("score", "matched within D/4, against the joint Cramér–Rao bound");
+        session.plan.run("analyse", "the true and the tracked positions");
+        return explanation(session.plan);
+    }
+    const auto overwrite = session.common.force ? io::Overwrite::force : io::Overwrite::refuse;
+    io::OutputFile html(output_, overwrite);
+    std::optional<FiguresFolder> figures;
+    if (report_.figures) figures.emplace(figures_folder(output_), overwrite);
+    ValidationSettings settings;
+    settings.tracking = tracking_;
+    settings.previews = previews_;
+    settings.threads = session.threads();
+    settings.verbosity = session.common.verbosity();
+    tracking::TrackSummary tracked;
+    const ValidationOutcome outcome =
+        validate({*scene.frames, *scene.truth, scene.sphere_diameter, scene.vibration_frequency},
+                 settings, tracked, session.plan);
+    return finish(session, outcome, tracked, html, figures ? &*figures : nullptr);
+}
+
+}  // namespace grainfield::app

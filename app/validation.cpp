@@ -1,0 +1,189 @@
+#include "app/validation.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "analysis/analysis.h"
+#include "app/stored_snapshots.h"
+#include "app/watched_frames.h"
+#include "core/errors.h"
+#include "core/interrupt.h"
+#include "tracking/score/edge_noise.h"
+
+namespace grainfield::app {
+
+namespace {
+
+using tracking::Tracker;
+
+/// The part of the truth that the tracker could report, in the box of the frame.
+Snapshot visible(const Snapshot& truth, const ScoredView& view) {
+    Snapshot out;
+    out.frame = truth.frame;
+    out.time = truth.time;
+    out.box.origin = {-0.5, -0.5};
+    out.box.length = {static_cast<double>(view.width), static_cast<double>(view.height)};
+    const double margin = view.disc.diameter / 4;
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+        const Vec2 p = truth.position[i];
+        if (p.x < margin || p.y < margin || p.x > view.width - 1 - margin ||
+            p.y > view.height - 1 - margin) {
+            continue;
+        }
+        out.position.push_back(p);
+        out.id.push_back(truth.id[i]);
+        if (!truth.layer.empty()) out.layer.push_back(truth.layer[i]);
+    }
+    return out;
+}
+
+/// The noise on edges in the first good frame [contrast]; where it cannot be measured, that of the
+/// tracker's residual.
+double noise_of(const ValidationCase& scene, const Tracker& tracker) {
+    for (std::int64_t i = 0; i < scene.frames.count(); ++i) {
+        const Frame frame = scene.frames.read(i);
+        if (frame.status != FrameStatus::ok) continue;
+        const double noise =
+            tracking::edge_noise(frame.image, tracker.model(), scene.truth.read(i).position);
+        if (noise > 0) return noise;
+    }
+    return tracker.model().noise;
+}
+
+ScoredView view_of(const ValidationCase& scene, const ValidationSettings& settings,
+                   const Tracker& tracker, double sphere_diameter) {
+    ScoredView view;
+    view.width = scene.frames.width();
+    view.height = scene.frames.height();
+    view.sphere_diameter = sphere_diameter;
+    view.disc = tracker.model().disc;
+    view.noise = noise_of(scene, tracker);
+    view.threads = settings.threads;
+    return view;
+}
+
+/// Takes what the tracker writes, scores it, and keeps it beside its truth.
+class ScoringSink : public SnapshotSink {
+ public:
+    ScoringSink(SnapshotSource& truth, ValidationScores& scores, StoredSnapshots& found,
+                StoredSnapshots& seen)
+        : truth_(truth), scores_(scores), found_(found), seen_(seen) {}
+
+    void write(const Snapshot& snapshot) override {
+        skip_to(snapshot.frame);
+        add(snapshot);
+        found_.write(snapshot);
+    }
+    /// Frames that the tracker left out have missed all their particles.
+    void skip_to(std::int64_t frame) {
+        while (next_ < frame) {
+            Snapshot nothing;
+            nothing.frame = next_;
+            add(nothing);
+        }
+    }
+
+ private:
+    void add(const Snapshot& found) {
+        Snapshot truth = truth_.read(next_);
+        truth.frame = next_;
+        scores_.add(truth, found);
+        if (found.size() > 0) {
+            Snapshot seen = visible(truth, scores_.view());
+            seen.time = found.time;
+            seen_.write(seen);
+        }
+        ++next_;
+    }
+
+    SnapshotSource& truth_;
+    ValidationScores& scores_;
+    StoredSnapshots& found_;
+    StoredSnapshots& seen_;
+    std::int64_t next_ = 0;
+};
+
+Results run_of(const std::string& label, const StoredSnapshots& snapshots) {
+    Results run;
+    run.label = label;
+    run.source = snapshots.info();
+    run.frames = snapshots.count();
+    double particles = 0;
+    for (const Snapshot& s : snapshots.trajectory().snapshots) {
+        particles += static_cast<double>(s.size());
+    }
+    run.particles_mean = particles / static_cast<double>(std::max<std::int64_t>(1, run.frames));
+    if (run.frames > 0) run.box = snapshots.at(0).box;
+    return run;
+}
+
+void analyse(Results& run, StoredSnapshots& snapshots, const ValidationSettings& settings,
+             RunPlan& plan) {
+    Progress progress("analysing " + run.label + " positions", snapshots.count(), "frames",
+                      settings.verbosity);
+    run.observables = analysis::analyze(snapshots, {}, settings.threads, plan, progress);
+}
+
+}  // namespace
+
+ValidationOutcome validate(const ValidationCase& scene, const ValidationSettings& settings,
+                           tracking::TrackSummary& summary, RunPlan& plan) {
+    tracking::TrackOptions options = settings.tracking;
+    options.threads = settings.threads;
+    if (!options.sphere_diameter) options.sphere_diameter = scene.sphere_diameter;
+    Tracker tracker(scene.frames, options, plan);
+    if (!tracker.is_calibrated()) {
+        throw PhysicsError({.problem = "the tracker cannot calibrate on the frames of this scene",
+                            .actual = {},
+                            .expected = "dark or bright discs of one size",
+                            .suggestion = "look at the frames, or give calibrate.diameter"});
+    }
+    const double sphere_diameter = tracker.info().diameter;
+    ValidationOutcome outcome{
+        .scores = ValidationScores(view_of(scene, settings, tracker, sphere_diameter)),
+        .tracks = {},
+        .runs = {},
+        .effects = {}};
+    StoredSnapshots found, seen;
+    TrajectoryInfo info = tracker.info();
+    info.vibration_frequency = scene.vibration_frequency;
+    if (info.time_unit == TimeUnit::frame) info.time_unit = scene.truth.info().time_unit;
+    found.set_info(info);
+    info.origin = Origin::rendered;
+    seen.set_info(info);
+
+    ScoringSink sink(scene.truth, outcome.scores, found, seen);
+    PreviewChoice choice(settings.previews, scene.frames.count());
+    std::vector<Preview> previews;
+    Progress progress("rendering, tracking and scoring", scene.frames.count(), "frames",
+                      settings.verbosity);
+    summary = tracker.run(sink, progress, [&](const Frame& frame, const Snapshot& snapshot) {
+        if (choice.takes(snapshot.frame)) previews.push_back({frame, snapshot, {}});
+    });
+    const bool interrupted = caught_signal() != 0;
+    if (!interrupted) sink.skip_to(scene.frames.count());
+    outcome.tracks = outcome.scores.tracks();
+
+    outcome.runs = {run_of("true", seen), run_of("tracked", found)};
+    for (Preview& preview : previews) {
+        preview.abs_q4 = analysis::abs_q4(preview.snapshot, sphere_diameter, {});
+        outcome.runs[1].previews.push_back(preview);
+        Snapshot truth = visible(scene.truth.read(preview.snapshot.frame), outcome.scores.view());
+        truth.frame = preview.snapshot.frame;
+        std::vector<double> order = analysis::abs_q4(truth, sphere_diameter, {});
+        outcome.runs[0].previews.push_back({preview.frame, std::move(truth), std::move(order)});
+    }
+    if (interrupted) {
+        plan.warn(fmt::format("interrupted after {} of {} frames: scores of those, no analysis",
+                              summary.frames, scene.frames.count()));
+    } else {
+        RunPlan same;  // what is skipped for the one is skipped for the other
+        analyse(outcome.runs[0], seen, settings, same);
+        analyse(outcome.runs[1], found, settings, plan);
+    }
+    compare_downstream(outcome);
+    return outcome;
+}
+
+}  // namespace grainfield::app

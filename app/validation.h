@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "app/validation_outcome.h"
+#include "core/frame_source.h"
+#include "core/progress.h"
+#include "core/run_plan.h"
+#include "core/trajectory.h"
+#include "tracking/tracker.h"
+
+namespace grainfield::app {
+
+/// Frames and what is true of them.
+struct ValidationCase {
+    FrameSource& frames;
+    SnapshotSource& truth;                  ///< snapshot i belongs to frame i; px, with identities
+    std::optional<double> sphere_diameter;  ///< true a [px]; empty: the tracker's apparent D
+    std::optional<double> vibration_frequency;  ///< [1/time unit of the truth]
+};
+
+struct ValidationSettings {
+    tracking::TrackOptions tracking;
+    int previews = 1;  ///< frames kept for the report
+    int threads = 1;
+    Verbosity verbosity = Verbosity::normal;
+};
+
+/// Tracks the frames, scores what was found against the truth, and analyses both. True positions
+/// less than D/4 inside the frame, where the tracker reports nothing, are left out of the analysis.
+/// After an interrupt the frames done so far are scored and the analysis is left out. Throws
+/// PhysicsError if the tracker finds nothing to calibrate on.
+///
+/// Memory: all snapshots, about 250 B a particle and frame.
+ValidationOutcome validate(const ValidationCase& scene, const ValidationSettings& settings,
+                           tracking::TrackSummary& summary, RunPlan& plan);
+
+}  // namespace grainfield::app

@@ -1,0 +1,73 @@
+#include "tracking/score/layer_score.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+#include <numeric>
+
+#include "tracking/link/candidates.h"
+
+namespace grainfield::tracking {
+
+namespace {
+
+double share(std::int64_t part, std::int64_t whole) {
+    if (whole == 0) return std::numeric_limits<double>::quiet_NaN();
+    return static_cast<double>(part) / static_cast<double>(whole);
+}
+
+/// The representative of each particle's cluster.
+std::vector<std::uint32_t> clusters(const std::vector<Vec2>& points, double contact) {
+    std::vector<std::uint32_t> parent(points.size());
+    std::iota(parent.begin(), parent.end(), 0U);
+    const auto root = [&](std::uint32_t i) {
+        while (parent[i] != i) i = parent[i] = parent[parent[i]];
+        return i;
+    };
+    const TrackGrid grid(points, contact);
+    for (std::uint32_t i = 0; i < points.size(); ++i) {
+        grid.near(points[i], [&](std::uint32_t j) {
+            if (j >= i || norm(points[j] - points[i]) >= contact) return;
+            const std::uint32_t a = root(i);
+            const std::uint32_t b = root(j);
+            parent[std::max(a, b)] = std::min(a, b);
+        });
+    }
+    for (std::uint32_t i = 0; i < points.size(); ++i) parent[i] = root(i);
+    return parent;
+}
+
+}  // namespace
+
+double LayerScore::accuracy() const {
+    return share(right, labelled);
+}
+
+double LayerScore::accuracy_up_to_flip() const {
+    return share(right_up_to_flip, labelled);
+}
+
+void LayerScore::add(const std::vector<Vec2>& truth, const std::vector<Layer>& true_layer,
+                     const std::vector<Layer>& found_layer, const std::vector<int>& partner,
+                     double contact) {
+    if (true_layer.empty()) return;
+    const std::vector<std::uint32_t> cluster = clusters(truth, contact);
+    std::vector<std::int64_t> right_in(truth.size(), 0);
+    std::vector<std::int64_t> labelled_in(truth.size(), 0);
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+        if (partner[i] < 0 || true_layer[i] == Layer::unknown) continue;
+        ++matched;
+        if (found_layer.empty()) continue;
+        const Layer label = found_layer[static_cast<std::size_t>(partner[i])];
+        if (label == Layer::unknown) continue;
+        ++labelled_in[cluster[i]];
+        right_in[cluster[i]] += label == true_layer[i];
+    }
+    for (std::size_t c = 0; c < truth.size(); ++c) {
+        labelled += labelled_in[c];
+        right += right_in[c];
+        right_up_to_flip += std::max(right_in[c], labelled_in[c] - right_in[c]);
+    }
+}
+
+}  // namespace grainfield::tracking

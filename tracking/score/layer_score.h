@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/snapshot.h"
+#include "core/vec2.h"
+
+namespace grainfield::tracking {
+
+/// How many layer labels are right. A silhouette tells which spheres of a cluster lie in the same
+/// layer, not which layer is on top; so labels are also counted up to one exchange of the layers in
+/// each cluster of overlapping spheres.
+struct LayerScore {
+    std::int64_t matched = 0;           ///< particles found whose true layer is known
+    std::int64_t labelled = 0;          ///< of those, with a label
+    std::int64_t right = 0;             ///< of those, with the true one
+    std::int64_t right_up_to_flip = 0;  ///< same, the better of both namings in each cluster
+
+    double accuracy() const;             ///< right/labelled; NaN without labels
+    double accuracy_up_to_flip() const;  ///< NaN without labels
+
+    /// Adds one frame. `partner`: of each true particle the index found (match_positions). Clusters
+    /// are those of the true particles nearer to each other than `contact` [px]: 0.883 a in a cell
+    /// of height 1.94 a, below which three spheres cannot all overlap.
+    void add(const std::vector<Vec2>& truth, const std::vector<Layer>& true_layer,
+             const std::vector<Layer>& found_layer, const std::vector<int>& partner,
+             double contact);
+};
+
+}  // namespace grainfield::tracking
