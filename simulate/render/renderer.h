@@ -8,6 +8,7 @@
 #include "core/run_plan.h"
 #include "core/trajectory.h"
 #include "simulate/render/camera.h"
+#include "simulate/render/grain_motion.h"
 #include "simulate/render/optics.h"
 #include "simulate/render/render_options.h"
 #include "simulate/render/view.h"
@@ -46,7 +47,6 @@ class Renderer {
     /// `box`: of the first snapshot. Says in the plan what is skipped. Throws OptionError.
     Renderer(const RenderOptions& options, const TrajectoryInfo& info, const Box& box,
              std::uint64_t seed, int threads, RunPlan& plan);
-    ~Renderer();
 
     /// Frame number `index` of the rendered series. `next`: a later snapshot, for chords; may be
     /// null. Throws OptionError if the frame shows more than three periods of a periodic box.
@@ -65,12 +65,10 @@ class Renderer {
     OpticsCost cost() const { return optics_->cost(); }
 
  private:
-    struct Motion;
-    Motion motion_of(const Snapshot& snapshot, const Snapshot* next) const;
-    SphereScene scene_at(const Motion& motion, double tau) const;
-    Snapshot truth_of(const Snapshot& snapshot, const Motion& motion, const View& view,
-                      int sub_frames) const;
-    int sub_frames_for(const Motion& motion) const;
+    SphereScene scene_at(const GrainMotion& motion, const Box& box, double seconds) const;
+    Snapshot truth_of(const Snapshot& snapshot, const GrainMotion& motion, const View& view,
+                      const std::vector<double>& instants) const;
+    std::vector<double> instants_of(const GrainMotion& motion) const;
 
     RenderOptions options_;
     TrajectoryInfo info_;
@@ -82,5 +80,8 @@ class Renderer {
     Camera camera_;
     std::unique_ptr<Optics> optics_;
 };
+
+/// The exposure T in seconds; 0 where the trajectory has no clock.
+double shutter_seconds(const RenderOptions& options, double seconds_per_unit);
 
 }  // namespace grainfield::simulate
