@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "app/figures_folder.h"
+#include "app/rendered_frames.h"
 #include "app/validation_report.h"
 #include "core/errors.h"
 #include "core/interrupt.h"
@@ -140,6 +141,8 @@ ValidateCommand::ValidateCommand() {
     md_.run.periods = 14;
     md_.run.discard = 10;
     md_.run.snapshot_every = 0.1;
+    render_.view.scale = 16;
+    render_.silhouette.rim = 0.4;
 }
 
 std::string ValidateCommand::purpose() const {
@@ -162,7 +165,7 @@ std::vector<OptionTable> ValidateCommand::options() {
     own.integer("previews", previews_, "-", {0, 100}, "frames shown in the report");
     std::vector<OptionTable> tables{own};
     for (OptionTable& table : simulate::describe(md_)) tables.push_back(std::move(table));
-    tables.push_back(describe(camera_));
+    for (OptionTable& table : simulate::describe(render_)) tables.push_back(std::move(table));
     for (OptionTable& table : tracking::describe(tracking_)) tables.push_back(std::move(table));
     tables.push_back(describe(thresholds_));
     return tables;
@@ -204,15 +207,25 @@ ValidateCommand::Scene ValidateCommand::rendered_scene(Session& session) const {
     }
     Scene scene;
     scene.trajectory = make_trajectory(session);
-    auto frames = std::make_unique<PlainFrames>(*scene.trajectory, camera_,
-                                                static_cast<std::uint64_t>(session.common.seed),
-                                                session.threads());
-    session.plan.run("render", fmt::format("{} × {} px, {:g} px a sphere", camera_.width,
-                                           camera_.height, camera_.scale));
-    scene.truth = std::make_unique<PlainTruth>(*frames);
+    if (scene.trajectory->count() == 0 && !session.common.explain) {
+        throw InputError({.problem = "nothing to render: the trajectory holds no snapshot",
+                          .actual = {},
+                          .expected = {},
+                          .suggestion = "let run.periods exceed run.discard"});
+    }
+    const Box box = scene.trajectory->count() > 0
+                        ? scene.trajectory->read(0).box
+                        : Box{.origin = {},
+                              .length = {md_.cell.length_x, md_.cell.length_y},
+                              .boundary = {Boundary::walls, Boundary::walls},
+                              .height = md_.cell.height};
+    auto frames = std::make_unique<RenderedFrames>(*scene.trajectory, box, render_,
+                                                   static_cast<std::uint64_t>(session.common.seed),
+                                                   session.threads(), session.plan);
+    scene.truth = std::make_unique<RenderedTruth>(*frames);
+    scene.sphere_diameter = frames->renderer().view().scale();
+    scene.vibration_frequency = frames->truth_info().vibration_frequency;
     scene.frames = std::move(frames);
-    scene.sphere_diameter = camera_.scale;
-    scene.vibration_frequency = scene.trajectory->info().vibration_frequency;
     return scene;
 }
 

@@ -8,12 +8,12 @@
 
 #include "app/command.h"
 #include "app/figures_folder.h"
-#include "app/plain_frames.h"
 #include "app/stored_snapshots.h"
 #include "app/validation.h"
 #include "app/validation_thresholds.h"
 #include "report/report.h"
 #include "simulate/md/md_options.h"
+#include "simulate/render/render_options.h"
 
 namespace grainfield::app {
 
@@ -52,7 +52,7 @@ class ValidateCommand : public Command {
     int previews_ = 1;
     report::ReportOptions report_;
     simulate::MdOptions md_;
-    PlainFrameOptions camera_;
+    simulate::RenderOptions render_;
     tracking::TrackOptions tracking_;
     ValidationThresholds thresholds_;
 };

@@ -108,7 +108,7 @@ TEST_F(GivenFrames, MustComeWithATruthThatBelongsToThem) {
 std::vector<std::string> small_scene(const std::string& output) {
     return {"validate", "-o",         output, "--grains",
             "430",      "--length-x", "21",   "--length-y",
-            "21",       "--width",    "300",  "--camera-height",
+            "21",       "--width",    "300",  "--view-height",
             "300",      "--scale",    "14",   "--periods",
             "2.8",      "--discard",  "2",    "--snapshot-every",
             "0.1"};

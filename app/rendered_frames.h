@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/frame_source.h"
+#include "core/run_plan.h"
+#include "core/trajectory.h"
+#include "simulate/render/renderer.h"
+
+namespace grainfield::app {
+
+/// The frames of a rendered trajectory as a tracker takes them. One frame is kept, since the
+/// tracker asks for its first one twice; the truth of every frame rendered so far is kept too.
+class RenderedFrames : public FrameSource {
+ public:
+    /// `trajectory` must outlive this; `box`: of its first snapshot. Throws what Renderer throws.
+    RenderedFrames(SnapshotSource& trajectory, const Box& box,
+                   const simulate::RenderOptions& options, std::uint64_t seed, int threads,
+                   RunPlan& plan);
+
+    std::int64_t count() const override { return trajectory_.count(); }
+    int width() const override { return renderer_.view().width(); }
+    int height() const override { return renderer_.view().height(); }
+    int bit_depth() const override { return bits_; }
+    std::optional<double> frame_rate() const override { return info_.frame_rate; }
+    Frame read(std::int64_t index) override;
+    std::string name() const override { return "rendered frames"; }
+    const std::vector<std::string>& warnings() const override { return warnings_; }
+
+    const TrajectoryInfo& truth_info() const { return info_; }
+    /// Where the spheres of frame `index` are [px]; renders it if that has not been done.
+    const Snapshot& truth(std::int64_t index);
+    const simulate::Renderer& renderer() const { return renderer_; }
+
+ private:
+    void render(std::int64_t index);
+
+    SnapshotSource& trajectory_;
+    int bits_;
+    simulate::Renderer renderer_;
+    TrajectoryInfo info_;
+    std::vector<std::string> warnings_;
+    Frame last_;
+    std::map<std::int64_t, Snapshot> truth_;
+};
+
+/// The truth of rendered frames as a source.
+class RenderedTruth : public SnapshotSource {
+ public:
+    explicit RenderedTruth(RenderedFrames& frames) : frames_(frames) {}
+    const TrajectoryInfo& info() const override { return frames_.truth_info(); }
+    std::int64_t count() const override { return frames_.count(); }
+    Snapshot read(std::int64_t index) override { return frames_.truth(index); }
+
+ private:
+    RenderedFrames& frames_;
+};
+
+}  // namespace grainfield::app

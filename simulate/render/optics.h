@@ -1,0 +1,44 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/frame.h"
+#include "core/vec3.h"
+#include "simulate/render/render_options.h"
+#include "simulate/render/view.h"
+
+namespace grainfield::simulate {
+
+/// Spheres of diameter 1 between two plates, at one instant. Lengths in a.
+struct SphereScene {
+    std::vector<Vec3> centre;
+    double low_plate = 0;  ///< height of its upper face
+    double high_plate = 0;
+};
+
+/// What the images so far took.
+struct OpticsCost {
+    double pixels = 0;
+    double settled = 0;  ///< pixels that were decided without tracing a ray
+    double rays = 0;     ///< rays traced, reflected ones included; 0 where there are none
+    double samples = 0;  ///< of these, rays that start in the camera
+};
+
+/// Forms images of spheres: each pixel is the mean, over its square, of the radiance relative to
+/// the unobstructed backlight (1 bright, 0 black), in focus, at one instant. Illumination, blur
+/// and noise are the camera's.
+class Optics {
+ public:
+    virtual ~Optics() = default;
+
+    /// Same scene and view → same bits, for any number of threads. Spheres outside the view are
+    /// allowed; those beside it may still reflect into it.
+    virtual Image radiance(const SphereScene& scene, const View& view) = 0;
+    virtual OpticsCost cost() const = 0;
+};
+
+/// The optics that `options.optics` names.
+std::unique_ptr<Optics> make_optics(const RenderOptions& options, int threads);
+
+}  // namespace grainfield::simulate

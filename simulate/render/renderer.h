@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/frame.h"
+#include "core/run_plan.h"
+#include "core/trajectory.h"
+#include "simulate/render/camera.h"
+#include "simulate/render/grain_motion.h"
+#include "simulate/render/optics.h"
+#include "simulate/render/render_options.h"
+#include "simulate/render/view.h"
+
+namespace grainfield::simulate {
+
+/// A frame and what is in it.
+struct RenderedFrame {
+    Frame frame;  ///< status `missing` and no image where the camera lost it
+    /// Every sphere whose centre lies in the frame: mean position over the exposure [px], id, z and
+    /// velocity (where known) [px, px/s], layer (by the mid height). Copies of a grain across a
+    /// periodic boundary have id + k · (largest id + 1), k = 1 … 8. Empty `id` if the trajectory
+    /// has none.
+    Snapshot truth;
+    int sub_frames = 1;
+};
+
+/// Renders the snapshots of one trajectory: scene → optics → camera.
+///
+/// During an exposure T centred on the snapshot, a sphere moves as
+///
+///   r(τ) = r + v τ,  z(τ) = z + v_z τ − g τ²/2,   |τ| ≤ T/2,
+///
+/// where velocities are known; else along the chord to the next snapshot. Collisions within the
+/// exposure are not followed: they displace a sphere by at most T times the change of velocity. The
+/// image is the mean over n sub-frames at the midpoints of n equal parts, n as large as needed for
+/// steps below a quarter pixel (three rms speeds), at most `sub_frames`.
+///
+/// Heights come from z, else from the layer (either plate touched), else the low plate. Where the
+/// time unit is "frame" and no frame rate is known, or a is not known in millimetres per unit,
+/// exposures have no length.
+///
+/// Same options, seed and snapshot → same bytes for any number of threads. Not thread-safe.
+class Renderer {
+ public:
+    /// `box`: of the first snapshot. Says in the plan what is skipped. Throws OptionError.
+    Renderer(const RenderOptions& options, const TrajectoryInfo& info, const Box& box,
+             std::uint64_t seed, int threads, RunPlan& plan);
+
+    /// Frame number `index` of the rendered series. `next`: a later snapshot, for chords; may be
+    /// null. Throws OptionError if the frame shows more than three periods of a periodic box.
+    RenderedFrame render(const Snapshot& snapshot, std::int64_t index,
+                         const Snapshot* next = nullptr);
+
+    /// Whether render(…, index) will return a lost frame.
+    bool loses(std::int64_t index) const;
+    /// Pixels, seconds (frames where no clock is known), origin `rendered`.
+    TrajectoryInfo truth_info() const;
+    /// Seconds per time unit of the trajectory; 0 if unknown.
+    double seconds_per_unit() const { return seconds_per_unit_; }
+
+    const View& view() const { return view_; }
+    const Camera& camera() const { return camera_; }
+    OpticsCost cost() const { return optics_->cost(); }
+
+ private:
+    SphereScene scene_at(const GrainMotion& motion, const Box& box, double seconds) const;
+    Snapshot truth_of(const Snapshot& snapshot, const GrainMotion& motion, const View& view,
+                      const std::vector<double>& instants) const;
+    std::vector<double> instants_of(const GrainMotion& motion) const;
+
+    RenderOptions options_;
+    TrajectoryInfo info_;
+    double height_;  // of the cell [a]
+    double seconds_per_unit_;
+    std::uint64_t seed_;
+    int threads_;
+    View view_;
+    Camera camera_;
+    std::unique_ptr<Optics> optics_;
+};
+
+/// The exposure T in seconds; 0 where the trajectory has no clock.
+double shutter_seconds(const RenderOptions& options, double seconds_per_unit);
+
+}  // namespace grainfield::simulate
