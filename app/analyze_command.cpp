@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include "app/field_results.h"
+#include "app/interrupt_deadline.h"
 #include "app/lengths.h"
+#include "core/errors.h"
+#include "core/interrupt.h"
 #include "io/file_kind.h"
 #include "io/open_snapshots.h"
 #include "io/output_file.h"
@@ -53,8 +56,8 @@ std::string words(const Measurement& m, TimeUnit time_unit) {
 
 std::string words(const Session& session, const Results& results) {
     std::string text =
-        fmt::format("{}: {} frames, {:.1f} particles per frame\n", session.outputs.front().string(),
-                    results.frames, results.particles_mean);
+        fmt::format("{}: {}, {:.1f} particles per frame\n", session.outputs.front().string(),
+                    counted(results.frames, "frame"), results.particles_mean);
     for (const ObservableResult& observable : results.observables) {
         const std::string name =
             observable.name == "q4" ? report::order_symbol(results) : observable.name;
@@ -138,20 +141,39 @@ Adjustment AnalyzeCommand::adjustment() const {
 Summary AnalyzeCommand::run_fields(Session& session) const {
     const auto overwrite = session.common.force ? io::Overwrite::force : io::Overwrite::refuse;
     const std::filesystem::path& input = session.inputs.front();
+    std::optional<io::OutputFile> output;
+    if (!session.common.explain) output.emplace(output_, overwrite);
     Results results = field_results(input, from_fields_, analysis_.sk, session);
     if (session.common.explain) return explanation(session.plan);
     results.label = label_.empty() ? input.stem().string() : label_;
     results.record = session.record();
-    io::write_results(output_, results, overwrite);
+    io::write_results(std::move(*output), results);
     session.outputs.push_back(output_);
     return {.text = words(session, results), .facts = facts(results), .signal = 0};
 }
 
 Summary AnalyzeCommand::run(Session& session) {
+    return run_or_discard("analysis", output_, [&] { return work(session); });
+}
+
+Summary AnalyzeCommand::work(Session& session) const {
     require_output(session, output_);
+    require_hdf5_name(output_);
     const auto overwrite = session.common.force ? io::Overwrite::force : io::Overwrite::refuse;
     const std::filesystem::path& input = session.inputs.front();
-    if (io::identify(input) == io::FileKind::field) return run_fields(session);
+    const io::FileKind kind = io::identify(input);
+    if (kind == io::FileKind::field) return run_fields(session);
+    if (kind == io::FileKind::points && boundary_ == BoundaryChoice::periodic && box_.empty() &&
+        !io::states_box(input)) {
+        throw OptionError({.problem = "a periodic boundary needs the box",
+                           .actual = fmt::format("'{}' does not say it, and the extent of the "
+                                                 "points is smaller than the period",
+                                                 input.string()),
+                           .expected = "--box LX,LY",
+                           .suggestion = "give the periods in the unit of the positions"});
+    }
+    std::optional<io::OutputFile> output;
+    if (!session.common.explain) output.emplace(output_, overwrite);
     const Adjustment adjustment = this->adjustment();
     TrajectoryInfo hints;
     adjustment.apply_to(hints);
@@ -160,6 +182,12 @@ Summary AnalyzeCommand::run(Session& session) {
     if (box && adjustment.boundary) box->boundary = {*adjustment.boundary, *adjustment.boundary};
     const auto file = io::open_snapshots(input, box, hints);
     AdjustedSnapshots snapshots(*file, adjustment);
+    if (const auto* tracks = dynamic_cast<const io::TrajectoryFile*>(file.get());
+        tracks != nullptr && !diameter_) {
+        for (const std::string& warning : tracks->record().warnings) {
+            if (warning.starts_with(apparent_diameter_warning)) session.plan.warn(warning);
+        }
+    }
     if (session.common.explain) {
         analysis::plan_analysis(snapshots, analysis_, session.plan);
         return explanation(session.plan);
@@ -188,7 +216,8 @@ Summary AnalyzeCommand::run(Session& session) {
         session.plan.warn(fmt::format("'{}' has no particles", input.string()));
     }
     results.record = session.record();
-    io::write_results(output_, results, overwrite);
+    throw_if_interrupted("analysis");
+    io::write_results(std::move(*output), results);
     session.outputs.push_back(output_);
     return {.text = words(session, results), .facts = facts(results), .signal = 0};
 }

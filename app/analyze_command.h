@@ -19,6 +19,7 @@ class AnalyzeCommand : public Command {
     Summary run(Session& session) override;
 
  private:
+    Summary work(Session& session) const;
     Summary run_fields(Session& session) const;
     enum class BoundaryChoice { as_in_file, periodic, walls };
 

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
-#include "core/interrupt.h"
 #include "core/parallel.h"
 #include "core/version.h"
 #include "io/input_record.h"
@@ -14,18 +13,6 @@
 namespace grainfield::app {
 
 using nlohmann::ordered_json;
-
-namespace {
-
-/// An interrupted run ends at once: reading a long video again for its checksum can wait.
-RunRecord::Input input_of(const std::filesystem::path& path) {
-    if (caught_signal() == 0) return io::describe_input(path);
-    std::error_code unknown;
-    const auto bytes = std::filesystem::file_size(path, unknown);
-    return {path.string(), unknown ? 0 : bytes, "not computed, the run was interrupted"};
-}
-
-}  // namespace
 
 int Session::threads() const {
     return thread_count(common.threads);
@@ -43,7 +30,7 @@ RunRecord Session::record() const {
     record.threads = threads();
     record.seconds = seconds();
     record.configuration = configuration;
-    for (const auto& input : inputs) record.inputs.push_back(input_of(input));
+    for (const auto& input : inputs) record.inputs.push_back(io::describe_input(input));
     for (const PlannedStage& stage : plan.skipped()) {
         record.skipped.push_back(stage.stage + ": " + stage.reason);
     }
@@ -99,6 +86,22 @@ void require_output(const Session& session, const std::string& output) {
                                .suggestion = "choose another name for -o"});
         }
     }
+}
+
+void require_hdf5_name(const std::string& output) {
+    const std::string extension = std::filesystem::path(output).extension().string();
+    if (extension == ".h5" || extension == ".hdf5") return;
+    throw OptionError(
+        {.problem = fmt::format("output '{}' would be an HDF5 file under another name", output),
+         .actual = {},
+         .expected = "a name that ends in .h5 or .hdf5",
+         .suggestion =
+             fmt::format("for example -o {}",
+                         std::filesystem::path(output).replace_extension(".h5").string())});
+}
+
+std::string counted(std::int64_t count, const std::string& noun) {
+    return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
 }  // namespace grainfield::app

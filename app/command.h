@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -71,5 +72,15 @@ Summary explanation(const RunPlan& plan);
 
 /// Throws OptionError if `output` is empty or is one of the inputs.
 void require_output(const Session& session, const std::string& output);
+
+/// Throws OptionError unless the name ends in .h5 or .hdf5.
+void require_hdf5_name(const std::string& output);
+
+/// How the warning begins that lengths are in a unit that may not be the one wanted; stored with
+/// the trajectory and passed on by the analysis.
+inline constexpr const char* apparent_diameter_warning = "lengths are in apparent disc diameters D";
+
+/// "1 frame", "2 frames".
+std::string counted(std::int64_t count, const std::string& noun);
 
 }  // namespace grainfield::app

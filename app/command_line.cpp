@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <memory>
 #include <new>
 #include <optional>
 #include <string_view>
@@ -79,6 +80,19 @@ const char* value_name(OptionKind kind) {
     return "";
 }
 
+/// Without CLI11's "{false}" behind --no-… flags.
+class HelpFormatter : public CLI::Formatter {
+ public:
+    std::string make_option_name(const CLI::Option* option, bool is_positional) const override {
+        std::string name = CLI::Formatter::make_option_name(option, is_positional);
+        constexpr std::string_view mark = "{false}";
+        for (std::size_t at = 0; (at = name.find(mark, at)) != std::string::npos;) {
+            name.erase(at, mark.size());
+        }
+        return name;
+    }
+};
+
 /// A command together with its place in the command-line parser.
 class BoundCommand {
  public:
@@ -91,8 +105,7 @@ class BoundCommand {
         if (inputs.count != Command::Count::none) {
             parser_->add_option("inputs", inputs_, inputs.meaning)
                 ->type_name(inputs.placeholder)
-                ->expected(inputs.count == Command::Count::many ? -1 : 1)
-                ->required();
+                ->expected(inputs.count == Command::Count::many ? -1 : 1);  // see require_inputs
         }
         parser_->add_option("-c,--config", config_, "read options from this TOML file")
             ->type_name("FILE");
@@ -103,6 +116,7 @@ class BoundCommand {
 
     Summary run(Session& session) {
         refuse_unknown_words();
+        require_inputs();
         if (!config_.empty()) apply_config_file(config_, options_);
         for (std::size_t i = 0; i < given_.size(); ++i) {
             if (given_[i]->count() == 0) continue;
@@ -129,6 +143,18 @@ class BoundCommand {
         if (option.kind != OptionKind::flag) added->type_name(value_name(option.kind));
         added->description(help_text(option))->group(group_name(entry));
         given_.push_back(added);
+    }
+
+    void require_inputs() const {
+        const Command::Inputs wanted = command_->inputs();
+        if (wanted.count == Command::Count::none || !inputs_.empty()) return;
+        throw OptionError(
+            {.problem = fmt::format("'{}' has no input", command_->name()),
+             .actual = {},
+             .expected = fmt::format("{} {} ({})",
+                                     wanted.count == Command::Count::many ? "at least one" : "one",
+                                     wanted.placeholder, wanted.meaning),
+             .suggestion = fmt::format("see 'grainfield {} --help'", command_->name())});
     }
 
     void refuse_unknown_words() const {
@@ -181,7 +207,11 @@ int run(BoundCommand& command) {
         print_summary(session, summary);
         if (summary.signal != 0) code = exit_code(summary.signal);
     } catch (const std::bad_alloc& error) {
-        fmt::print(stderr, "error: out of memory; use fewer threads or a smaller input.\n");
+        fmt::print(
+            stderr,
+            "error: out of memory. Free some or raise its limit (ulimit -v); memory grows with "
+            "the pixels of one frame, the particles and --threads, not with the number of "
+            "frames.\n");
         code = exit_code(error);
     } catch (const std::exception& error) {
         fmt::print(stderr, "error: {}\n", error.what());
@@ -206,6 +236,7 @@ std::optional<std::string> unknown_command(int argc, const char* const* argv,
 
 int run_command_line(int argc, const char* const* argv) {
     CLI::App app(about, "grainfield");
+    app.formatter(std::make_shared<HelpFormatter>());
     app.set_version_flag("--version", std::string("grainfield ") + kVersion);
     app.require_subcommand(1);
     std::vector<std::unique_ptr<BoundCommand>> commands;

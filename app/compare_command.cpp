@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "app/interrupt_deadline.h"
 #include "core/errors.h"
 #include "core/interrupt.h"
 #include "io/output_file.h"
@@ -74,6 +75,10 @@ std::vector<OptionTable> CompareCommand::options() {
 }
 
 Summary CompareCommand::run(Session& session) {
+    return run_or_discard("comparison", output_, [&] { return work(session); });
+}
+
+Summary CompareCommand::work(Session& session) const {
     require_output(session, output_);
     if (session.common.explain) {
         session.plan.run("report",

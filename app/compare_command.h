@@ -17,6 +17,8 @@ class CompareCommand : public Command {
     Summary run(Session& session) override;
 
  private:
+    Summary work(Session& session) const;
+
     std::string output_;
     report::ReportOptions report_;
 };

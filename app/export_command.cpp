@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "app/interrupt_deadline.h"
 #include "core/errors.h"
 #include "io/export_files.h"
 #include "io/file_kind.h"
@@ -79,6 +80,10 @@ std::vector<OptionTable> ExportCommand::options() {
 }
 
 Summary ExportCommand::run(Session& session) {
+    return run_or_discard("export", output_, [&] { return work(session); });
+}
+
+Summary ExportCommand::work(Session& session) const {
     require_output(session, output_);
     const auto overwrite = session.common.force ? io::Overwrite::force : io::Overwrite::refuse;
     const fs::path& input = session.inputs.front();
@@ -97,7 +102,7 @@ Summary ExportCommand::run(Session& session) {
         const auto snapshots = io::open_snapshots(input, std::nullopt, {});
         if (form == Form::csv) io::export_csv(*snapshots, output_, overwrite);
         if (form == Form::xyz) io::export_xyz(*snapshots, output_, overwrite);
-        summary.text = fmt::format("{}: {} frames\n", output_, snapshots->count());
+        summary.text = fmt::format("{}: {}\n", output_, counted(snapshots->count(), "frame"));
         summary.facts["frames"] = snapshots->count();
     }
     session.outputs.push_back(output_);

@@ -16,6 +16,8 @@ class ExportCommand : public Command {
     Summary run(Session& session) override;
 
  private:
+    Summary work(Session& session) const;
+
     std::string output_;
 };
 

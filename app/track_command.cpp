@@ -1,15 +1,20 @@
 #include "app/track_command.h"
 
-#include <csignal>
+#include <algorithm>
+#include <cstdio>
+#include <mutex>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "app/interrupt_deadline.h"
 #include "app/lengths.h"
 #include "app/watched_frames.h"
 #include "core/interrupt.h"
 #include "io/frame_files.h"
 #include "io/frame_range.h"
 #include "io/output_file.h"
+#include "io/read_ahead.h"
 #include "io/trajectory_file.h"
 
 namespace grainfield::app {
@@ -22,12 +27,104 @@ using tracking::Polarity;
 using tracking::Tracker;
 using tracking::TrackSummary;
 
+/// The file being written, shared with the thread that closes it if a signal finds the work stuck
+/// in one frame. Counts what is written: tracks that are too short are not.
+class KeptTracks : public SnapshotSink {
+ public:
+    KeptTracks(io::OutputFile output, const TrajectoryInfo& info)
+        : writer_(std::move(output), info) {}
+
+    void write(const Snapshot& snapshot) override {
+        const std::lock_guard lock(mutex_);
+        writer_.write(snapshot);
+        ++frames_;
+        particles_ += static_cast<double>(snapshot.size());
+        last_frame_ = snapshot.frame;
+        for (Preview& preview : previews_) {
+            if (preview.snapshot.frame == snapshot.frame) preview.snapshot = snapshot;
+        }
+    }
+
+    /// `found`: what the tracker found in it; replaced by what is written of that, if it comes
+    /// later.
+    void add_preview(const Frame& frame, const Snapshot& found) {
+        const std::lock_guard lock(mutex_);
+        previews_.push_back({frame, found, {}});
+    }
+
+    void add_curve(const Curve& curve) {
+        const std::lock_guard lock(mutex_);
+        writer_.add_curve(curve);
+    }
+
+    void finish(const RunRecord& record) {
+        const std::lock_guard lock(mutex_);
+        for (const Preview& preview : previews_) {
+            // Frames that still waited for their tracks to grow are not in the file.
+            if (preview.snapshot.frame <= last_frame_) writer_.add_preview(preview);
+        }
+        writer_.finish(record);
+    }
+
+    std::int64_t frames() const {
+        const std::lock_guard lock(mutex_);
+        return frames_;
+    }
+    double particles_mean() const {
+        return particles_ / static_cast<double>(std::max<std::int64_t>(frames_, 1));
+    }
+
+ private:
+    mutable std::mutex mutex_;
+    io::TrajectoryWriter writer_;
+    std::vector<Preview> previews_;
+    std::int64_t frames_ = 0;
+    std::int64_t last_frame_ = -1;
+    double particles_ = 0;
+};
+
+/// What a signal leaves if the work does not stop by itself: the frames that are written.
+class LastAct {
+ public:
+    LastAct(Session session, std::string output)
+        : session_(std::move(session)), output_(std::move(output)) {}
+
+    void holds(KeptTracks* tracks) {
+        const std::lock_guard lock(mutex_);
+        tracks_ = tracks;
+    }
+
+    void operator()() {
+        const std::lock_guard lock(mutex_);
+        if (tracks_ == nullptr || tracks_->frames() == 0) {
+            fmt::print(stderr,
+                       "error: tracking interrupted in the first frame; '{}' was not written.\n",
+                       output_);
+            return;
+        }
+        session_.plan.warn(fmt::format("interrupted within a frame; '{}' holds the {} before it",
+                                       output_, counted(tracks_->frames(), "frame")));
+        tracks_->finish(session_.record());
+        fmt::print(stderr, "warning: {}\n", session_.plan.warnings().back());
+    }
+
+ private:
+    std::mutex mutex_;
+    Session session_;
+    std::string output_;
+    KeptTracks* tracks_ = nullptr;
+};
+
+bool has_residual(const Tracker& tracker, const TrackSummary& summary) {
+    return tracker.is_calibrated() && summary.particles_mean > 0;
+}
+
 std::string words(const Session& session, const Tracker& tracker, const TrackSummary& summary) {
     std::string text =
-        fmt::format("{}: {} frames, {:.1f} particles per frame\n", session.outputs.front().string(),
-                    summary.frames, summary.particles_mean);
+        fmt::format("{}: {}, {:.1f} particles per frame\n", session.outputs.front().string(),
+                    counted(summary.frames, "frame"), summary.particles_mean);
     if (const std::int64_t bad = summary.frames_corrupt + summary.frames_missing; bad > 0) {
-        text += fmt::format("  left out   {} frames: {} corrupt, {} missing\n", bad,
+        text += fmt::format("  left out   {}: {} corrupt, {} missing\n", counted(bad, "frame"),
                             summary.frames_corrupt, summary.frames_missing);
     }
     if (tracker.is_calibrated()) {
@@ -35,7 +132,9 @@ std::string words(const Session& session, const Tracker& tracker, const TrackSum
         text += fmt::format("  spheres    {}, diameter {:.3f} px, edge width {:.3f} px\n",
                             model.polarity == Polarity::dark ? "dark" : "bright",
                             model.disc.diameter, model.disc.edge_width);
-        text += fmt::format("  residual   {:.4f} of the contrast (RMS)\n", summary.residual_rms);
+        if (has_residual(tracker, summary))
+            text +=
+                fmt::format("  residual   {:.4f} of the contrast (RMS)\n", summary.residual_rms);
     }
     const auto& ms = summary.ms_per_frame;
     text += fmt::format(
@@ -67,11 +166,19 @@ ordered_json facts(const Tracker& tracker, const TrackSummary& summary) {
                              {"link", ms.link},
                              {"read", ms.read},
                              {"write", ms.write}};
-    facts["residual_rms"] = summary.residual_rms;
+    facts["residual_rms"] = nullptr;
+    if (has_residual(tracker, summary)) facts["residual_rms"] = summary.residual_rms;
     return facts;
 }
 
 }  // namespace
+
+void TrackCommand::warn_of_unit(const Tracker& tracker, RunPlan& plan) const {
+    if (tracking_.sphere_diameter || !tracker.is_calibrated()) return;
+    plan.warn(
+        fmt::format("{} = {:.3f} px; steel spheres: D is about 0.88 a; give --sphere-diameter",
+                    apparent_diameter_warning, tracker.model().disc.diameter));
+}
 
 std::string TrackCommand::purpose() const {
     return "find and follow the spheres in a video or in images";
@@ -98,34 +205,49 @@ std::vector<OptionTable> TrackCommand::options() {
 
 Summary TrackCommand::run(Session& session) {
     require_output(session, output_);
+    require_hdf5_name(output_);
     const auto overwrite = session.common.force ? io::Overwrite::force : io::Overwrite::refuse;
+    std::optional<io::OutputFile> output;
+    if (!session.common.explain) output.emplace(output_, overwrite);
+    // Before the deadline, so that it outlives it.
+    std::optional<KeptTracks> tracks;
+    LastAct last_act(session, output_);
+    std::optional<InterruptDeadline> deadline;
+    deadline.emplace([&last_act](int) { last_act(); });
     auto selected = io::select_frames(
         io::open_frames(session.inputs, {.fps = fps_, .max_pixels = max_pixels_}), frames_);
-    WatchedFrames frames(std::move(selected), strict_ ? BadFrames::refuse : BadFrames::allow);
+    WatchedFrames frames(io::read_ahead(std::move(selected)),
+                         strict_ ? BadFrames::refuse : BadFrames::allow);
     for (const std::string& warning : frames.warnings()) session.plan.warn(warning);
 
     tracking_.threads = session.threads();
     Tracker tracker(frames, tracking_, session.plan);
     if (session.common.explain) return explanation(session.plan);
+    warn_of_unit(tracker, session.plan);
 
-    io::TrajectoryWriter writer(output_, tracker.info(), overwrite);
+    tracks.emplace(std::move(*output), tracker.info());
+    last_act.holds(&*tracks);
     PreviewChoice choice(previews_, frames.count());
-    std::vector<Preview> previews;
     Progress progress("tracking", frames.count(), "frames", session.common.verbosity());
-    const TrackSummary result =
-        tracker.run(writer, progress, [&](const Frame& frame, const Snapshot& snapshot) {
-            if (choice.takes(frames.last_position())) previews.push_back({frame, snapshot, {}});
+    TrackSummary result =
+        tracker.run(*tracks, progress, [&](const Frame& frame, const Snapshot& snapshot) {
+            if (choice.takes(frames.last_position())) tracks->add_preview(frame, snapshot);
         });
+    deadline.reset();
+    // Without the tracks that --minimum-length leaves out.
+    result.particles_mean = tracks->particles_mean();
     if (caught_signal() != 0) {
         session.plan.warn(fmt::format("interrupted after {} of {} frames; '{}' holds those",
                                       frames.last_position() + 1, frames.count(), output_));
     }
-    for (const Preview& preview : previews) writer.add_preview(preview);
-    if (tracker.is_calibrated()) {
-        const auto& disc = tracker.model().disc;
-        writer.add_curve(calibration_curve(disc.diameter, disc.edge_width, result.residual_rms));
+    if (result.frames > 0 && !has_residual(tracker, result)) {
+        session.plan.warn("no residual is given: no spheres were found");
     }
-    writer.finish(session.record());
+    if (has_residual(tracker, result)) {
+        const auto& disc = tracker.model().disc;
+        tracks->add_curve(calibration_curve(disc.diameter, disc.edge_width, result.residual_rms));
+    }
+    tracks->finish(session.record());
     session.outputs.push_back(output_);
     return {.text = words(session, tracker, result),
             .facts = facts(tracker, result),

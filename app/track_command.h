@@ -19,6 +19,8 @@ class TrackCommand : public Command {
     Summary run(Session& session) override;
 
  private:
+    void warn_of_unit(const tracking::Tracker& tracker, RunPlan& plan) const;
+
     std::string output_;
     std::optional<double> fps_;
     std::string frames_ = "::";

@@ -11,7 +11,9 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "core/interrupt.h"
 #include "io/number_text.h"
+#include "io/points_statement.h"
 #include "io/text_output.h"
 
 namespace grainfield::io {
@@ -28,9 +30,30 @@ struct Columns {
     bool velocity = false;
 };
 
+bool is_same(const Box& a, const Box& b) {
+    return a.origin == b.origin && a.length == b.length && a.boundary == b.boundary &&
+           a.height == b.height;
+}
+
+// What the columns cannot say; io/points_statement.h reads it back.
+PointsStatement statement_of(SnapshotSource& source) {
+    PointsStatement statement{.info = source.info(), .box = std::nullopt};
+    for (std::int64_t i = 0; i < source.count(); ++i) {
+        throw_if_interrupted("export");
+        const Box box = source.read(i).box;
+        if (statement.box && !is_same(*statement.box, box)) {
+            statement.box.reset();
+            break;
+        }
+        statement.box = box;
+    }
+    return statement;
+}
+
 Columns columns_of(SnapshotSource& source) {
     Columns columns;
     for (std::int64_t i = 0; i < source.count(); ++i) {
+        throw_if_interrupted("export");
         const Snapshot s = source.read(i);
         columns.id |= !s.id.empty();
         columns.z |= !s.z.empty();
@@ -178,7 +201,8 @@ void make_folder(const std::filesystem::path& folder) {
 void export_csv(SnapshotSource& source, const std::filesystem::path& path, Overwrite overwrite) {
     TextOutput output(path, overwrite);
     const Columns columns = columns_of(source);
-    std::string text = "frame";
+    const PointsStatement statement = statement_of(source);
+    std::string text = text_of(statement) + "frame";
     if (columns.id) text += ",particle";
     text += ",x,y";
     if (columns.z) text += ",z";
@@ -187,8 +211,9 @@ void export_csv(SnapshotSource& source, const std::filesystem::path& path, Overw
     if (columns.quality) text += ",quality";
     output.write(text + '\n');
     for (std::int64_t index = 0; index < source.count(); ++index) {
+        throw_if_interrupted("export");
         const Snapshot snapshot = source.read(index);
-        text.clear();
+        text = frame_comment(snapshot, statement.info);
         for (std::size_t i = 0; i < snapshot.size(); ++i) {
             append_csv_line(text, snapshot, i, columns);
         }
@@ -201,6 +226,7 @@ void export_xyz(SnapshotSource& source, const std::filesystem::path& path, Overw
     TextOutput output(path, overwrite);
     const Columns columns = columns_of(source);
     for (std::int64_t index = 0; index < source.count(); ++index) {
+        throw_if_interrupted("export");
         const Snapshot snapshot = source.read(index);
         std::string text = xyz_header(snapshot, columns);
         for (std::size_t i = 0; i < snapshot.size(); ++i) {

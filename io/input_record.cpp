@@ -9,6 +9,7 @@
 #include <zlib.h>
 
 #include "core/errors.h"
+#include "core/interrupt.h"
 
 namespace grainfield::io {
 
@@ -28,6 +29,12 @@ RunRecord::Input describe_input(const std::filesystem::path& path) {
     std::vector<char> piece(1U << 20U);
     uLong checksum = crc32(0, nullptr, 0);
     while (file) {
+        if (caught_signal() != 0) {
+            // An interrupted run ends at once: reading a long video for its checksum can wait.
+            std::error_code unknown;
+            const auto bytes = std::filesystem::file_size(path, unknown);
+            return {path.string(), unknown ? 0 : bytes, "not computed, the run was interrupted"};
+        }
         file.read(piece.data(), static_cast<std::streamsize>(piece.size()));
         const auto got = static_cast<std::size_t>(file.gcount());
         checksum =

@@ -15,7 +15,9 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "core/interrupt.h"
 #include "io/points_line.h"
+#include "io/points_statement.h"
 
 namespace grainfield::io {
 
@@ -31,7 +33,8 @@ struct Piece {
 struct IndexedFrame {
     std::vector<Piece> pieces;
     std::int64_t points = 0;
-    std::int64_t unnamed = 0;  ///< points without an identity
+    std::int64_t unnamed = 0;    ///< points without an identity
+    std::optional<double> time;  ///< where a comment says it
 };
 
 /// Lines of a text file with their numbers and places.
@@ -94,7 +97,7 @@ class PointsTable : public SnapshotSource {
  public:
     PointsTable(const std::filesystem::path& path, const std::optional<Box>& box,
                 TrajectoryInfo info)
-        : info_(std::move(info)), reader_(path) {
+        : info_(std::move(info)), reader_(path), comments_(info_) {
         if (info_.source.empty()) info_.source = path.filename().string();
         std::error_code error;
         if (std::filesystem::is_directory(path, error)) {
@@ -106,7 +109,7 @@ class PointsTable : public SnapshotSource {
             reader_.fail(0, exists ? "it may not be read" : "no such file");
         }
         index_lines();
-        box_ = box ? *box : bounding_box();
+        set_box(box);
     }
 
     const TrajectoryInfo& info() const override { return info_; }
@@ -115,25 +118,62 @@ class PointsTable : public SnapshotSource {
 
  private:
     void index_lines();
+    void take_comment(const LineReader& lines);
+    void refuse_repeated(std::int64_t frame);
+    void set_box(const std::optional<Box>& box);
     Box bounding_box() const;
 
     TrajectoryInfo info_;
     PointsLine reader_;
+    PointsStatementReader comments_;
     std::ifstream file_;
+    std::map<std::int64_t, IndexedFrame> found_;
+    std::vector<std::pair<std::int64_t, std::int64_t>> named_;   ///< identities and their lines
     std::vector<std::pair<std::int64_t, IndexedFrame>> frames_;  ///< by index in the source
     Box box_;
     Vec2 low_{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
     Vec2 high_{-low_.x, -low_.y};
 };
 
+void PointsTable::take_comment(const LineReader& lines) {
+    const std::string wrong = comments_.take(lines.text());
+    if (!wrong.empty()) reader_.fail(lines.number(), wrong, "what grainfield export writes");
+    if (const auto& said = comments_.frame_time()) found_[said->frame].time = said->time;
+}
+
+// Of the points gathered since the last call.
+void PointsTable::refuse_repeated(std::int64_t frame) {
+    auto named = std::exchange(named_, {});
+    std::ranges::sort(named);
+    const auto same = std::ranges::adjacent_find(
+        named, [](const auto& a, const auto& b) { return a.first == b.first; });
+    if (same != named.end()) {
+        reader_.fail(std::next(same)->second,
+                     fmt::format("particle {} stands in frame {} already, in line {}", same->first,
+                                 frame, same->second),
+                     "each particle once a frame");
+    }
+}
+
+void PointsTable::set_box(const std::optional<Box>& box) {
+    const std::optional<Box>& stated = comments_.statement().box;
+    box_ = box ? *box : stated ? *stated : bounding_box();
+    if (box && stated) {
+        box_.origin = stated->origin;
+        box_.boundary = stated->boundary;
+        box_.height = stated->height;
+    }
+}
+
 void PointsTable::index_lines() {
-    std::map<std::int64_t, IndexedFrame> found;
     LineReader lines(file_, reader_);
     bool in_header = true;
     std::int64_t last_frame = -1;
     while (lines.next()) {
         if (PointsLine::is_blank(lines.text())) {
+            refuse_repeated(last_frame);
             last_frame = -1;  // pieces hold points only
+            take_comment(lines);
             continue;
         }
         if (in_header) {
@@ -142,33 +182,44 @@ void PointsTable::index_lines() {
             continue;
         }
         const Point point = reader_.read(lines.text(), lines.number());
-        IndexedFrame& entry = found[point.frame];
+        IndexedFrame& entry = found_[point.frame];
         if (point.frame != last_frame) {
+            throw_if_interrupted("reading");
+            refuse_repeated(last_frame);
             entry.pieces.push_back({.offset = lines.offset(), .line = lines.number(), .lines = 0});
         }
         ++entry.pieces.back().lines;
         ++entry.points;
-        if (point.particle < 0) ++entry.unnamed;
+        if (point.particle < 0) {
+            ++entry.unnamed;
+        } else {
+            named_.emplace_back(point.particle, lines.number());
+        }
         last_frame = point.frame;
         low_ = {std::min(low_.x, point.position.x), std::min(low_.y, point.position.y)};
         high_ = {std::max(high_.x, point.position.x), std::max(high_.y, point.position.y)};
     }
+    refuse_repeated(last_frame);
+    const std::string source = info_.source;
+    info_ = comments_.statement().info;
+    info_.source = source;
     if (file_.bad()) reader_.fail(0, "reading stopped in the middle");
     if (in_header) {
         reader_.fail(0, "the file is empty", "a header line and one line per point");
     }
-    for (const auto& [frame, entry] : found) {
+    for (const auto& [frame, entry] : found_) {
         if (entry.unnamed == 0 || entry.unnamed == entry.points) continue;
         reader_.fail(0,
                      fmt::format("frame {} has {} of {} points without a particle number", frame,
                                  entry.unnamed, entry.points),
                      "a number for each or for none");
     }
-    frames_.assign(std::make_move_iterator(found.begin()), std::make_move_iterator(found.end()));
+    frames_.assign(std::make_move_iterator(found_.begin()), std::make_move_iterator(found_.end()));
+    found_.clear();
 }
 
 Box PointsTable::bounding_box() const {
-    if (frames_.empty()) return {.origin = {0, 0}, .length = {info_.diameter, info_.diameter}};
+    if (!(low_.x <= high_.x)) return {.origin = {0, 0}, .length = {info_.diameter, info_.diameter}};
     // Points on one line still need a cell with an area.
     const Vec2 length = high_ - low_;
     return {.origin = low_,
@@ -186,7 +237,7 @@ Snapshot PointsTable::read(std::int64_t index) {
     const auto& [frame, entry] = frames_[static_cast<std::size_t>(index)];
     Snapshot snapshot;
     snapshot.frame = frame;
-    snapshot.time = static_cast<double>(frame) / info_.frame_rate.value_or(1);
+    snapshot.time = entry.time.value_or(static_cast<double>(frame) / info_.frame_rate.value_or(1));
     snapshot.box = box_;
     LineReader lines(file_, reader_);
     for (const Piece& piece : entry.pieces) {
@@ -198,13 +249,26 @@ Snapshot PointsTable::read(std::int64_t index) {
                 reader_.fail(lines.number(), "the file has changed since it was opened");
             }
             reader_.append(point, snapshot);
+            if (point.particle >= 0 && entry.pieces.size() > 1) {
+                named_.emplace_back(point.particle, lines.number());
+            }
         }
     }
+    refuse_repeated(frame);
     drop_columns_without_values(snapshot);
     return snapshot;
 }
 
 }  // namespace
+
+bool states_box(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    PointsStatementReader comments({});
+    for (std::string line; std::getline(file, line) && PointsLine::is_blank(line);) {
+        comments.take(line);
+    }
+    return comments.statement().box.has_value();
+}
 
 std::unique_ptr<SnapshotSource> open_points(const std::filesystem::path& path,
                                             const std::optional<Box>& box,

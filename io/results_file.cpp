@@ -40,8 +40,11 @@ Results read_content(const H5File& file, const H5Group& group) {
 }  // namespace
 
 void write_results(const std::filesystem::path& path, const Results& results, Overwrite overwrite) {
-    OutputFile output(path, overwrite);
-    H5File file = H5File::create(output.temporary(), path.string());
+    write_results(OutputFile(path, overwrite), results);
+}
+
+void write_results(OutputFile output, const Results& results) {
+    H5File file = H5File::create(output.temporary(), output.target().string());
     require_rectangular(results.observables, file);
     const H5Group group = H5Group::root(file).make_group("results");
     group.set_attribute("version", format_version);

@@ -14,6 +14,9 @@ namespace grainfield::io {
 /// Throws OutputError (see OutputFile), also for columns of unequal length.
 void write_results(const std::filesystem::path& path, const Results& results, Overwrite overwrite);
 
+/// The same into an output that was claimed before the work began.
+void write_results(OutputFile output, const Results& results);
+
 /// Throws InputError if the file is missing, damaged or not a results file.
 Results read_results(const std::filesystem::path& path);
 

@@ -30,6 +30,8 @@ class TrajectoryWriter : public SnapshotSink {
  public:
     TrajectoryWriter(const std::filesystem::path& path, const TrajectoryInfo& info,
                      Overwrite overwrite);
+    /// Into an output that was claimed before the work began.
+    TrajectoryWriter(OutputFile output, const TrajectoryInfo& info);
     ~TrajectoryWriter() override;
     TrajectoryWriter(TrajectoryWriter&&) noexcept;
 

@@ -188,7 +188,7 @@ void TrajectoryFile::State::read_own(const H5Group& root) {
     present = own.dataset("columns").read<std::uint8_t>();
     box_origin = own.dataset("box_origin").read<double>();
     box_height = own.dataset("box_height").read<double>();
-    if (present.size() < frames || box_origin.size() < 2 * frames || box_height.size() < frames) {
+    if (present.size() < frames || box_origin.size() / 2 < frames || box_height.size() < frames) {
         file.fail("/parameters/grainfield does not cover all frames");
     }
 }
@@ -251,7 +251,8 @@ std::vector<T> TrajectoryFile::State::row(TrajectoryColumn column, hsize_t frame
     const H5Dataset& data = columns[index_of(column)];
     if (!data || !has(column, frame)) return {};
     std::vector<T> values = data.read_row<T>(frame);
-    if (values.size() != most_particles * width) {
+    // The sizes stand in the file: a product of them may overflow.
+    if (values.size() % width != 0 || values.size() / width != most_particles) {
         file.fail(fmt::format("{} has {} numbers in frame {}", data.path(), values.size(), frame),
                   fmt::format("{} for each of {} particles", width, most_particles));
     }

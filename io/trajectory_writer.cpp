@@ -66,7 +66,7 @@ void describe_h5md(const H5Group& root) {
 }  // namespace
 
 struct TrajectoryWriter::State {
-    State(const std::filesystem::path& path, const TrajectoryInfo& info, Overwrite overwrite);
+    State(OutputFile claimed, const TrajectoryInfo& info);
 
     void write(const Snapshot& snapshot);
     void require_in_order(const Snapshot& snapshot) const;
@@ -99,10 +99,9 @@ struct TrajectoryWriter::State {
     std::vector<Curve> curves;
 };
 
-TrajectoryWriter::State::State(const std::filesystem::path& path, const TrajectoryInfo& info,
-                               Overwrite overwrite)
-    : output(path, overwrite),
-      file(H5File::create(output.temporary(), path.string())),
+TrajectoryWriter::State::State(OutputFile claimed, const TrajectoryInfo& info)
+    : output(std::move(claimed)),
+      file(H5File::create(output.temporary(), output.target().string())),
       unknown_height(info.diameter) {
     const H5Group root = H5Group::root(file);
     describe_h5md(root);
@@ -208,7 +207,10 @@ void TrajectoryWriter::State::write(const Snapshot& snapshot) {
 
 TrajectoryWriter::TrajectoryWriter(const std::filesystem::path& path, const TrajectoryInfo& info,
                                    Overwrite overwrite)
-    : state_(std::make_unique<State>(path, info, overwrite)) {}
+    : TrajectoryWriter(OutputFile(path, overwrite), info) {}
+
+TrajectoryWriter::TrajectoryWriter(OutputFile output, const TrajectoryInfo& info)
+    : state_(std::make_unique<State>(std::move(output), info)) {}
 
 TrajectoryWriter::~TrajectoryWriter() = default;
 TrajectoryWriter::TrajectoryWriter(TrajectoryWriter&&) noexcept = default;

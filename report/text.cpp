@@ -1,15 +1,11 @@
 #include "report/text.h"
 
 #include <array>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
-#include <system_error>
 
 #include <fmt/format.h>
 
-#include "core/errors.h"
+#include "core/output_file.h"
 
 namespace grainfield::report {
 
@@ -250,27 +246,7 @@ std::string count_text(double count) {
 }
 
 void write_file(const std::filesystem::path& path, std::string_view content) {
-    std::filesystem::path temporary = path;
-    temporary += ".part";
-    std::FILE* file = std::fopen(temporary.c_str(), "wb");
-    bool written = file != nullptr;
-    int why = errno;
-    if (file != nullptr) {
-        written = std::fwrite(content.data(), 1, content.size(), file) == content.size();
-        why = errno;
-        if (std::fclose(file) != 0 && written) {
-            written = false;
-            why = errno;
-        }
-    }
-    std::error_code renamed;
-    if (written) std::filesystem::rename(temporary, path, renamed);
-    if (written && !renamed) return;
-    const std::string reason = written ? renamed.message() : std::strerror(why);
-    std::error_code ignored;
-    std::filesystem::remove(temporary, ignored);
-    throw OutputError(ErrorText{"cannot write '" + path.string() + "'", reason, "",
-                                "check the folder, its permissions and the free space"});
+    grainfield::write_file(path, content, Overwrite::force);
 }
 
 }  // namespace grainfield::report

@@ -1,11 +1,19 @@
 #pragma once
 
+#include "core/frame.h"
 #include "tracking/calibrate/background.h"
 #include "tracking/disc_profile.h"
 
 namespace grainfield::tracking {
 
 enum class Polarity { dark, bright };
+
+/// The light of one frame: what the calibration calls darkness d is seen there as
+/// offset + span · d [contrast].
+struct Illumination {
+    double offset = 0;
+    double span = 1;
+};
 
 /// How spheres and light make the image: I(x) = B(x) − [B(x) − I_dark] · (1 − Π_j (1 − P_j(x))),
 /// with the roles of bright and dark exchanged for bright spheres. Estimated once, on the frame
@@ -19,8 +27,11 @@ struct ImageModel {
     double residual_rms = 0;       ///< RMS of the residual over the frame [contrast]
 
     /// The darkness image: (B − I)/(B − I_dark), 0 on the background and 1 in the core of a sphere,
-    /// clipped to [−0.5, 1.5].
-    Image darkness(const Image& counts) const;
+    /// corrected for the light of the frame, clipped to [−0.5, 1.5].
+    Image darkness(const Image& counts, const Illumination& light = {}) const;
+
+    /// The same of one pixel, as calibrated, not clipped.
+    float darkness_at(const Image& counts, int x, int y) const;
 };
 
 }  // namespace grainfield::tracking

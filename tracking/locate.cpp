@@ -58,9 +58,12 @@ Locator::Locator(int width, int height, const DiscProfile& disc, int threads)
     : disc_(disc),
       factor_(DiscCorrelation::suitable_factor(disc)),
       threads_(threads),
-      correlation_(width, height, disc, factor_) {
+      correlation_(width, height, disc, factor_),
+      fit_(Image(width, height), disc, threads) {
     if (factor_ > 1 && width >= 2 * factor_ && height >= 2 * factor_) {
-        coarse_.emplace(width / factor_, height / factor_, reduced(disc, factor_), 1);
+        const DiscProfile blocks = reduced(disc, factor_);
+        coarse_.emplace(width / factor_, height / factor_, blocks, 1);
+        coarse_fit_.emplace(Image(width / factor_, height / factor_), blocks, threads);
     }
 }
 
@@ -68,8 +71,8 @@ Locator::Locator(int width, int height, const DiscProfile& disc, int threads)
 void Locator::search_coarsely(const Image& darkness, const DetectionOptions& detection,
                               const RefinementOptions& refinement, SphereSearch& fine,
                               Located& found) {
-    SphereSearch search(reduced(darkness, factor_), reduced(disc_, factor_), *coarse_, detection,
-                        threads_);
+    coarse_fit_->restart(reduced(darkness, factor_));
+    SphereSearch search(*coarse_fit_, *coarse_, detection);
     search.seed();
     RefinementOptions rough = rough_version(refinement);
     rough.tolerance /= factor_;
@@ -92,10 +95,11 @@ void Locator::search_coarsely(const Image& darkness, const DetectionOptions& det
 Located Locator::locate(const Image& darkness, const DetectionOptions& detection,
                         const RefinementOptions& refinement, const std::vector<Vec2>& start) {
     Located found;
-    SphereSearch search(darkness, disc_, correlation_, detection, threads_);
-    JointFit& fit = search.fit();
+    fit_.restart(darkness);
+    SphereSearch search(fit_, correlation_, detection);
+    JointFit& fit = fit_;
     if (!start.empty()) {
-        for (const Vec2 p : start) fit.add(p);
+        fit.add_all(start);
     } else if (coarse_) {
         search_coarsely(darkness, detection, refinement, search, found);
     } else {
@@ -129,12 +133,19 @@ Located Locator::locate(const Image& darkness, const DetectionOptions& detection
             border) {
             continue;
         }
+        const Vec2 error{std::sqrt(covariances[j].xx), std::sqrt(covariances[j].yy)};
+        // Where the last step is less than the uncertainty, the position is as good as any.
+        const double noise = std::max(found.noise, residuals[j]);
+        if (!std::isfinite(p.x + p.y) ||
+            fit.step_left(j) > std::max(refinement.tolerance, noise * norm(error))) {
+            ++found.rejected;
+            continue;
+        }
         found.position.push_back(p);
-        found.error.push_back({std::sqrt(covariances[j].xx), std::sqrt(covariances[j].yy)});
+        found.error.push_back(error);
         found.residual.push_back(residuals[j]);
     }
     found.fitted = fit.positions();
-    found.transmission = fit.transmission().inner();
     found.refine_seconds += seconds_since(begin);
     return found;
 }

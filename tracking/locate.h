@@ -19,7 +19,6 @@ struct Located {
     std::vector<Vec2>
         error;  ///< standard error per unit noise, all others unknown [px]; NaN: hidden
     std::vector<double> residual;  ///< local RMS of image − model [contrast]
-    Image transmission;            ///< of the fitted model
     double residual_rms = 0;
     double noise = 0;  ///< robust RMS where the model is flat [contrast]
     int passes = 0;
@@ -28,6 +27,7 @@ struct Located {
     int maps_skipped = 0;           ///< maps of likelihood gain that the residual made needless
     std::vector<Vec2> fitted;       ///< every disc of the model, those at the border included
     std::int64_t unsettled = 0;     ///< spheres still moving after the last sweep
+    std::int64_t rejected = 0;      ///< … by more than their standard error: not reported
     bool settled_detection = true;  ///< the last pass changed nothing
     double detect_seconds = 0, refine_seconds = 0;
 };
@@ -42,6 +42,8 @@ class Locator {
     Located locate(const Image& darkness, const DetectionOptions& detection,
                    const RefinementOptions& refinement, const std::vector<Vec2>& start = {});
     const DiscProfile& disc() const { return disc_; }
+    /// Of the model fitted last.
+    const PaddedImage& transmission() const { return fit_.transmission(); }
 
  private:
     void search_coarsely(const Image& darkness, const DetectionOptions& detection,
@@ -51,7 +53,9 @@ class Locator {
     int factor_;
     int threads_;
     DiscCorrelation correlation_;
+    JointFit fit_;
     std::optional<DiscCorrelation> coarse_;
+    std::optional<JointFit> coarse_fit_;
 };
 
 }  // namespace grainfield::tracking

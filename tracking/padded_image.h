@@ -24,16 +24,27 @@ class PaddedImage {
               stride_ * (static_cast<std::size_t>(height) + 2 * static_cast<std::size_t>(margin)),
               outside) {
         if (inside == outside) return;
-        for (int y = 0; y < height_; ++y) std::fill_n(row(y), width_, inside);
+        fill(inside);
     }
     PaddedImage(const Image& image, int margin, float outside)
         : PaddedImage(image.width(), image.height(), margin, outside, outside) {
+        assign(image);
+    }
+
+    /// Takes over the pixels of an image of the same size; the margin stays.
+    void assign(const Image& image) {
         for (int y = 0; y < height_; ++y) std::copy_n(image.row(y), width_, row(y));
+    }
+    /// Sets every pixel inside the margin.
+    void fill(float value) {
+        for (int y = 0; y < height_; ++y) std::fill_n(row(y), width_, value);
     }
 
     int width() const { return width_; }
     int height() const { return height_; }
     int margin() const { return margin_; }
+    /// Pixels from one row to the next.
+    std::ptrdiff_t pitch() const { return static_cast<std::ptrdiff_t>(stride_); }
 
     /// Pixel (0, y), y in [−margin, height + margin); x may run over [−margin, width + margin).
     float* row(int y) { return pixels_.data() + offset(y); }

@@ -15,6 +15,14 @@ namespace {
 
 /// How many frames are tried for calibration before giving up.
 constexpr std::int64_t kCalibrationFrames = 10;
+/// Above this RMS step a cold search is the cheaper one [D].
+constexpr double kWarmStep = 0.25;
+/// A frame whose light was misjudged by more is fitted again [contrast].
+constexpr double kLightAccuracy = 0.02;
+constexpr double kNotableLight = 0.05;
+constexpr double kPoorResidual = 0.12;
+constexpr double kPoorInNoise = 2;
+constexpr double kBadResidual = 0.25;
 
 using Clock = std::chrono::steady_clock;
 double milliseconds_since(Clock::time_point start) {
@@ -59,12 +67,17 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
         return;
     }
     locator_ = std::make_unique<Locator>(source.width(), source.height(), model().disc, threads_);
+    illumination_ = std::make_unique<IlluminationFollower>(model());
     plan.run("detect", "χ² map, then likelihood gain of the residual until nothing changes");
     plan.run("refine", "joint least squares on the product of transmissions");
     if (count < 2) {
         plan.skip("link", "one frame", "identities");
     } else {
         plan.run("link", "least squared steps, optimal where spheres compete");
+        plan.run("warm start",
+                 fmt::format("frames begin with the spheres of the frame before while "
+                             "these move less than {:.2g} D a frame",
+                             kWarmStep));
     }
 }
 
@@ -77,6 +90,50 @@ TrajectoryInfo Tracker::info() const {
     info.diameter = options_.sphere_diameter.value_or(calibration_ ? model().disc.diameter : 1.0);
     info.source = source_.name();
     return info;
+}
+
+std::vector<Vec2> Tracker::start_for(const Frame& frame, std::int64_t position,
+                                     TrackSummary& summary) const {
+    // The calibration has been there already.
+    if (frame.index == calibration_frame_) return calibration_->positions;
+    if (position != previous_.position + 1 ||
+        previous_.step_rms > kWarmStep * model().disc.diameter) {
+        return {};
+    }
+    ++summary.warm_frames;
+    return previous_.found.fitted;
+}
+
+void Tracker::locate(const Frame& frame, std::int64_t position, TrackSummary& summary) {
+    if (position == previous_.position + 1 && frame.image == previous_.counts) {
+        ++summary.repeated;
+        previous_.position = position;
+        return;
+    }
+    auto start = Clock::now();
+    Illumination light = illumination_->expected(frame.image);
+    std::vector<Vec2> places = start_for(frame, position, summary);
+    Located found;
+    for (int attempt = 0; attempt < 2; ++attempt) {
+        start = Clock::now();
+        const Image darkness = model().darkness(frame.image, light);
+        summary.ms_per_frame.detect += milliseconds_since(start);
+        found = locator_->locate(darkness, options_.detection, options_.refinement, places);
+        summary.ms_per_frame.detect += 1e3 * found.detect_seconds;
+        summary.ms_per_frame.refine += 1e3 * found.refine_seconds;
+        start = Clock::now();
+        const Illumination settled =
+            illumination_->settled(frame.image, light, locator_->transmission());
+        summary.ms_per_frame.detect += milliseconds_since(start);
+        const bool holds = std::abs(settled.offset - light.offset) < kLightAccuracy &&
+                           std::abs(settled.span / light.span - 1) < kLightAccuracy;
+        light = settled;
+        if (holds) break;
+        places = found.fitted;
+    }
+    summary.dimmest = std::min(summary.dimmest, light.span);
+    summary.brightest = std::max(summary.brightest, light.span);
+    previous_ = {position, {}, std::move(found), 0};
 }
 
 Snapshot Tracker::track(const Frame& frame, std::int64_t position, Linker& linker,
@@ -92,18 +149,33 @@ Snapshot Tracker::track(const Frame& frame, std::int64_t position, Linker& linke
         plan_.warn(fmt::format("{}, frame {}: {}", source_.name(), frame.index, reason));
         return snapshot;
     }
+    locate(frame, position, summary);
+    const Located& found = previous_.found;
+    judge(found, frame, summary);
+    snapshot.position = found.position;
+    snapshot.quality = found.residual;
+    snapshot.position_error = found.error;
+    for (std::size_t j = 0; j < found.error.size(); ++j) {
+        // Where the image model is wrong, its misfit limits the position, not the camera's noise.
+        snapshot.position_error[j] *= std::max(found.noise, found.residual[j]);
+    }
 
-    auto start = Clock::now();
-    const Image darkness = model().darkness(frame.image);
-    summary.ms_per_frame.detect += milliseconds_since(start);
-    // The calibration has been there already.
-    const bool calibrated_here = frame.index == calibration_frame_;
-    Located found =
-        locator_->locate(darkness, options_.detection, options_.refinement,
-                         calibrated_here ? calibration_->positions : std::vector<Vec2>());
-    summary.ms_per_frame.detect += 1e3 * found.detect_seconds;
-    summary.ms_per_frame.refine += 1e3 * found.refine_seconds;
+    const auto start = Clock::now();
+    const LinkSummary before = linker.summary();
+    snapshot.id = linker.link(position, snapshot.position, snapshot.position_error);
+    const LinkSummary& after = linker.summary();
+    if (const std::int64_t steps = after.consecutive - before.consecutive; steps > 0) {
+        previous_.step_rms =
+            std::sqrt((after.squared_steps - before.squared_steps) / static_cast<double>(steps));
+    }
+    summary.ms_per_frame.link += milliseconds_since(start);
+    return snapshot;
+}
+
+void Tracker::judge(const Located& found, const Frame& frame, TrackSummary& summary) {
     summary.residual_rms += found.residual_rms;
+    summary.unsettled += found.unsettled;
+    summary.rejected += found.rejected;
     if (!found.settled_detection) {
         plan_.warn("some frames still gained or lost spheres after --max-passes");
     }
@@ -112,28 +184,52 @@ Snapshot Tracker::track(const Frame& frame, std::int64_t position, Linker& linke
     }
     if (found.position.empty()) {
         plan_.warn(fmt::format("{}, frame {}: no spheres found", source_.name(), frame.index));
+    } else if (found.residual_rms >
+               std::clamp(kPoorInNoise * found.noise, kPoorResidual, kBadResidual)) {
+        ++summary.poor_frames;
+        if (found.residual_rms > summary.worst_residual) {
+            summary.worst_residual = found.residual_rms;
+            summary.worst_frame = frame.index;
+        }
     }
-    snapshot.position = std::move(found.position);
-    snapshot.quality = std::move(found.residual);
-    snapshot.position_error = std::move(found.error);
-    for (Vec2& e : snapshot.position_error) e *= found.noise;
+}
 
-    start = Clock::now();
-    snapshot.id = linker.link(position, snapshot.position, snapshot.position_error);
-    summary.ms_per_frame.link += milliseconds_since(start);
-    return snapshot;
+/// What a user should know of the frames as a whole.
+void Tracker::summarise(const TrackSummary& summary) {
+    if (summary.rejected > 0) {
+        plan_.warn(
+            fmt::format("{} positions left out in {} frames: they had not settled to within "
+                        "their own error",
+                        summary.rejected, summary.frames));
+    }
+    if (summary.poor_frames > 0) {
+        plan_.warn(fmt::format(
+            "the image model explains {} of {} frames badly, worst frame {}: RMS residual {:.2f} "
+            "of the contrast (0.02 to 0.08 is usual); look at the overlay in the report, and try "
+            "--polarity, --diameter or --edge-width",
+            summary.poor_frames, summary.frames, summary.worst_frame, summary.worst_residual));
+    }
+    if (summary.repeated > 0) {
+        plan_.warn(fmt::format("{} frames repeat the one before", summary.repeated));
+    }
+    if (summary.dimmest < 1 - kNotableLight || summary.brightest > 1 + kNotableLight) {
+        plan_.warn(fmt::format(
+            "the contrast varies between {:.2f} and {:.2f} of the first frame's; it was followed",
+            summary.dimmest, summary.brightest));
+    }
 }
 
 TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress,
                           const std::function<void(const Frame&, const Snapshot&)>& each_frame) {
     TrackSummary summary;
+    previous_ = {};
     const double diameter = calibration_ ? model().disc.diameter : 1.0;
     Linker linker(options_.link, diameter);
     LongTracks long_tracks(sink, options_.link.minimum_length, options_.link.memory);
     double particles = 0;
     for (std::int64_t i = 0; i < source_.count() && caught_signal() == 0; ++i) {
         auto start = Clock::now();
-        const Frame frame = source_.read(i);
+        Frame frame = source_.read(i);
         summary.ms_per_frame.read += milliseconds_since(start);
         progress.advance();
         if (frame.status != FrameStatus::ok) {
@@ -149,6 +245,7 @@ TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress,
         long_tracks.write(snapshot);
         summary.ms_per_frame.write += milliseconds_since(start);
         if (each_frame) each_frame(frame, snapshot);
+        if (previous_.position == i) previous_.counts = std::move(frame.image);
     }
     long_tracks.finish();
     progress.finish();
@@ -165,6 +262,7 @@ TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress,
         summary.step_rms = std::sqrt(links.squared_steps / static_cast<double>(links.consecutive));
     }
     for (const std::string& warning : linker.warnings(diameter)) plan_.warn(warning);
+    summarise(summary);
     return summary;
 }
 

@@ -12,6 +12,7 @@
 #include "core/run_plan.h"
 #include "core/trajectory.h"
 #include "tracking/calibrate/calibration.h"
+#include "tracking/calibrate/illumination.h"
 #include "tracking/image_model.h"
 #include "tracking/link/linker.h"
 #include "tracking/locate.h"
@@ -39,13 +40,26 @@ struct TrackSummary {
     std::int64_t frames = 0;  ///< tracked
     std::int64_t frames_corrupt = 0, frames_missing = 0;
     double particles_mean = 0;
-    double residual_rms = 0;  ///< of image − model, mean over frames [contrast]
-    double step_rms = 0;      ///< RMS displacement between consecutive frames [px]; 0: one frame
+    double residual_rms = 0;     ///< of image − model, mean over frames [contrast]
+    double step_rms = 0;         ///< RMS displacement between consecutive frames [px]; 0: one frame
+    std::int64_t unsettled = 0;  ///< spheres still moving after the last sweep, all frames
+    std::int64_t rejected = 0;   ///< of those, left out: they moved by more than their error
+    std::int64_t warm_frames = 0;       ///< started from the positions of the frame before
+    std::int64_t repeated = 0;          ///< frames that repeat the one before: not fitted again
+    std::int64_t poor_frames = 0;       ///< that the image model explains badly
+    std::int64_t worst_frame = 0;       ///< of those
+    double worst_residual = 0;          ///< RMS residual of that frame [contrast]
+    double dimmest = 1, brightest = 1;  ///< contrast of the frames relative to the first [-]
     FrameTimes ms_per_frame;
 };
 
 /// Frames in, linked snapshots out: calibrates the image model on the first usable frame, then
 /// locates every sphere of every frame and gives it its identity through time.
+///
+/// A frame starts from the spheres of the frame before (warm) unless frames are missing between
+/// them or the spheres moved by more than D/4 then: refinement goes on from there, and the search
+/// for spheres that came or went looks only where the residual asks for it. A frame that repeats
+/// the one before costs nothing. The light of each frame is followed (IlluminationFollower).
 ///
 /// Positions are in pixels of the source. One frame is in memory at a time. Results do not depend
 /// on the number of threads.
@@ -54,6 +68,9 @@ class Tracker {
     /// Calibrates; what was decided goes into `plan`. The source must outlive the tracker. A source
     /// without any usable frame gives a tracker that writes empty snapshots, with warnings.
     Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan);
+
+    Tracker(const Tracker&) = delete;
+    Tracker& operator=(const Tracker&) = delete;
 
     bool is_calibrated() const { return calibration_.has_value(); }
     /// Call only if is_calibrated().
@@ -66,9 +83,23 @@ class Tracker {
                      const std::function<void(const Frame&, const Snapshot&)>& each_frame = {});
 
  private:
-    /// `position` of the frame among those selected: frames left out on purpose are not missing.
+    /// What one frame leaves for the next.
+    struct Previous {
+        std::int64_t position = -2;  ///< among the frames selected
+        Image counts;
+        Located found;
+        double step_rms = 0;  ///< of its spheres, RMS displacement [px]; 0: unknown
+    };
+
+    /// Fits frame number `position` among those selected: frames left out on purpose are not
+    /// missing. The result is in previous_.
+    void locate(const Frame& frame, std::int64_t position, TrackSummary& summary);
+    std::vector<Vec2> start_for(const Frame& frame, std::int64_t position,
+                                TrackSummary& summary) const;
     Snapshot track(const Frame& frame, std::int64_t position, Linker& linker,
                    TrackSummary& summary);
+    void judge(const Located& found, const Frame& frame, TrackSummary& summary);
+    void summarise(const TrackSummary& summary);
 
     FrameSource& source_;
     TrackOptions options_;
@@ -77,6 +108,8 @@ class Tracker {
     std::optional<Calibration> calibration_;
     std::int64_t calibration_frame_ = -1;
     std::unique_ptr<Locator> locator_;
+    std::unique_ptr<IlluminationFollower> illumination_;
+    Previous previous_;
 };
 
 }  // namespace grainfield::tracking

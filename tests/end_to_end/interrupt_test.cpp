@@ -1,5 +1,6 @@
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <thread>
 
@@ -42,8 +43,14 @@ TEST_P(InterruptedTracking, KeepsTheFramesDoneSoFarUnderTheFinalName) {
                                    "--json"};
     for (const std::string& path : long_film(film, frames)) words.push_back(path);
     const Process process(words);
-    // The temporary file appears once tracking starts.
-    for (int i = 0; i < 1000 && folder.entries() == 0; ++i) {
+    // The output is claimed at once; it has content once tracking starts.
+    const std::string partial = folder / "tracks.h5.partial";
+    std::error_code absent;
+    const auto has_content = [&] {
+        const auto bytes = std::filesystem::file_size(partial, absent);
+        return !absent && bytes > 0;
+    };
+    for (int i = 0; i < 3000 && !has_content(); ++i) {
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
@@ -65,6 +72,40 @@ TEST_P(InterruptedTracking, KeepsTheFramesDoneSoFarUnderTheFinalName) {
     ASSERT_EQ(info.code, 0) << info.err;
     EXPECT_EQ(json::parse(info.out)["frames"], done);
 }
+
+/// A table that takes seconds to export and to analyse: 60 frames of 20,000 points.
+std::string long_table(const ScratchFolder& folder) {
+    const std::string path = folder / "points.csv";
+    std::ofstream file(path);
+    file << "frame,particle,x,y\n";
+    for (int frame = 0; frame < 60; ++frame) {
+        for (int i = 0; i < 20000; ++i) {
+            file << frame << ',' << i << ',' << i % 141 + 0.01 * (i % 7) << ','
+                 << i / 141 + 0.01 * (frame % 5) << '\n';
+        }
+    }
+    return path;
+}
+
+class InterruptedConversion : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(InterruptedConversion, EndsInTimeAndWritesNothing) {
+    const ScratchFolder input, folder;
+    const std::string output = folder / (GetParam() == std::string("export") ? "x.csv" : "x.h5");
+    const Process process({GRAINFIELD_PROGRAM, GetParam(), long_table(input), "-o", output});
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    const auto start = std::chrono::steady_clock::now();
+    process.send(SIGTERM);
+    const Outcome outcome = process.wait();
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
+    EXPECT_EQ(outcome.code, 143) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("x."));
+    EXPECT_THAT(outcome.err, HasSubstr("was not written"));
+    EXPECT_EQ(folder.entries(), 0U);
+}
+
+INSTANTIATE_TEST_SUITE_P(ByCommand, InterruptedConversion, ::testing::Values("export", "analyze"),
+                         [](const auto& instance) { return std::string(instance.param); });
 
 INSTANTIATE_TEST_SUITE_P(BySignal, InterruptedTracking, ::testing::Values(SIGINT, SIGTERM),
                          [](const auto& instance) {

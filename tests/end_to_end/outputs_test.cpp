@@ -67,6 +67,66 @@ TEST_F(Outputs, ThatAreInputsAreRefused) {
     EXPECT_EQ(read_all(tracks_), before);
 }
 
+TEST_F(Outputs, ThatCannotBeWrittenAreRefusedBeforeTheInputIsRead) {
+    make_tracks_and_results();
+    // The input would be refused with 3: the output is looked at first.
+    std::ofstream(folder_ / "damaged.h5") << "\x89HDF\r\n\x1a\n and nothing more";
+    std::ofstream(folder_ / "damaged.png") << "\x89PNG\r\n\x1a\n and nothing more";
+    std::ofstream(folder_ / "old.h5") << "old";
+    EXPECT_EQ(run_grainfield({"track", folder_ / "damaged.png", "-o", folder_ / "old.h5"}).code, 4);
+    std::ofstream(folder_ / "points.csv") << "frame,x,y\nnothing\n";
+    EXPECT_EQ(run_grainfield({"analyze", folder_ / "points.csv", "-o", folder_ / "old.h5"}).code,
+              4);
+    EXPECT_EQ(read_all(folder_ / "old.h5"), "old");
+}
+
+TEST_F(Outputs, OfTracksUnderTheNameOfAPictureAreRefused) {
+    const Outcome outcome = run_grainfield({"track", frames_[0], "-o", folder_ / "x.tif"});
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("x.h5"));
+    EXPECT_EQ(run_grainfield({"track", frames_[0], "-o", folder_ / "x.hdf5"}).code, 0);
+}
+
+TEST_F(Outputs, OfTracksSayThatLengthsAreInApparentDiametersUnlessTheSizeIsGiven) {
+    make_tracks_and_results();
+    const char* words = "lengths are in apparent disc diameters D";
+    EXPECT_THAT(run_grainfield({"info", tracks_}).out, HasSubstr(words));
+    EXPECT_THAT(run_grainfield({"info", results_}).out, HasSubstr(words));
+    const Outcome given =
+        run_grainfield({"track", frames_[0], "-o", folder_ / "g.h5", "--sphere-diameter", "10"});
+    EXPECT_EQ(given.err.find(words), std::string::npos) << given.err;
+}
+
+TEST_F(Outputs, OfABlackFrameHaveNoResidualAndSayWhy) {
+    testing::write_png(folder_ / "black.png", Image(64, 64));
+    const Outcome outcome =
+        run_grainfield({"track", folder_ / "black.png", "-o", folder_ / "b.h5", "--json"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("\"residual_rms\": null"));
+    EXPECT_THAT(outcome.err, HasSubstr("no residual"));
+}
+
+TEST_F(Outputs, OfAPeriodicTableNeedItsBox) {
+    std::ofstream(folder_ / "p.csv") << "frame,x,y\n0,1,1\n0,2,3\n0,4,4\n";
+    const Outcome guessed = run_grainfield(
+        {"analyze", folder_ / "p.csv", "-o", folder_ / "p.h5", "--boundary", "periodic"});
+    EXPECT_EQ(guessed.code, 2);
+    EXPECT_THAT(guessed.err, HasSubstr("--box LX,LY"));
+    EXPECT_EQ(run_grainfield({"analyze", folder_ / "p.csv", "-o", folder_ / "p.h5", "--boundary",
+                              "periodic", "--box", "5,5"})
+                  .code,
+              0);
+}
+
+TEST_F(Outputs, AreAskedForInWordsWhereTheInputIsMissing) {
+    const Outcome outcome = run_grainfield({"track", "-o", folder_ / "x.h5"});
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("at least one VIDEO|IMAGE"));
+    const Outcome help = run_grainfield({"compare", "--help"});
+    EXPECT_EQ(help.code, 0);
+    EXPECT_EQ(help.out.find("{false}"), std::string::npos);
+}
+
 TEST_F(Outputs, OfAFormThatDoesNotFitTheInputAreRefused) {
     make_tracks_and_results();
     EXPECT_EQ(run_grainfield({"export", tracks_, "-o", folder_ / "a.tif"}).code, 2);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -22,6 +23,7 @@ class Snapshots : public SnapshotSource {
  public:
     explicit Snapshots(std::vector<Snapshot> snapshots) : snapshots_(std::move(snapshots)) {}
     const TrajectoryInfo& info() const override { return info_; }
+    void set_info(TrajectoryInfo info) { info_ = std::move(info); }
     std::int64_t count() const override { return static_cast<std::int64_t>(snapshots_.size()); }
     Snapshot read(std::int64_t i) override { return snapshots_.at(static_cast<std::size_t>(i)); }
 
@@ -34,7 +36,13 @@ std::string csv_of(std::vector<Snapshot> snapshots) {
     const testing::ScratchFolder folder;
     Snapshots source(std::move(snapshots));
     export_csv(source, folder / "x.csv", Overwrite::refuse);
-    return read_bytes(folder / "x.csv");
+    // The table itself; the comment lines have their own test.
+    std::istringstream lines(read_bytes(folder / "x.csv"));
+    std::string table;
+    for (std::string line; std::getline(lines, line);) {
+        if (!line.starts_with('#')) table += line + "\n";
+    }
+    return table;
 }
 
 std::string xyz_of(std::vector<Snapshot> snapshots) {
@@ -73,6 +81,47 @@ TEST(ExportCsv, LeavesFieldsEmptyInFramesWithoutTheColumn) {
     EXPECT_EQ(csv_of({linked, two_points(5)}),
               "frame,particle,x,y\n0,1,1.5,2\n0,2,0.1,-3\n5,,1.5,2\n5,,0.1,-3\n");
     EXPECT_EQ(csv_of({}), "frame,x,y\n");
+}
+
+TEST(ExportCsv, StatesUnitsRateDiameterAndBoxAndReadsThemBack) {
+    const testing::ScratchFolder folder;
+    Snapshot empty = two_points(4);
+    empty.position.clear();
+    empty.time = 4 / 30.0;
+    Snapshot late = two_points(6);
+    late.time = 0.5;
+    Snapshots source({two_points(3), empty, late});
+    source.set_info({.origin = Origin::video,
+                     .length_unit = LengthUnit::pixel,
+                     .time_unit = TimeUnit::second,
+                     .diameter = 10.0 / 3,
+                     .vibration_frequency = 60,
+                     .frame_rate = 30,
+                     .source = "film.avi"});
+    export_csv(source, folder / "x.csv", Overwrite::refuse);
+    EXPECT_THAT(read_bytes(folder / "x.csv"), HasSubstr("\n# box: -0.5,0,10,20,0\n"));
+    EXPECT_TRUE(states_box(folder / "x.csv"));
+    const auto points = open_points(folder / "x.csv", std::nullopt, {});
+    const TrajectoryInfo& info = points->info();
+    EXPECT_EQ(info.origin, Origin::video);
+    EXPECT_EQ(info.length_unit, LengthUnit::pixel);
+    EXPECT_EQ(info.time_unit, TimeUnit::second);
+    EXPECT_EQ(info.diameter, 10.0 / 3);
+    EXPECT_EQ(info.frame_rate, 30);
+    EXPECT_EQ(info.vibration_frequency, 60);
+    ASSERT_EQ(points->count(), 3) << "a frame without particles is a frame";
+    EXPECT_EQ(points->read(1).size(), 0U);
+    EXPECT_EQ(points->read(0).time, 0.25) << "not frame / rate: as it was";
+    EXPECT_EQ(points->read(1).time, 4 / 30.0);
+    EXPECT_EQ(points->read(2).time, 0.5);
+    const Box box = points->read(0).box;
+    EXPECT_EQ(box.origin, (Vec2{-0.5, 0}));
+    EXPECT_EQ(box.length, (Vec2{10, 20}));
+    EXPECT_EQ(box.boundary[0], Boundary::walls);
+    EXPECT_EQ(box.boundary[1], Boundary::periodic);
+    const auto other = open_points(folder / "x.csv", Box{{0, 0}, {11, 21}}, {});
+    EXPECT_EQ(other->read(0).box.length, (Vec2{11, 21})) << "what is asked for wins";
+    EXPECT_EQ(other->read(0).box.boundary[1], Boundary::periodic);
 }
 
 TEST(ExportCsv, ReadsBackToTheSameBits) {

@@ -17,6 +17,19 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
+TEST(WriteFile, IsWholeOrNothing) {
+    const testing::ScratchFolder folder;
+    const std::filesystem::path target = folder / "page.html";
+    grainfield::write_file(target, "old", Overwrite::refuse);
+    EXPECT_THROW(grainfield::write_file(target, "new", Overwrite::refuse), OutputError);
+    EXPECT_EQ(read_bytes(target), "old");
+    grainfield::write_file(target, "new", Overwrite::force);
+    EXPECT_EQ(read_bytes(target), "new");
+    EXPECT_EQ(folder.entries(), 1U);
+    EXPECT_THAT([] { grainfield::write_file("/proc/x.html", "x", Overwrite::refuse); },
+                ThrowsMessage<OutputError>(HasSubstr("files cannot be made in it")));
+}
+
 TEST(OutputFile, AppearsUnderItsNameOnlyWhenCommitted) {
     const testing::ScratchFolder folder;
     const std::filesystem::path target = folder / "x.txt";

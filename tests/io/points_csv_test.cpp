@@ -47,6 +47,28 @@ TEST(PointsCsv, HasOneSnapshotPerFrameInOrderOfFrames) {
     EXPECT_EQ(points->info().source, "p.csv");
 }
 
+TEST(PointsCsv, RefusesAParticleThatStandsTwiceInAFrame) {
+    expect_refused("frame,particle,x,y\n0,1,1,1\n0,2,2,2\n0,1,3,3\n", "line 4");
+    expect_refused("frame,particle,x,y\n0,1,1,1\n0,1,3,3\n1,1,1,1\n", "line 3");
+    const testing::ScratchFolder folder;
+    // Lines in the order of particles: found when the frame is read.
+    const auto scattered =
+        open_text(folder / "s.csv", "frame,particle,x,y\n0,1,1,1\n1,1,2,2\n0,1,3,3\n");
+    EXPECT_THAT([&] { scattered->read(0); }, ThrowsMessage<InputError>(HasSubstr("line 4")));
+    EXPECT_EQ(scattered->read(1).size(), 1U);
+}
+
+TEST(PointsCsv, ReadsOnlyTheStatementsOfItsOwnComments) {
+    const testing::ScratchFolder folder;
+    const auto others =
+        open_text(folder / "o.csv", "# diameter: large\nframe,x,y\n# box: 3\n0,1,1\n0,2,3\n");
+    EXPECT_EQ(others->info().diameter, 1);
+    EXPECT_FALSE(states_box(folder / "o.csv"));
+    expect_refused("# grainfield points 1\n# diameter: large\nframe,x,y\n0,1,1\n", "line 2");
+    expect_refused("# grainfield points 1\n# box: 0,0,nan,1,0\nframe,x,y\n0,1,1\n", "line 2");
+    expect_refused("# grainfield points 1\n# boundary: walls,walls\nframe,x,y\n0,1,1\n", "line 2");
+}
+
 TEST(PointsCsv, TakesTablesOfOtherTrackers) {
     const testing::ScratchFolder folder;
     // trackpy: an index without a name, y before x, whole numbers as decimals, other columns.

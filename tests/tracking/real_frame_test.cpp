@@ -9,6 +9,7 @@
 #include "tests/support/scoring.h"
 #include "tracking/calibrate/calibration.h"
 #include "tracking/calibrate/edge_fit.h"
+#include "tracking/refine/disc_kernel.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -43,6 +44,7 @@ class RealFrame : public ::testing::Test {
         Locator locator(frame_.width(), frame_.height(), calibration_->model.disc, 2);
         found_ =
             locator.locate(calibration_->model.darkness(frame_), {}, {}, calibration_->positions);
+        transmission_ = locator.transmission();
     }
     void SetUp() override {
         if (!std::filesystem::exists(kFrame)) GTEST_SKIP() << "no " << kFrame;
@@ -52,6 +54,7 @@ class RealFrame : public ::testing::Test {
     static inline Image frame_;
     static inline std::optional<Calibration> calibration_;
     static inline Located found_;
+    static inline std::optional<PaddedImage> transmission_;
 };
 
 TEST_F(RealFrame, HoldsBetween10050And10650Spheres) {
@@ -82,7 +85,7 @@ TEST_F(RealFrame, TheResidualShowsNoSphere) {
     const DiscProfile& disc = calibration_->model.disc;
     DiscCorrelation correlation(frame_.width(), frame_.height(), disc, 1);
     const Image gain = correlation.gain(padded_darkness(calibration_->model.darkness(frame_), disc),
-                                        PaddedImage(found_.transmission, scene_margin(disc), 0.0F));
+                                        *transmission_);
     int remnants = 0;
     for (int y = 12; y < gain.height() - 12; ++y) {
         for (int x = 12; x < gain.width() - 12; ++x) {

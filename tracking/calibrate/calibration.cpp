@@ -229,7 +229,7 @@ struct Fitter {
     void fit_image(ImageModel& model, const Image& counts) {
         for (int round = 0; round < kImageRounds; ++round) {
             edges = fit_exposed_edges(model.darkness(counts), positions, model.disc);
-            if (edges.pixels == 0) return;
+            if (edges.pixels == 0 || !edges.converged) return;
             const DiscProfile before = model.disc;
             if (!options.diameter) model.disc.diameter = edges.disc.diameter;
             if (!options.edge_width) model.disc.edge_width = edges.disc.edge_width;
@@ -270,24 +270,6 @@ OptionTable describe(CalibrationOptions& options) {
 
 std::string blank_reason(const Image& counts) {
     return blank_reason(levels_of(counts));
-}
-
-Image ImageModel::darkness(const Image& counts) const {
-    Image result(counts.width(), counts.height());
-    const float sign = polarity == Polarity::dark ? 1.0F : -1.0F;
-    std::vector<float> clear(static_cast<std::size_t>(counts.width()));
-    for (int y = 0; y < counts.height(); ++y) {
-        background.row(y, counts.width(), clear.data());
-        const float* in = counts.row(y);
-        float* out = result.row(y);
-        for (int x = 0; x < counts.width(); ++x) {
-            const float b = clear[static_cast<std::size_t>(x)];
-            const float span = sign * (b - static_cast<float>(dark_level));
-            const float d = sign * (b - in[x]) / std::max(span, 1e-6F);
-            out[x] = std::clamp(d, -0.5F, 1.5F);
-        }
-    }
-    return result;
 }
 
 std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptions& options,
@@ -333,6 +315,11 @@ std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptio
     const EdgeFit& edges = fitter.edges;
     if (edges.pixels == 0) {
         plan.warn("no exposed edges to measure diameter and edge width on; first guesses kept");
+    } else if (!edges.converged) {
+        plan.warn(fmt::format(
+            "the fit of diameter and edge width to exposed edges did not converge; D = {:.2f} px "
+            "and w = {:.2f} px are those before it; give --diameter and --edge-width",
+            model.disc.diameter, model.disc.edge_width));
     }
     plan.run("diameter and edge width",
              options.diameter && options.edge_width

@@ -99,7 +99,10 @@ EdgeFit fit_exposed_edges(const Image& darkness, const std::vector<Vec2>& positi
             disc = fit.disc;
             amplitude = fit.amplitude;
             offset = fit.offset;
-            if (damping > 1e6) break;
+            if (damping > 1e6) {
+                fit.converged = true;  // no step improves it
+                break;
+            }
         } else {
             const bool settled = best >= 0 && best - misfit < 1e-9 * best;
             best = misfit;

@@ -125,15 +125,14 @@ std::optional<std::uint32_t> nearest(const PointGrid& points, Vec2 p, double dis
 
 }  // namespace
 
-SphereSearch::SphereSearch(const Image& darkness, const DiscProfile& disc,
-                           DiscCorrelation& correlation, const DetectionOptions& options,
-                           int threads)
+SphereSearch::SphereSearch(JointFit& fit, DiscCorrelation& correlation,
+                           const DetectionOptions& options)
     : options_(options),
-      disc_(disc),
+      disc_(fit.disc()),
       correlation_(correlation),
-      fit_(darkness, disc, threads),
-      rejected_(darkness.width(), darkness.height(), kSameAgain * disc.diameter),
-      separation_(options.separation * disc.diameter) {}
+      fit_(fit),
+      rejected_(fit.darkness().width(), fit.darkness().height(), kSameAgain * disc_.diameter),
+      separation_(options.separation * disc_.diameter) {}
 
 void SphereSearch::seed() {
     const auto begin = Clock::now();
@@ -152,7 +151,7 @@ void SphereSearch::seed() {
         const double row_b = std::floor(b.y / band);
         return row_a != row_b ? row_a < row_b : a.x != b.x ? a.x < b.x : a.y < b.y;
     });
-    for (const Vec2 p : places) fit_.add(p);
+    fit_.add_all(places);
     summary_.detect_seconds += seconds_since(begin);
 }
 

@@ -34,9 +34,9 @@ OptionTable describe(DetectionOptions& options);
 /// way, from the residual of what covers them. Ends when a pass changes nothing.
 class SphereSearch {
  public:
-    /// `correlation` must be made for the size of the image; both outlive the search.
-    SphereSearch(const Image& darkness, const DiscProfile& disc, DiscCorrelation& correlation,
-                 const DetectionOptions& options, int threads);
+    /// In the image that `fit` was started on. `correlation` must be made for its size; both
+    /// outlive the search.
+    SphereSearch(JointFit& fit, DiscCorrelation& correlation, const DetectionOptions& options);
 
     JointFit& fit() { return fit_; }
 
@@ -71,7 +71,7 @@ class SphereSearch {
     DetectionOptions options_;
     DiscProfile disc_;
     DiscCorrelation& correlation_;
-    JointFit fit_;
+    JointFit& fit_;
     PointGrid rejected_;    ///< places not to be tried again
     double separation_;     ///< [px]
     double threshold_ = 0;  ///< least misfit that a sphere must explain [contrast² px]

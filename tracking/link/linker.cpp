@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -136,6 +137,52 @@ Linker::Choice Linker::choose(std::int64_t frame, const Places& predicted, const
     return choice;
 }
 
+/// More tracks that were left alone lie within the largest range of a particle that was left alone
+/// than so many independent points would: the difference stepped farther than the range. Where
+/// particles come and go, at the border of the field, chance is that of points along its perimeter.
+bool Linker::has_long_steps(std::int64_t frame, const Choice& choice, const Places& predicted,
+                            const Places& particles) const {
+    std::vector<char> is_linked(particles.position.size(), 0);
+    for (const std::int32_t p : choice.links) {
+        if (p >= 0) is_linked[static_cast<std::size_t>(p)] = 1;
+    }
+    std::vector<Vec2> fresh;
+    for (std::size_t i = 0; i < is_linked.size(); ++i) {
+        if (!is_linked[i]) fresh.push_back(particles.position[i]);
+    }
+    if (fresh.empty()) return false;
+    Vec2 low = particles.position[0];
+    Vec2 high = low;
+    for (const Vec2 p : particles.position) {
+        low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+        high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+    }
+    const double r = most_range_;
+    const auto is_outer = [&](Vec2 p) {
+        return p.x < low.x + r || p.x > high.x - r || p.y < low.y + r || p.y > high.y - r;
+    };
+    const TrackGrid grid(fresh, r);
+    double lost = 0;
+    double lost_outer = 0;
+    double paired = 0;
+    for (std::size_t t = 0; t < choice.links.size(); ++t) {
+        const Vec2 from = predicted.position[t];
+        if (choice.links[t] >= 0 || state_.tracks[t].frame != frame - 1) continue;
+        bool near = false;
+        grid.near(from, [&](std::uint32_t i) { near |= squared_norm(fresh[i] - from) <= r * r; });
+        lost += 1;
+        lost_outer += is_outer(from) ? 1 : 0;
+        paired += near ? 1 : 0;
+    }
+    const auto found = static_cast<double>(fresh.size());
+    const auto found_outer =
+        static_cast<double>(std::count_if(fresh.begin(), fresh.end(), is_outer));
+    const Vec2 size = high - low + Vec2{r, r};
+    const double chance = lost * found * std::numbers::pi * r * r / (size.x * size.y) +
+                          lost_outer * found_outer * r / (size.x + size.y);
+    return paired > chance + 5 * std::sqrt(chance);
+}
+
 std::vector<std::int64_t> Linker::link(std::int64_t frame, const std::vector<Vec2>& positions,
                                        const std::vector<Vec2>& given_errors) {
     require_linkable(state_, frame, positions, given_errors);
@@ -154,6 +201,9 @@ std::vector<std::int64_t> Linker::link(std::int64_t frame, const std::vector<Vec
     Choice choice = choose(frame, from, to, range_for(state_.motion, squared_error));
     const double wanted = range_for(choice.motion, squared_error);
     if (wanted > kWorthwhile * choice.range) choice = choose(frame, from, to, wanted);
+    if (most_range_ > kWorthwhile * choice.range && has_long_steps(frame, choice, from, to)) {
+        choice = choose(frame, from, to, most_range_);
+    }
 
     std::vector<std::int64_t> ids(positions.size(), -1);
     for (std::size_t t = 0; t < tracks.size(); ++t) {

@@ -65,7 +65,9 @@ struct LinkState {
 ///     R = 4.5 s, at least D/2, at most D,
 ///
 /// s the standard deviation of a step per axis in the frame before (one step in 25,000 is
-/// longer); a frame whose own steps ask for a larger R is linked once more with that. Memory holds
+/// longer); a frame whose own steps ask for a larger R is linked once more with that, one in which
+/// more tracks lie within D of a new particle than chance puts there with R = D: a few fast
+/// particles among many slow ones. Memory holds
 /// the tracks that may still come back, not the past. Deterministic; costs that are equal go to the
 /// older track and the earlier particle. About 2 ms for 11,700 particles whose steps are small
 /// against their spacing.
@@ -103,6 +105,8 @@ class Linker {
     };
     Choice choose(std::int64_t frame, const Places& predicted, const Places& particles,
                   double range) const;
+    bool has_long_steps(std::int64_t frame, const Choice& choice, const Places& predicted,
+                        const Places& particles) const;
     double range_for(double motion, double squared_error) const;
     void forget(std::int64_t frame);
     void follow(std::int64_t frame, const Choice& choice, const Places& predicted,

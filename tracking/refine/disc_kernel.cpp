@@ -9,16 +9,11 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "tracking/refine/disc_profile-inl.h"
+
 #ifndef GRAINFIELD_DISC_ROWS
 #define GRAINFIELD_DISC_ROWS
 namespace grainfield::tracking {
-
-/// What a kernel needs to know of a disc and of one row of its window.
-struct DiscTerms {
-    float radius_over;     ///< (2/w) · D/2
-    float two_over_width;  ///< 2/w [1/px]
-    float reach2;          ///< [px²]
-};
 
 /// The part of a row that two windows share.
 struct SharedRow {
@@ -32,8 +27,8 @@ struct DiscRow {
     int count;
     const float* darkness;
     float* transmission;
-    float* before;
-    float* kept;
+    float* jx;
+    float* jy;
 };
 
 }  // namespace grainfield::tracking
@@ -41,56 +36,6 @@ struct DiscRow {
 
 HWY_BEFORE_NAMESPACE();
 namespace grainfield::tracking::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-
-using Tag = hn::CappedTag<float, PaddedImage::kMostLanes>;
-using Vector = hn::Vec<Tag>;
-constexpr Tag kTag;
-
-/// exp(x) for |x| ≤ 20, relative error < 3e-7: 2^k times a degree-6 polynomial on |f| ≤ ln2/2.
-HWY_INLINE Vector exp_small(Vector x) {
-    const hn::RebindToSigned<Tag> integers;
-    const auto k = hn::NearestInt(hn::Mul(x, hn::Set(kTag, 1.44269504F)));
-    const Vector f = hn::NegMulAdd(hn::ConvertTo(kTag, k), hn::Set(kTag, 0.693147181F), x);
-    // Estrin's scheme: the chain of dependent operations is what costs time here.
-    const Vector f2 = hn::Mul(f, f);
-    const Vector low = hn::MulAdd(f, hn::Set(kTag, 1.0F / 6), hn::Set(kTag, 0.5F));
-    const Vector high =
-        hn::MulAdd(f2, hn::Set(kTag, 1.0F / 720),
-                   hn::MulAdd(f, hn::Set(kTag, 1.0F / 120), hn::Set(kTag, 1.0F / 24)));
-    const Vector tail = hn::MulAdd(f2, high, low);
-    const Vector p = hn::MulAdd(f2, tail, hn::Add(f, hn::Set(kTag, 1.0F)));
-    return hn::Mul(p, hn::BitCast(kTag, hn::ShiftLeft<23>(hn::Add(k, hn::Set(integers, 127)))));
-}
-
-/// 1/x to single precision: the processor's estimate and one step of Newton.
-HWY_INLINE Vector reciprocal(Vector x) {
-    const Vector y = hn::ApproximateReciprocal(x);
-    return hn::Mul(y, hn::NegMulAdd(x, y, hn::Set(kTag, 2.0F)));
-}
-
-struct Profile {
-    Vector t;      // transmission of the disc
-    Vector p;      // its darkness, zero beyond reach
-    Vector r_inv;  // 1/r [1/px]
-    hn::Mask<Tag> near;
-};
-
-HWY_INLINE Profile profile(Vector dx, Vector dy2, const DiscTerms& disc) {
-    const Vector r2 = hn::MulAdd(dx, dx, dy2);
-    const Vector r = hn::Sqrt(r2);
-    // An estimate is enough for the direction of a step, and keeps r = 0 finite.
-    const Vector r_inv = hn::ApproximateReciprocalSqrt(hn::Add(r2, hn::Set(kTag, 1e-12F)));
-    const Vector limit = hn::Set(kTag, 2.0F * static_cast<float>(DiscProfile::kReachInWidths));
-    Vector u2 =
-        hn::NegMulAdd(r, hn::Set(kTag, disc.two_over_width), hn::Set(kTag, disc.radius_over));
-    u2 = hn::Max(hn::Min(u2, limit), hn::Neg(limit));
-    const Vector e = exp_small(u2);
-    const Vector t = hn::Div(hn::Set(kTag, 1.0F), hn::Add(e, hn::Set(kTag, 1.0F)));
-    const auto near = hn::Lt(r2, hn::Set(kTag, disc.reach2));
-    return {hn::IfThenElse(near, t, hn::Set(kTag, 1.0F)), hn::IfThenElseZero(near, hn::Mul(e, t)),
-            r_inv, near};
-}
 
 /// Calls body(dx, i) for the vectors of a row.
 template <class Body>
@@ -104,78 +49,6 @@ HWY_INLINE void for_each_vector(const DiscRow& row, Body&& body) {
     }
 }
 
-HWY_INLINE double sum(Vector v) {
-    return static_cast<double>(hn::GetLane(hn::SumOfLanes(kTag, v)));
-}
-
-// Residual of a pixel: I − M = I − 1 + T.
-HWY_INLINE Vector residual_of(Vector darkness, Vector transmission) {
-    return hn::Add(hn::Sub(darkness, hn::Set(kTag, 1.0F)), transmission);
-}
-
-void linearise_rows(const DiscTerms& disc, const DiscRow* rows, int n, double* sums) {
-    Vector xx = hn::Zero(kTag);
-    Vector xy = xx;
-    Vector yy = xx;
-    Vector bx = xx;
-    Vector by = xx;
-    Vector misfit = xx;
-    for (int j = 0; j < n; ++j) {
-        const DiscRow& row = rows[j];
-        const Vector dy = hn::Set(kTag, row.dy);
-        const Vector dy2 = hn::Mul(dy, dy);
-        for_each_vector(row, [&](Vector dx, int i) HWY_ATTR {
-            const Profile q = profile(dx, dy2, disc);
-            hn::StoreU(q.t, kTag, row.before + i);
-            const Vector transmission = hn::LoadU(kTag, row.transmission + i);
-            const Vector residual = residual_of(hn::LoadU(kTag, row.darkness + i), transmission);
-            const Vector g = hn::Mul(hn::Mul(transmission, hn::Set(kTag, disc.two_over_width)),
-                                     hn::Mul(q.p, q.r_inv));
-            const Vector jx = hn::Mul(g, dx);
-            const Vector jy = hn::Mul(g, dy);
-            xx = hn::MulAdd(jx, jx, xx);
-            xy = hn::MulAdd(jx, jy, xy);
-            yy = hn::MulAdd(jy, jy, yy);
-            bx = hn::MulAdd(jx, residual, bx);
-            by = hn::MulAdd(jy, residual, by);
-            const Vector inside = hn::IfThenElseZero(q.near, residual);
-            misfit = hn::MulAdd(inside, inside, misfit);
-        });
-    }
-    const Vector all[] = {xx, xy, yy, bx, by, misfit};
-    for (int i = 0; i < 6; ++i) sums[i] = sum(all[i]);
-}
-
-double shift_rows(const DiscTerms& disc, const DiscRow* rows, int n) {
-    Vector change = hn::Zero(kTag);
-    for (int j = 0; j < n; ++j) {
-        const DiscRow& row = rows[j];
-        const Vector dy2 = hn::Set(kTag, row.dy * row.dy);
-        for_each_vector(row, [&](Vector dx, int i) HWY_ATTR {
-            const Vector t = profile(dx, dy2, disc).t;
-            const Vector old = hn::LoadU(kTag, row.transmission + i);
-            hn::StoreU(old, kTag, row.kept + i);
-            const Vector moved =
-                hn::Mul(hn::Mul(old, t), reciprocal(hn::LoadU(kTag, row.before + i)));
-            hn::StoreU(moved, kTag, row.transmission + i);
-            // a² − b² = (a − b)(a + b), with residuals a (new) and b (old).
-            const Vector b = residual_of(hn::LoadU(kTag, row.darkness + i), old);
-            const Vector step = hn::Sub(moved, old);
-            change = hn::MulAdd(step, hn::MulAdd(hn::Set(kTag, 2.0F), b, step), change);
-        });
-    }
-    return sum(change);
-}
-
-void undo_rows(const DiscRow* rows, int n) {
-    for (int j = 0; j < n; ++j) {
-        const DiscRow& row = rows[j];
-        for_each_vector(row, [&](Vector, int i) HWY_ATTR {
-            hn::StoreU(hn::LoadU(kTag, row.kept + i), kTag, row.transmission + i);
-        });
-    }
-}
-
 void place_rows(const DiscTerms& disc, const DiscRow* rows, int n) {
     for (int j = 0; j < n; ++j) {
         const DiscRow& row = rows[j];
@@ -183,18 +56,6 @@ void place_rows(const DiscTerms& disc, const DiscRow* rows, int n) {
         for_each_vector(row, [&](Vector dx, int i) HWY_ATTR {
             const Vector old = hn::LoadU(kTag, row.transmission + i);
             hn::StoreU(hn::Mul(old, profile(dx, dy2, disc).t), kTag, row.transmission + i);
-        });
-    }
-}
-
-void lift_rows(const DiscTerms& disc, const DiscRow* rows, int n) {
-    for (int j = 0; j < n; ++j) {
-        const DiscRow& row = rows[j];
-        const Vector dy2 = hn::Set(kTag, row.dy * row.dy);
-        for_each_vector(row, [&](Vector dx, int i) HWY_ATTR {
-            const Vector old = hn::LoadU(kTag, row.transmission + i);
-            hn::StoreU(hn::Mul(old, reciprocal(profile(dx, dy2, disc).t)), kTag,
-                       row.transmission + i);
         });
     }
 }
@@ -230,7 +91,6 @@ double misfit_rows(const DiscRow* rows, int n) {
     return sum(misfit);
 }
 
-/// J to `before` (x) and `kept` (y).
 void gradient_rows(const DiscTerms& disc, const DiscRow* rows, int n) {
     for (int j = 0; j < n; ++j) {
         const DiscRow& row = rows[j];
@@ -241,8 +101,8 @@ void gradient_rows(const DiscTerms& disc, const DiscRow* rows, int n) {
             const Vector g = hn::Mul(
                 hn::Mul(hn::LoadU(kTag, row.transmission + i), hn::Set(kTag, disc.two_over_width)),
                 hn::Mul(q.p, q.r_inv));
-            hn::StoreU(hn::Mul(g, dx), kTag, row.before + i);
-            hn::StoreU(hn::Mul(g, dy), kTag, row.kept + i);
+            hn::StoreU(hn::Mul(g, dx), kTag, row.jx + i);
+            hn::StoreU(hn::Mul(g, dy), kTag, row.jy + i);
         });
     }
 }
@@ -280,11 +140,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace grainfield::tracking {
 
-HWY_EXPORT(linearise_rows);
-HWY_EXPORT(shift_rows);
-HWY_EXPORT(undo_rows);
 HWY_EXPORT(place_rows);
-HWY_EXPORT(lift_rows);
 HWY_EXPORT(explained_rows);
 HWY_EXPORT(misfit_rows);
 HWY_EXPORT(gradient_rows);
@@ -292,16 +148,10 @@ HWY_EXPORT(cross_rows);
 
 namespace {
 
-DiscTerms terms_of(const DiscProfile& disc) {
-    const double reach = disc.reach();
-    return {static_cast<float>(disc.diameter / disc.edge_width),
-            static_cast<float>(2 / disc.edge_width), static_cast<float>(reach * reach)};
-}
-
 /// The rows of a window as the kernels want them. Const images are only read.
 const std::vector<DiscRow>& rows_of(const DiscWindow& window, Vec2 centre,
                                     const PaddedImage* darkness, const PaddedImage& transmission,
-                                    float* before, float* kept) {
+                                    float* jx, float* jy) {
     thread_local std::vector<DiscRow> rows;
     rows.clear();
     for (int j = 0; j < window.rows; ++j) {
@@ -312,8 +162,7 @@ const std::vector<DiscRow>& rows_of(const DiscWindow& window, Vec2 centre,
         rows.push_back({static_cast<float>(x - centre.x), static_cast<float>(y - centre.y),
                         window.count[row], darkness == nullptr ? nullptr : darkness->row(y) + x,
                         const_cast<float*>(transmission.row(y)) + x,
-                        before == nullptr ? nullptr : before + at,
-                        kept == nullptr ? nullptr : kept + at});
+                        jx == nullptr ? nullptr : jx + at, jy == nullptr ? nullptr : jy + at});
     }
     return rows;
 }
@@ -330,7 +179,7 @@ double longest_step(const DiscProfile& disc) {
 }
 
 int scene_margin(const DiscProfile& disc) {
-    return static_cast<int>(std::ceil(disc.reach() + longest_step(disc))) + 2;
+    return static_cast<int>(std::ceil(disc.reach() + std::max(1.0, longest_step(disc)))) + 3;
 }
 
 PaddedImage padded_darkness(const Image& darkness, const DiscProfile& disc) {
@@ -371,48 +220,6 @@ void DiscWindow::enclose(const PaddedImage& image, Vec2 centre, double half) {
     }
     const int widest = 2 * static_cast<int>(half) + 2;
     stride = (widest + PaddedImage::kMostLanes) / PaddedImage::kMostLanes * PaddedImage::kMostLanes;
-    const auto floats = static_cast<std::size_t>(rows) * static_cast<std::size_t>(stride);
-    if (before.size() < floats) before.resize(floats);
-    if (kept.size() < floats) kept.resize(floats);
-}
-
-void fetch_window(const PaddedImage& darkness, const PaddedImage& transmission, Vec2 centre,
-                  double half) {
-    constexpr int kLine = 16;  // floats
-    const int top = std::max(0, static_cast<int>(centre.y - half));
-    const int bottom = std::min(darkness.height() - 1, static_cast<int>(centre.y + half));
-    const int left = static_cast<int>(centre.x - half);
-    const int right = static_cast<int>(centre.x + half);
-    for (int y = top; y <= bottom; ++y) {
-        for (int x = left; x <= right; x += kLine) {
-            __builtin_prefetch(darkness.row(y) + x);
-            __builtin_prefetch(transmission.row(y) + x, 1);
-        }
-    }
-}
-
-NormalEquations linearise(const PaddedImage& darkness, const PaddedImage& transmission, Vec2 centre,
-                          const DiscProfile& disc, DiscWindow& window) {
-    const auto& rows =
-        rows_of(window, centre, &darkness, transmission, window.before.data(), window.kept.data());
-    double sums[6] = {};
-    HWY_DYNAMIC_DISPATCH(linearise_rows)
-    (terms_of(disc), rows.data(), static_cast<int>(rows.size()), sums);
-    return {sums[0], sums[1], sums[2], sums[3], sums[4], sums[5]};
-}
-
-double shift_disc(const PaddedImage& darkness, PaddedImage& transmission, Vec2 to,
-                  const DiscProfile& disc, DiscWindow& window) {
-    const auto& rows =
-        rows_of(window, to, &darkness, transmission, window.before.data(), window.kept.data());
-    return HWY_DYNAMIC_DISPATCH(shift_rows)(terms_of(disc), rows.data(),
-                                            static_cast<int>(rows.size()));
-}
-
-void undo_shift(PaddedImage& transmission, const DiscWindow& window) {
-    const auto& rows =
-        rows_of(window, {}, nullptr, transmission, nullptr, const_cast<float*>(window.kept.data()));
-    HWY_DYNAMIC_DISPATCH(undo_rows)(rows.data(), static_cast<int>(rows.size()));
 }
 
 void place_disc(PaddedImage& transmission, Vec2 centre, const DiscProfile& disc) {
@@ -420,14 +227,6 @@ void place_disc(PaddedImage& transmission, Vec2 centre, const DiscProfile& disc)
     window.enclose(transmission, centre, disc.reach());
     const auto& rows = rows_of(window, centre, nullptr, transmission, nullptr, nullptr);
     HWY_DYNAMIC_DISPATCH(place_rows)
-    (terms_of(disc), rows.data(), static_cast<int>(rows.size()));
-}
-
-void lift_disc(PaddedImage& transmission, Vec2 centre, const DiscProfile& disc) {
-    DiscWindow& window = scratch_window();
-    window.enclose(transmission, centre, disc.reach());
-    const auto& rows = rows_of(window, centre, nullptr, transmission, nullptr, nullptr);
-    HWY_DYNAMIC_DISPATCH(lift_rows)
     (terms_of(disc), rows.data(), static_cast<int>(rows.size()));
 }
 

@@ -24,8 +24,7 @@ double longest_step(const DiscProfile& disc);
 PaddedImage padded_darkness(const Image& darkness, const DiscProfile& disc);
 PaddedImage clear_transmission(int width, int height, const DiscProfile& disc);
 
-/// The pixels around one disc, row by row, and what the kernels remember of them between
-/// linearise() and shift_disc(). Reused from disc to disc to save allocations.
+/// The pixels around one disc, row by row. Reused from disc to disc to save allocations.
 class DiscWindow {
  public:
     /// Pixels within `half` of the centre; none if all of them lie outside the image.
@@ -33,41 +32,13 @@ class DiscWindow {
 
     int first_row = 0;
     int rows = 0;
-    std::vector<int> first;     ///< first column of each row
-    std::vector<int> count;     ///< pixels of each row
-    int stride = 0;             ///< floats kept per row
-    std::vector<float> before;  ///< t of the disc where it was linearised
-    std::vector<float> kept;    ///< T before the last shift
+    std::vector<int> first;  ///< first column of each row
+    std::vector<int> count;  ///< pixels of each row
+    int stride = 0;          ///< floats that a gradient keeps per row
 };
-
-/// The normal equations of one disc's position, all others fixed:
-///   J = ∂M/∂(x, y) = T · (2/w) P · (x − centre)/r,  A = Σ J Jᵀ,  b = Σ J (I − M).
-struct NormalEquations {
-    double xx = 0, xy = 0, yy = 0;  ///< A [1/px²]
-    double bx = 0, by = 0;          ///< b [1/px]
-    double misfit = 0;              ///< Σ (I − M)² within reach of the disc
-};
-
-/// Asks for the pixels around a disc ahead of their use.
-void fetch_window(const PaddedImage& darkness, const PaddedImage& transmission, Vec2 centre,
-                  double half);
-
-NormalEquations linearise(const PaddedImage& darkness, const PaddedImage& transmission, Vec2 centre,
-                          const DiscProfile& disc, DiscWindow& window);
-
-/// T ← T · t_to / t_before within a window that was linearised and that holds both places; returns
-/// the change of Σ (I − M)² that this brings.
-double shift_disc(const PaddedImage& darkness, PaddedImage& transmission, Vec2 to,
-                  const DiscProfile& disc, DiscWindow& window);
-
-/// Undoes the last shift_disc.
-void undo_shift(PaddedImage& transmission, const DiscWindow& window);
 
 /// T ← T · t_centre.
 void place_disc(PaddedImage& transmission, Vec2 centre, const DiscProfile& disc);
-
-/// T ← T / t_centre.
-void lift_disc(PaddedImage& transmission, Vec2 centre, const DiscProfile& disc);
 
 /// By how much Σ (I − M)² would grow if the disc were lifted: what it explains [contrast² px].
 double explained_misfit(const PaddedImage& darkness, const PaddedImage& transmission, Vec2 centre,

@@ -1,10 +1,12 @@
 #include "tracking/refine/joint_fit.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
 #include "core/parallel.h"
+#include "tracking/refine/disc_kernel.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -13,6 +15,8 @@ constexpr int kFullSteps = 30;
 constexpr float kFresh = std::numeric_limits<float>::max();
 constexpr float kUnmoved = 0.05F;
 constexpr double kLeastRoom = 0.25;
+constexpr double kLag = 1;  // tolerances
+constexpr int kInnerSweeps = 2;
 // Two images of this size and their surroundings stay in the second-level cache.
 constexpr double kTile = 128;
 
@@ -66,60 +70,122 @@ OptionTable describe(RefinementOptions& options) {
 }
 
 JointFit::JointFit(const Image& darkness, const DiscProfile& disc, int threads)
-    : disc_(disc),
+    : profile_(disc),
+      stencil_(disc),
       threads_(threads),
       darkness_(padded_darkness(darkness, disc)),
       transmission_(clear_transmission(darkness.width(), darkness.height(), disc)) {}
 
+void JointFit::restart(const Image& darkness) {
+    darkness_.assign(darkness);
+    transmission_.fill(1.0F);
+    positions_.clear();
+    discs_.clear();
+    free_.clear();
+    slots_ = 0;
+}
+
+StencilView JointFit::view(const Disc& disc) {
+    return {stencil_, darkness_, transmission_, disc.anchor,
+            kept_.data() + disc.slot * stencil_.size()};
+}
+
+std::uint32_t JointFit::free_slot() {
+    if (!free_.empty()) {
+        const std::uint32_t slot = free_.back();
+        free_.pop_back();
+        return slot;
+    }
+    const std::size_t needed = (slots_ + std::size_t{1}) * stencil_.size();
+    if (kept_.size() < needed) kept_.resize(std::max(needed, 3 * kept_.size() / 2));
+    return slots_++;
+}
+
+/// Kept within the image; written so that a NaN ends in a corner.
+Vec2 JointFit::inside(Vec2 p) const {
+    return {std::max(-0.5, std::min(p.x, darkness_.width() - 0.5)),
+            std::max(-0.5, std::min(p.y, darkness_.height() - 0.5))};
+}
+
+void JointFit::append(Vec2 position, std::optional<double> explained) {
+    const Vec2 p = inside(position);
+    positions_.push_back(p);
+    discs_.push_back({.anchor = Anchor::of(p),
+                      .placed = p,
+                      .slot = free_slot(),
+                      .last_step = kFresh,
+                      .left = kFresh,
+                      .drift = explained ? 0 : kFresh,
+                      .explained = explained.value_or(0)});
+}
+
 void JointFit::add(Vec2 position, std::optional<double> explained) {
-    positions_.push_back(position);
-    last_step_.push_back(kFresh);
-    explained_.push_back(explained.value_or(0));
-    drift_.push_back(explained ? 0 : kFresh);
-    place_disc(transmission_, position, disc_);
+    append(position, explained);
+    place(view(discs_.back()), positions_.back());
+}
+
+void JointFit::add_all(const std::vector<Vec2>& positions) {
+    std::vector<std::uint32_t> added;
+    for (const Vec2 p : positions) {
+        added.push_back(static_cast<std::uint32_t>(discs_.size()));
+        append(p, {});
+    }
+    in_tiles(added, [&](const std::vector<std::uint32_t>& tile) {
+        for (const std::uint32_t j : tile) place(view(discs_[j]), positions_[j]);
+    });
 }
 
 void JointFit::move(std::size_t j, Vec2 to) {
-    lift_disc(transmission_, positions_[j], disc_);
-    place_disc(transmission_, to, disc_);
+    move_to(j, inside(to));
+    discs_[j].last_step = kFresh;
+    discs_[j].left = kFresh;
+    discs_[j].drift = kFresh;
+}
+
+/// Divides a disc out where it is and multiplies it in at `to`, in a window of its own.
+double JointFit::move_to(std::size_t j, Vec2 to) {
+    Disc& disc = discs_[j];
+    const double lifted = lift(view(disc));
+    disc.anchor = Anchor::of(to);
+    disc.placed = to;
     positions_[j] = to;
-    last_step_[j] = kFresh;
-    drift_[j] = kFresh;
+    return lifted + place(view(disc), to);
 }
 
 void JointFit::keep_only(const std::vector<char>& keep) {
     // Whoever looks at the gap next has to move again, so its neighbours count as fresh.
-    const Grid grid(darkness_, 2 * disc_.reach());
+    const Grid grid(darkness_, 2 * profile_.reach());
     const std::vector<char> disturbed =
         cells_around(grid, positions_, [&](std::size_t j) { return keep[j] == 0; });
     std::size_t kept = 0;
     for (std::size_t j = 0; j < positions_.size(); ++j) {
+        Disc& disc = discs_[j];
         if (!keep[j]) {
-            lift_disc(transmission_, positions_[j], disc_);
+            lift(view(disc));
+            free_.push_back(disc.slot);
             continue;
         }
-        const bool near_gap = disturbed[grid.at(positions_[j])] != 0;
+        if (disturbed[grid.at(positions_[j])] != 0) {
+            disc.last_step = kFresh;
+            disc.left = kFresh;
+            disc.drift = kFresh;
+        }
         positions_[kept] = positions_[j];
-        last_step_[kept] = near_gap ? kFresh : last_step_[j];
-        explained_[kept] = explained_[j];
-        drift_[kept] = near_gap ? kFresh : drift_[j];
+        discs_[kept] = disc;
         ++kept;
     }
     positions_.resize(kept);
-    last_step_.resize(kept);
-    explained_.resize(kept);
-    drift_.resize(kept);
+    discs_.resize(kept);
 }
 
-/// One damped Gauss–Newton step of disc j; returns the displacement done.
-Vec2 JointFit::step(std::size_t j, double relaxation) {
-    thread_local DiscWindow window;
-    const Vec2 from = positions_[j];
-    // Steps shrink from sweep to sweep, so the last one says how much room the next needs.
-    const double room =
-        std::clamp(1.5 * static_cast<double>(last_step_[j]), kLeastRoom, longest_step(disc_));
-    window.enclose(darkness_, from, disc_.reach() + room);
-    const NormalEquations n = linearise(darkness_, transmission_, from, disc_, window);
+/// One damped Gauss–Newton step of disc j; returns the length of the displacement done. Steps up to
+/// `lag` are not drawn.
+double JointFit::step(std::size_t j, double relaxation, double lag) {
+    thread_local BeforeShift before;
+    Disc& disc = discs_[j];
+    const Vec2 start = positions_[j];
+    const Vec2 from = disc.placed;
+    const NormalEquations n = linearise(view(disc), from);
     // A fully hidden disc has no information; the damping keeps it where it is.
     const double damping = 1e-3 * (n.xx + n.yy) + 1e-3;
     const double xx = n.xx + damping;
@@ -127,47 +193,65 @@ Vec2 JointFit::step(std::size_t j, double relaxation) {
     const double determinant = xx * yy - n.xy * n.xy;
     Vec2 d{(yy * n.bx - n.xy * n.by) / determinant, (xx * n.by - n.xy * n.bx) / determinant};
     d *= relaxation;
+    // Steps shrink from sweep to sweep, so the last one says how much room the next needs.
+    const double room =
+        std::clamp(1.5 * static_cast<double>(disc.last_step), kLeastRoom, longest_step(profile_));
     const double length = norm(d);
+    if (length <= lag) {
+        positions_[j] = inside(from + d);
+        return norm(positions_[j] - start);
+    }
     if (length > room) d *= room / length;
 
     for (int attempt = 0; attempt < 4; ++attempt) {
-        const Vec2 to{std::clamp(from.x + d.x, -0.5, darkness_.width() - 0.5),
-                      std::clamp(from.y + d.y, -0.5, darkness_.height() - 0.5)};
-        const double change = shift_disc(darkness_, transmission_, to, disc_, window);
+        const Vec2 to = inside(from + d);
+        const bool in_window = disc.anchor.holds(to);
+        const double change = in_window ? shift(view(disc), to, before) : move_to(j, to);
         if (change <= 1e-5 * (n.misfit + 1e-6)) {
+            disc.placed = to;
             positions_[j] = to;
-            return to - from;
+            return norm(to - start);
         }
-        undo_shift(transmission_, window);
+        if (in_window) {
+            undo(view(disc), before);
+        } else {
+            move_to(j, from);
+        }
         d *= 0.3;
     }
-    return {};
+    positions_[j] = from;
+    return 0;
+}
+
+void JointFit::take_step(std::size_t j, double relaxation, double lag) {
+    Disc& disc = discs_[j];
+    const auto done = static_cast<float>(step(j, relaxation, lag));
+    // Steps that shrink by q each leave s (q + q² + …); next to one another discs may shrink
+    // slowly.
+    const float q = disc.last_step == kFresh || disc.last_step <= 0 ? 1 : done / disc.last_step;
+    disc.left = q < 0.5F ? done * q / (1 - q) : done;
+    disc.last_step = done;
+    disc.drift += done;
 }
 
 std::vector<char> JointFit::active_discs(double tolerance) const {
-    const Grid grid(darkness_, disc_.diameter + 2 * disc_.edge_width);
+    const Grid grid(darkness_, profile_.diameter + 2 * profile_.edge_width);
     const std::vector<char> moving = cells_around(grid, positions_, [&](std::size_t j) {
-        return static_cast<double>(last_step_[j]) > tolerance;
+        return static_cast<double>(discs_[j].left) > tolerance;
     });
     std::vector<char> active(positions_.size());
     for (std::size_t j = 0; j < positions_.size(); ++j) active[j] = moving[grid.at(positions_[j])];
     return active;
 }
 
-void JointFit::sweep(const std::vector<char>& active, double relaxation) {
+void JointFit::in_tiles(const std::vector<std::uint32_t>& discs,
+                        const std::function<void(const std::vector<std::uint32_t>&)>& body) {
     // A disc writes at most reach + one step (and the rest of a vector) beyond its tile, so two
     // tiles of one colour, one tile apart, never touch the same pixel.
-    const Grid tiles(darkness_, std::max(kTile, 2 * (disc_.reach() + longest_step(disc_)) + 4 +
-                                                    PaddedImage::kMostLanes));
+    const double furthest = profile_.reach() + std::max(1.0, longest_step(profile_)) + 1;
+    const Grid tiles(darkness_, std::max(kTile, 2 * furthest + PaddedImage::kMostLanes));
     std::vector<std::vector<std::uint32_t>> members(tiles.size());
-    for (std::size_t j = 0; j < positions_.size(); ++j) {
-        if (!active[j]) {
-            last_step_[j] = 0;
-            continue;
-        }
-        members[tiles.index(tiles.column(positions_[j].x), tiles.row(positions_[j].y))].push_back(
-            static_cast<std::uint32_t>(j));
-    }
+    for (const std::uint32_t j : discs) members[tiles.at(positions_[j])].push_back(j);
     for (int colour = 0; colour < 4; ++colour) {
         std::vector<std::size_t> work;
         for (int r = colour / 2; r < tiles.rows; r += 2) {
@@ -175,48 +259,67 @@ void JointFit::sweep(const std::vector<char>& active, double relaxation) {
                 if (!members[tiles.index(c, r)].empty()) work.push_back(tiles.index(c, r));
             }
         }
-        parallel_for(static_cast<std::int64_t>(work.size()), threads_, [&](std::int64_t i) {
-            const std::vector<std::uint32_t>& tile = members[work[static_cast<std::size_t>(i)]];
-            for (std::size_t k = 0; k < tile.size(); ++k) {
-                if (k + 1 < tile.size()) {
-                    fetch_window(darkness_, transmission_, positions_[tile[k + 1]], disc_.reach());
-                }
-                const std::uint32_t j = tile[k];
-                last_step_[j] = static_cast<float>(norm(step(j, relaxation)));
-                drift_[j] += last_step_[j];
-            }
-        });
+        parallel_for(static_cast<std::int64_t>(work.size()), threads_,
+                     [&](std::int64_t i) { body(members[work[static_cast<std::size_t>(i)]]); });
     }
 }
 
 JointFit::Summary JointFit::refine(const RefinementOptions& options) {
     Summary summary;
+    std::vector<std::uint32_t> active;
     for (; summary.sweeps < options.max_sweeps; ++summary.sweeps) {
-        const std::vector<char> active = active_discs(options.tolerance);
-        const auto count = std::count(active.begin(), active.end(), char{1});
-        summary.skipped += static_cast<std::int64_t>(active.size()) - count;
-        if (count == 0) return summary;
-        summary.steps += count;
+        const std::vector<char> is_active = active_discs(options.tolerance);
+        active.clear();
+        for (std::uint32_t j = 0; j < is_active.size(); ++j) {
+            if (is_active[j]) {
+                active.push_back(j);
+            } else {
+                ++summary.skipped;
+            }
+        }
+        if (active.empty()) return summary;
+        std::atomic<std::int64_t> steps = 0;
         // A few discs at the edge of what can be resolved would step to and fro for ever.
-        sweep(active, summary.sweeps < kFullSteps ? 1.0 : 0.5);
+        const double relaxation = summary.sweeps < kFullSteps ? 1.0 : 0.5;
+        in_tiles(active, [&](const std::vector<std::uint32_t>& tile) {
+            for (std::size_t k = 0; k < tile.size(); ++k) {
+                if (k + 1 < tile.size()) fetch(view(discs_[tile[k + 1]]));
+                take_step(tile[k], relaxation, kLag * options.tolerance);
+            }
+            auto done = static_cast<std::int64_t>(tile.size());
+            // While the tile is in the cache.
+            for (int again = 0; again < kInnerSweeps; ++again) {
+                for (const std::uint32_t j : tile) {
+                    if (static_cast<double>(discs_[j].left) <= options.tolerance) continue;
+                    take_step(j, relaxation, kLag * options.tolerance);
+                    ++done;
+                }
+            }
+            steps += done;
+        });
+        summary.steps += steps;
     }
-    summary.unsettled = std::count_if(last_step_.begin(), last_step_.end(), [&](float step) {
-        return static_cast<double>(step) > options.tolerance;
+    summary.unsettled = std::count_if(discs_.begin(), discs_.end(), [&](const Disc& disc) {
+        return static_cast<double>(disc.left) > options.tolerance;
     });
     return summary;
 }
 
 const std::vector<double>& JointFit::explained() {
-    const Grid grid(darkness_, 2 * disc_.reach());
+    const Grid grid(darkness_, 2 * profile_.reach());
     const std::vector<char> moved =
-        cells_around(grid, positions_, [&](std::size_t j) { return drift_[j] > kUnmoved; });
-    parallel_for(static_cast<std::int64_t>(positions_.size()), threads_, [&](std::int64_t i) {
+        cells_around(grid, positions_, [&](std::size_t j) { return discs_[j].drift > kUnmoved; });
+    explained_.resize(discs_.size());
+    parallel_for(static_cast<std::int64_t>(discs_.size()), threads_, [&](std::int64_t i) {
         const auto j = static_cast<std::size_t>(i);
-        if (moved[grid.at(positions_[j])] == 0) return;
-        explained_[j] = explained_misfit(darkness_, transmission_, positions_[j], disc_);
+        Disc& disc = discs_[j];
+        if (moved[grid.at(positions_[j])] != 0) {
+            disc.explained = tracking::explained(view(disc));
+        }
+        explained_[j] = disc.explained;
     });
-    for (float& drift : drift_) {
-        if (drift > kUnmoved) drift = 0;
+    for (Disc& disc : discs_) {
+        if (disc.drift > kUnmoved) disc.drift = 0;
     }
     return explained_;
 }
@@ -225,7 +328,7 @@ std::vector<double> JointFit::residuals() const {
     std::vector<double> rms(positions_.size());
     parallel_for(static_cast<std::int64_t>(rms.size()), threads_, [&](std::int64_t i) {
         const auto j = static_cast<std::size_t>(i);
-        rms[j] = local_residual(darkness_, transmission_, positions_[j], disc_);
+        rms[j] = local_residual(darkness_, transmission_, positions_[j], profile_);
     });
     return rms;
 }

@@ -1,15 +1,17 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
 #include "core/frame.h"
+#include "core/huge_pages.h"
 #include "core/option_table.h"
 #include "core/vec2.h"
 #include "tracking/disc_profile.h"
 #include "tracking/padded_image.h"
-#include "tracking/refine/disc_kernel.h"
+#include "tracking/refine/disc_stencil.h"
 
 namespace grainfield::tracking {
 
@@ -24,17 +26,26 @@ OptionTable describe(RefinementOptions& options);
 ///
 /// Least squares on the product of transmissions, M = 1 − Π_j (1 − P_j), over all positions at
 /// once: Gauss–Seidel sweeps of damped 2×2 Gauss–Newton steps, each disc against the present image
-/// of all others. A step that raises the local misfit is shortened. Discs whose neighbourhood rests
-/// are skipped. Fixed points are those of the joint problem.
+/// of all others. A step that raises the local misfit is shortened. A disc rests when its next
+/// step, judged from how the last two shrank, would be below the tolerance; discs whose
+/// neighbourhood rests are skipped, and a step below the tolerance moves the position without
+/// redrawing the disc. Fixed points are those of the joint problem.
 ///
-/// Tiles of four colours are swept colour by colour, discs of a tile in order of index: the result
-/// does not depend on the number of threads. Cost about 1 µs per disc and sweep at D = 16 px.
+/// Tiles of four colours are swept colour by colour, each several times while it is in the cache,
+/// discs of a tile in order of index: the result does not depend on the number of threads. Cost
+/// about 1 µs per disc and sweep at D = 16 px; memory 2 bytes per pixel of each disc's window (1.4
+/// kB at D = 16 px) besides the two images.
 class JointFit {
  public:
     JointFit(const Image& darkness, const DiscProfile& disc, int threads);
 
+    /// Begins anew, without discs, on an image of the same size; memory is kept.
+    void restart(const Image& darkness);
+
     /// `explained`: what the disc is known to explain, until something near it moves.
     void add(Vec2 position, std::optional<double> explained = {});
+    /// The same as add() one by one, in parallel.
+    void add_all(const std::vector<Vec2>& positions);
     void move(std::size_t j, Vec2 to);
     /// Removes the discs whose entry in `keep` is zero.
     void keep_only(const std::vector<char>& keep);
@@ -48,9 +59,11 @@ class JointFit {
     Summary refine(const RefinementOptions& options);
 
     const std::vector<Vec2>& positions() const { return positions_; }
+    /// How far a disc would move in its next step, judged from the last two [px].
+    double step_left(std::size_t j) const { return static_cast<double>(discs_[j].left); }
     const PaddedImage& darkness() const { return darkness_; }
     const PaddedImage& transmission() const { return transmission_; }
-    const DiscProfile& disc() const { return disc_; }
+    const DiscProfile& disc() const { return profile_; }
 
     /// Σ (I − M)² that each disc explains (see explained_misfit). Discs in whose neighbourhood
     /// nothing has moved by more than 0.05 px since the last call keep their value.
@@ -63,18 +76,39 @@ class JointFit {
     double residual_rms() const;
 
  private:
-    Vec2 step(std::size_t j, double relaxation);
-    void sweep(const std::vector<char>& active, double relaxation);
+    /// One disc: where it is and what is known of it.
+    struct Disc {
+        Anchor anchor;
+        Vec2 placed;             ///< where it is in the image of all discs [px]
+        std::uint32_t slot = 0;  ///< of its transmissions
+        float last_step = 0;     ///< [px]; large for discs that have not moved yet
+        float left = 0;          ///< [px] expected of the next step; large likewise
+        float drift = 0;         ///< [px] path since `explained`; large for new discs
+        double explained = 0;    ///< as of the last call of explained()
+    };
+
+    StencilView view(const Disc& disc);
+    std::uint32_t free_slot();
+    void append(Vec2 position, std::optional<double> explained);
+    Vec2 inside(Vec2 p) const;
+    double move_to(std::size_t j, Vec2 to);
+    double step(std::size_t j, double relaxation, double lag);
+    void take_step(std::size_t j, double relaxation, double lag);
+    void in_tiles(const std::vector<std::uint32_t>& discs,
+                  const std::function<void(const std::vector<std::uint32_t>&)>& body);
     std::vector<char> active_discs(double tolerance) const;
 
-    DiscProfile disc_;
+    DiscProfile profile_;
+    DiscStencil stencil_;
     int threads_;
     PaddedImage darkness_;
     PaddedImage transmission_;
     std::vector<Vec2> positions_;
-    std::vector<float> last_step_;   ///< [px]; large for discs that have not moved yet
-    std::vector<double> explained_;  ///< as of the last call of explained()
-    std::vector<float> drift_;       ///< [px] path since then; large for new discs
+    std::vector<Disc> discs_;
+    HugeVector<HalfFloat> kept_;       ///< transmissions, stencil_.size() a slot
+    std::vector<std::uint32_t> free_;  ///< slots given back
+    std::uint32_t slots_ = 0;          ///< in use or given back
+    std::vector<double> explained_;
 };
 
 }  // namespace grainfield::tracking

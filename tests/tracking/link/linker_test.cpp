@@ -295,6 +295,46 @@ TEST(Linker, ASearchRangeThatIsNotGivenFollowsTheMotion) {
     EXPECT_EQ(link(8, 1), 5);
 }
 
+TEST(Linker, AFewFastParticlesAmongManySlowOnesKeepTheirIdentity) {
+    // Ten walkers of 0.65 D a frame through a dilute field at rest.
+    std::vector<Vec2> places = testing::isolated_discs(600, 600, 10, 40, 3).position;
+    const std::size_t resting = places.size();
+    for (int i = 0; i < 10; ++i) places.push_back({60.0 + 40 * i, 80.0 + 40 * i});
+    Linker linker({.search_range = std::nullopt, .memory = 0}, 10);
+    const auto first = linker.link(0, places);
+    for (int f = 1; f < 5; ++f) {
+        for (std::size_t i = resting; i < places.size(); ++i) places[i] += Vec2{6.5, 0};
+        EXPECT_EQ(linker.link(f, places), first) << f;
+    }
+    EXPECT_EQ(linker.summary().range, 10);
+}
+
+TEST(Linker, MissingParticlesAreNotTakenForFastOnes) {
+    // 5 % of a dense liquid missing in each frame, others in the next: without memory each return
+    // is a new track, and none may be given to a neighbour that went missing.
+    const auto scene = testing::hard_disc_liquid(500, 500, 10, 0.72, 8);
+    RandomStream random(15, "dropouts");
+    Linker linker({.search_range = std::nullopt, .memory = 0}, 10);
+    std::vector<std::int64_t> owner;
+    for (int f = 0; f < 10; ++f) {
+        std::vector<Vec2> seen;
+        std::vector<std::size_t> which;
+        for (std::size_t i = 0; i < scene.position.size(); ++i) {
+            if (random.uniform() < 0.05) continue;
+            seen.push_back(scene.position[i] + 0.4 * Vec2{random.normal(), random.normal()});
+            which.push_back(i);
+        }
+        const auto ids = linker.link(f, seen);
+        EXPECT_TRUE(f == 0 || linker.summary().range == 5);
+        for (std::size_t k = 0; k < ids.size(); ++k) {
+            const auto id = static_cast<std::size_t>(ids[k]);
+            if (id >= owner.size()) owner.resize(id + 1, -1);
+            if (owner[id] < 0) owner[id] = static_cast<std::int64_t>(which[k]);
+            EXPECT_EQ(owner[id], static_cast<std::int64_t>(which[k]));
+        }
+    }
+}
+
 TEST(Linker, AnAbsurdSearchRangeIsBoundedAndWarnedOf) {
     const auto scene = testing::hard_disc_liquid(300, 300, 8, 0.7, 8);
     Linker linker({.search_range = 100, .memory = 0, .largest_subnet = 5000});

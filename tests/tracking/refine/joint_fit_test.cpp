@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
+#include "tracking/refine/disc_kernel.h"
 
 namespace grainfield::tracking {
 namespace {

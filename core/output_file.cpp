@@ -1,7 +1,9 @@
-#include "io/output_file.h"
+#include "core/output_file.h"
 
 #include <cerrno>
 #include <cstdio>
+#include <mutex>
+#include <set>
 #include <system_error>
 #include <utility>
 
@@ -13,7 +15,7 @@
 
 #include "core/errors.h"
 
-namespace grainfield::io {
+namespace grainfield {
 
 namespace {
 
@@ -42,7 +44,7 @@ fs::path folder_of(const fs::path& target) {
 [[noreturn]] void refuse_unopened(const fs::path& target, int error) {
     const std::string folder = folder_of(target).string();
     std::error_code ignored;
-    if (error == ENOENT || !fs::is_directory(folder, ignored)) {
+    if (!fs::is_directory(folder, ignored)) {
         refuse(target, fmt::format("there is no folder '{}'", folder),
                fmt::format("make it with: mkdir -p '{}'", folder));
     }
@@ -50,7 +52,10 @@ fs::path folder_of(const fs::path& target) {
         refuse(target, "a symbolic link stands in the place of its temporary file",
                "remove the link, or give another name");
     }
-    refuse(target, fmt::format("folder '{}': {}", folder, system_text(error)),
+    // As in /proc: the folder is there, but the system makes no files in it.
+    refuse(target,
+           fmt::format("folder '{}': {}", folder,
+                       error == ENOENT ? "files cannot be made in it" : system_text(error)),
            "choose a folder in which you may write");
 }
 
@@ -97,6 +102,17 @@ int rename_to(const fs::path& from, const fs::path& to, Overwrite overwrite) {
     return std::rename(from.c_str(), to.c_str()) == 0 ? 0 : errno;
 }
 
+/// The temporaries of this process. Never destroyed: outputs may be closed while it exits.
+struct Unfinished {
+    std::recursive_mutex mutex;
+    std::set<fs::path> temporaries;
+};
+
+Unfinished& unfinished() {
+    static auto* const outputs = new Unfinished;
+    return *outputs;
+}
+
 }  // namespace
 
 OutputFile::OutputFile(fs::path target, Overwrite overwrite)
@@ -117,6 +133,8 @@ OutputFile::OutputFile(fs::path target, Overwrite overwrite)
         ::close(descriptor_);
         refuse(target_, system_text(reason), "check the disk");
     }
+    const std::lock_guard lock(unfinished().mutex);
+    unfinished().temporaries.insert(temporary_);
 }
 
 OutputFile::OutputFile(OutputFile&& other) noexcept
@@ -127,6 +145,8 @@ OutputFile::OutputFile(OutputFile&& other) noexcept
 
 OutputFile::~OutputFile() {
     if (descriptor_ < 0) return;
+    const std::lock_guard lock(unfinished().mutex);
+    unfinished().temporaries.erase(temporary_);
     ::unlink(temporary_.c_str());
     ::close(descriptor_);
 }
@@ -135,11 +155,38 @@ void OutputFile::commit() {
     if (::fsync(descriptor_) != 0) {
         refuse(target_, system_text(errno), "check the free space and quota of that disk");
     }
-    const int error = rename_to(temporary_, target_, overwrite_);
+    int error = 0;
+    {
+        const std::lock_guard lock(unfinished().mutex);
+        error = rename_to(temporary_, target_, overwrite_);
+        if (error == 0) unfinished().temporaries.erase(temporary_);
+    }
     if (error == EEXIST) refuse_existing(target_);
     if (error != 0) refuse(target_, system_text(error), "check the folder's permissions");
     sync_folder(folder_of(target_));
     ::close(std::exchange(descriptor_, -1));
 }
 
-}  // namespace grainfield::io
+void write_file(const fs::path& target, std::string_view content, Overwrite overwrite) {
+    OutputFile output(target, overwrite);
+    std::FILE* file = std::fopen(output.temporary().c_str(), "wb");
+    int error = file == nullptr ? errno : 0;
+    if (file != nullptr) {
+        if (std::fwrite(content.data(), 1, content.size(), file) != content.size()) error = errno;
+        if (std::fclose(file) != 0 && error == 0) error = errno;
+    }
+    if (error != 0) {
+        refuse(target, system_text(error), "check the free space and quota of that disk");
+    }
+    output.commit();
+}
+
+std::size_t abandon_outputs() {
+    Unfinished& outputs = unfinished();
+    // Kept until the process ends: nothing may be renamed after this.
+    outputs.mutex.lock();
+    for (const fs::path& temporary : outputs.temporaries) ::unlink(temporary.c_str());
+    return outputs.temporaries.size();
+}
+
+}  // namespace grainfield

@@ -1,0 +1,105 @@
+#include "tracking/calibrate/illumination.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace grainfield::tracking {
+namespace {
+
+constexpr double kSample = 4e4;
+// Below this share of the pixels a level is not seen well enough to be followed.
+constexpr double kLeastShare = 0.01;
+// Ranks shift a little when spheres gather or leave; the fit settles what is smaller than this.
+constexpr double kRankAccuracy = 0.01;
+constexpr float kClear = 0.995F;
+constexpr float kCore = 0.005F;
+
+template <class Body>
+void for_sample(const Image& image, Body&& body) {
+    const double pixels = static_cast<double>(image.size());
+    const int stride = std::max(1, static_cast<int>(std::sqrt(pixels / kSample)));
+    for (int y = stride / 2; y < image.height(); y += stride) {
+        for (int x = stride / 2; x < image.width(); x += stride) body(x, y);
+    }
+}
+
+double at_rank(const std::vector<float>& sorted, double share) {
+    const double last = static_cast<double>(sorted.size() - 1);
+    return static_cast<double>(
+        sorted[static_cast<std::size_t>(std::clamp(share, 0.0, 1.0) * last)]);
+}
+
+double median(std::vector<float>& values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return static_cast<double>(*middle);
+}
+
+std::vector<float> sorted_sample(const ImageModel& model, const Image& counts) {
+    std::vector<float> values;
+    for_sample(counts, [&](int x, int y) { values.push_back(model.darkness_at(counts, x, y)); });
+    std::sort(values.begin(), values.end());
+    return values;
+}
+
+}  // namespace
+
+Illumination IlluminationFollower::expected(const Image& counts) {
+    std::vector<float> now = sorted_sample(model_, counts);
+    Illumination light = last_;
+    if (!sample_.empty() && !now.empty()) {
+        const auto below = [&](double darkness) {
+            const auto value = static_cast<float>(last_.offset + last_.span * darkness);
+            const auto end = std::lower_bound(sample_.begin(), sample_.end(), value);
+            return static_cast<double>(end - sample_.begin()) / static_cast<double>(sample_.size());
+        };
+        const double clear = below(0.25);
+        const double core = 1 - below(0.75);
+        const auto change = [&](double share) {
+            const double difference = at_rank(now, share) - at_rank(sample_, share);
+            return std::abs(difference) < kRankAccuracy ? 0 : difference;
+        };
+        const double clear_change = clear > kLeastShare ? change(clear / 4) : 0;
+        const double core_change = core > kLeastShare ? change(1 - core / 4) : 0;
+        light.offset += clear_change;
+        light.span += core_change - clear_change;
+        // No light at all is not a change of the light.
+        if (!(light.span > 0.02)) light = last_;
+    }
+    sample_ = std::move(now);
+    return light;
+}
+
+Illumination IlluminationFollower::settled(const Image& counts, const Illumination& used,
+                                           const PaddedImage& transmission) {
+    std::vector<float> clear;
+    std::vector<float> core;
+    for_sample(counts, [&](int x, int y) {
+        const float t = transmission(x, y);
+        if (t <= kClear && t >= kCore) return;
+        const float d = model_.darkness_at(counts, x, y);
+        const auto offset = static_cast<float>(used.offset);
+        (t > kClear ? clear : core).push_back((d - offset) / static_cast<float>(used.span));
+    });
+    const double least = kLeastShare * static_cast<double>(sample_.size());
+    last_ = used;
+    const bool has_clear = static_cast<double>(clear.size()) > least;
+    const bool has_core = static_cast<double>(core.size()) > least;
+    if (!has_reference_) {
+        if (has_clear) clear_reference_ = median(clear);
+        if (has_core) core_reference_ = median(core);
+        has_reference_ = has_clear || has_core;
+        return last_;
+    }
+    const double low = has_clear ? median(clear) - clear_reference_ : 0;
+    const double high = has_core ? median(core) - core_reference_ : 0;
+    const double span = 1 + (high - low) / (core_reference_ - clear_reference_);
+    if (span > 0.02) {
+        last_.offset = used.offset + used.span * (low - clear_reference_ * (span - 1));
+        last_.span = used.span * span;
+    }
+    return last_;
+}
+
+}  // namespace grainfield::tracking

@@ -1,0 +1,312 @@
+#include "tracking/refine/disc_stencil.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/huge_pages.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "tracking/refine/disc_stencil.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "tracking/refine/disc_profile-inl.h"
+
+#ifndef GRAINFIELD_STENCIL_ROWS
+#define GRAINFIELD_STENCIL_ROWS
+namespace grainfield::tracking {
+
+/// A view as the kernels want it: pointers to the anchor pixel.
+struct StencilRows {
+    const DiscStencil::Row* rows;
+    int n;
+    const float* darkness;
+    std::ptrdiff_t darkness_pitch;
+    float* transmission;
+    std::ptrdiff_t transmission_pitch;
+    HalfFloat* kept;
+};
+
+}  // namespace grainfield::tracking
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace grainfield::tracking::HWY_NAMESPACE {
+
+using StencilTag = hn::CappedTag<float, DiscStencil::kLanes>;
+using Halves = hn::Rebind<std::uint16_t, StencilTag>;
+using HalfFloats = hn::Rebind<hwy::float16_t, StencilTag>;
+
+HWY_INLINE hn::Vec<StencilTag> load_half(const HalfFloat* from) {
+    return hn::PromoteTo(StencilTag(), hn::BitCast(HalfFloats(), hn::LoadU(Halves(), from)));
+}
+
+/// Stores and returns the rounded value.
+HWY_INLINE hn::Vec<StencilTag> store_half(hn::Vec<StencilTag> v, HalfFloat* to) {
+    const auto half = hn::DemoteTo(HalfFloats(), v);
+    hn::StoreU(hn::BitCast(Halves(), half), Halves(), to);
+    return hn::PromoteTo(StencilTag(), half);
+}
+
+/// One vector of a row: what a kernel reads and writes.
+struct Spot {
+    const float* darkness;
+    float* transmission;
+    HalfFloat* kept;
+    std::size_t at;
+};
+
+/// Calls body(dx, dy, spot) for every vector of the stencil; dx, dy from (x, y), which is the
+/// centre seen from the anchor.
+template <class Body>
+HWY_INLINE void for_each_spot(const StencilRows& s, float x, float y, Body&& body) {
+    constexpr StencilTag tag;
+    const int lanes = static_cast<int>(hn::Lanes(tag));
+    const auto iota = hn::Sub(hn::Iota(tag, 0.0F), hn::Set(tag, x));
+    const auto next = hn::Set(tag, static_cast<float>(lanes));
+    for (int j = 0; j < s.n; ++j) {
+        const DiscStencil::Row row = s.rows[j];
+        const float* d = s.darkness + row.dy * s.darkness_pitch + row.first;
+        float* t = s.transmission + row.dy * s.transmission_pitch + row.first;
+        const auto dy = hn::Set(tag, static_cast<float>(row.dy) - y);
+        auto dx = hn::Add(iota, hn::Set(tag, static_cast<float>(row.first)));
+        const auto at = static_cast<std::size_t>(row.at);
+        for (int i = 0; i < row.count; i += lanes) {
+            const auto step = static_cast<std::size_t>(i);
+            body(dx, dy, Spot{d + i, t + i, s.kept + at + step, at + step});
+            dx = hn::Add(dx, next);
+        }
+    }
+}
+
+/// t to the accuracy of a half float, 5e-4 of its value.
+HWY_INLINE Vector rough_transmission(Vector dx, Vector dy2, const DiscTerms& disc) {
+    const Vector r2 = hn::MulAdd(dx, dx, dy2);
+    const Vector floored = hn::Max(r2, hn::Set(kTag, 1e-6F));
+    const Vector estimate = hn::ApproximateReciprocalSqrt(floored);
+    // One step of Newton: r to 1e-6 px.
+    const Vector half = hn::Mul(hn::Mul(floored, estimate), hn::Set(kTag, 0.5F));
+    const Vector r_inv = hn::Mul(estimate, hn::NegMulAdd(half, estimate, hn::Set(kTag, 1.5F)));
+    const Vector limit = hn::Set(kTag, 2.0F * static_cast<float>(DiscProfile::kReachInWidths));
+    Vector u = hn::NegMulAdd(hn::Mul(floored, r_inv), hn::Set(kTag, disc.two_over_width),
+                             hn::Set(kTag, disc.radius_over));
+    u = hn::Max(hn::Min(u, limit), hn::Neg(limit));
+    const Vector t = hn::ApproximateReciprocal(hn::Add(exp_rough(u), hn::Set(kTag, 1.0F)));
+    return hn::IfThenElse(hn::Lt(r2, hn::Set(kTag, disc.reach2)), t, hn::Set(kTag, 1.0F));
+}
+
+/// The change of (I − 1 + T)² when T becomes `now`: a² − b² = (a − b)(a + b).
+HWY_INLINE Vector change_of(Vector darkness, Vector before, Vector now) {
+    const Vector b = residual_of(darkness, before);
+    const Vector step = hn::Sub(now, before);
+    return hn::Mul(step, hn::MulAdd(hn::Set(kTag, 2.0F), b, step));
+}
+
+double place_stencil(const StencilRows& s, const DiscTerms& disc, float x, float y) {
+    Vector change = hn::Zero(kTag);
+    for_each_spot(s, x, y, [&](Vector dx, Vector dy, Spot spot) HWY_ATTR {
+        const Vector t = store_half(rough_transmission(dx, hn::Mul(dy, dy), disc), spot.kept);
+        const Vector old = hn::LoadU(kTag, spot.transmission);
+        const Vector now = hn::Mul(old, t);
+        hn::StoreU(now, kTag, spot.transmission);
+        change = hn::Add(change, change_of(hn::LoadU(kTag, spot.darkness), old, now));
+    });
+    return sum(change);
+}
+
+double lift_stencil(const StencilRows& s) {
+    Vector change = hn::Zero(kTag);
+    for_each_spot(s, 0, 0, [&](Vector, Vector, Spot spot) HWY_ATTR {
+        const Vector old = hn::LoadU(kTag, spot.transmission);
+        const Vector now = hn::Mul(old, reciprocal(load_half(spot.kept)));
+        hn::StoreU(now, kTag, spot.transmission);
+        change = hn::Add(change, change_of(hn::LoadU(kTag, spot.darkness), old, now));
+    });
+    return sum(change);
+}
+
+double explained_stencil(const StencilRows& s) {
+    Vector change = hn::Zero(kTag);
+    for_each_spot(s, 0, 0, [&](Vector, Vector, Spot spot) HWY_ATTR {
+        const Vector old = hn::LoadU(kTag, spot.transmission);
+        const Vector now = hn::Mul(old, reciprocal(load_half(spot.kept)));
+        change = hn::Add(change, change_of(hn::LoadU(kTag, spot.darkness), old, now));
+    });
+    return sum(change);
+}
+
+void put_back_stencil(const StencilRows& s) {
+    for_each_spot(s, 0, 0, [&](Vector, Vector, Spot spot) HWY_ATTR {
+        const Vector old = hn::LoadU(kTag, spot.transmission);
+        hn::StoreU(hn::Mul(old, load_half(spot.kept)), kTag, spot.transmission);
+    });
+}
+
+void linearise_stencil(const StencilRows& s, const DiscTerms& disc, float x, float y,
+                       double* sums) {
+    Vector xx = hn::Zero(kTag);
+    Vector xy = xx;
+    Vector yy = xx;
+    Vector bx = xx;
+    Vector by = xx;
+    Vector misfit = xx;
+    const Vector one = hn::Set(kTag, 1.0F);
+    const Vector slope = hn::Set(kTag, disc.two_over_width);
+    for_each_spot(s, x, y, [&](Vector dx, Vector dy, Spot spot) HWY_ATTR {
+        const Vector transmission = hn::LoadU(kTag, spot.transmission);
+        const Vector residual = residual_of(hn::LoadU(kTag, spot.darkness), transmission);
+        // Beyond reach t is 1 and P is 0. An estimate is enough for the direction of a step, and
+        // keeps r = 0 finite.
+        const Vector p = hn::Sub(one, load_half(spot.kept));
+        const Vector r2 = hn::MulAdd(dx, dx, hn::Mul(dy, dy));
+        const Vector r_inv = hn::ApproximateReciprocalSqrt(hn::Add(r2, hn::Set(kTag, 1e-12F)));
+        const Vector g = hn::Mul(hn::Mul(transmission, slope), hn::Mul(p, r_inv));
+        const Vector jx = hn::Mul(g, dx);
+        const Vector jy = hn::Mul(g, dy);
+        xx = hn::MulAdd(jx, jx, xx);
+        xy = hn::MulAdd(jx, jy, xy);
+        yy = hn::MulAdd(jy, jy, yy);
+        bx = hn::MulAdd(jx, residual, bx);
+        by = hn::MulAdd(jy, residual, by);
+        misfit = hn::MulAdd(residual, residual, misfit);
+    });
+    const Vector all[] = {xx, xy, yy, bx, by, misfit};
+    for (int i = 0; i < 6; ++i) sums[i] = sum(all[i]);
+}
+
+double shift_stencil(const StencilRows& s, const DiscTerms& disc, float x, float y,
+                     float* transmission_before, HalfFloat* kept_before) {
+    Vector change = hn::Zero(kTag);
+    for_each_spot(s, x, y, [&](Vector dx, Vector dy, Spot spot) HWY_ATTR {
+        const Vector old = hn::LoadU(kTag, spot.transmission);
+        hn::StoreU(old, kTag, transmission_before + spot.at);
+        const auto halves = hn::LoadU(Halves(), spot.kept);
+        hn::StoreU(halves, Halves(), kept_before + spot.at);
+        const Vector before = hn::PromoteTo(StencilTag(), hn::BitCast(HalfFloats(), halves));
+        const Vector t = store_half(rough_transmission(dx, hn::Mul(dy, dy), disc), spot.kept);
+        const Vector now = hn::Mul(hn::Mul(old, t), reciprocal(before));
+        hn::StoreU(now, kTag, spot.transmission);
+        change = hn::Add(change, change_of(hn::LoadU(kTag, spot.darkness), old, now));
+    });
+    return sum(change);
+}
+
+}  // namespace grainfield::tracking::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace grainfield::tracking {
+
+HWY_EXPORT(place_stencil);
+HWY_EXPORT(lift_stencil);
+HWY_EXPORT(explained_stencil);
+HWY_EXPORT(put_back_stencil);
+HWY_EXPORT(linearise_stencil);
+HWY_EXPORT(shift_stencil);
+
+namespace {
+
+StencilRows rows_of(const StencilView& view) {
+    const Anchor a = view.anchor;
+    const std::vector<DiscStencil::Row>& rows = view.stencil.rows();
+    return {rows.data(),
+            static_cast<int>(rows.size()),
+            view.darkness.row(a.y) + a.x,
+            view.darkness.pitch(),
+            view.transmission.row(a.y) + a.x,
+            view.transmission.pitch(),
+            view.kept};
+}
+
+float along(double centre, int anchor) {
+    return static_cast<float>(centre - anchor);
+}
+
+}  // namespace
+
+DiscStencil::DiscStencil(const DiscProfile& disc) : disc_(disc) {
+    const double reach = disc.reach();
+    const int half = static_cast<int>(std::floor(reach + kRoom));
+    for (int dy = -half; dy <= half; ++dy) {
+        const double height = std::max(0.0, std::abs(dy) - kRoom);
+        const double chord = std::sqrt(std::max(0.0, reach * reach - height * height)) + kRoom;
+        const int first = -static_cast<int>(std::floor(chord));
+        const int count = (1 - 2 * first + kLanes - 1) / kLanes * kLanes;
+        rows_.push_back({dy, first, count, static_cast<int>(size_)});
+        size_ += static_cast<std::size_t>(count);
+    }
+}
+
+Anchor Anchor::of(Vec2 centre) {
+    return {static_cast<int>(std::lround(centre.x)), static_cast<int>(std::lround(centre.y))};
+}
+
+bool Anchor::holds(Vec2 centre) const {
+    return std::abs(centre.x - x) <= DiscStencil::kRoom &&
+           std::abs(centre.y - y) <= DiscStencil::kRoom;
+}
+
+void fetch(const StencilView& view) {
+    constexpr std::ptrdiff_t kLine = 16;  // floats
+    const StencilRows s = rows_of(view);
+    for (int j = 0; j < s.n; ++j) {
+        const DiscStencil::Row& row = s.rows[j];
+        const float* d = s.darkness + row.dy * s.darkness_pitch + row.first;
+        const float* t = s.transmission + row.dy * s.transmission_pitch + row.first;
+        for (std::ptrdiff_t i = 0; i < row.count; i += kLine) {
+            fetch_line(d + i);
+            fetch_line(t + i);
+        }
+    }
+    const auto* kept = reinterpret_cast<const char*>(view.kept);
+    for (std::size_t i = 0; i < view.stencil.size() * sizeof(HalfFloat); i += 64) {
+        fetch_line(kept + i);
+    }
+}
+
+double place(const StencilView& view, Vec2 centre) {
+    return HWY_DYNAMIC_DISPATCH(place_stencil)(rows_of(view), terms_of(view.stencil.disc()),
+                                               along(centre.x, view.anchor.x),
+                                               along(centre.y, view.anchor.y));
+}
+
+double lift(const StencilView& view) {
+    return HWY_DYNAMIC_DISPATCH(lift_stencil)(rows_of(view));
+}
+
+void put_back(const StencilView& view) {
+    HWY_DYNAMIC_DISPATCH(put_back_stencil)(rows_of(view));
+}
+
+double explained(const StencilView& view) {
+    return HWY_DYNAMIC_DISPATCH(explained_stencil)(rows_of(view));
+}
+
+NormalEquations linearise(const StencilView& view, Vec2 centre) {
+    double sums[6] = {};
+    HWY_DYNAMIC_DISPATCH(linearise_stencil)
+    (rows_of(view), terms_of(view.stencil.disc()), along(centre.x, view.anchor.x),
+     along(centre.y, view.anchor.y), sums);
+    return {sums[0], sums[1], sums[2], sums[3], sums[4], sums[5]};
+}
+
+double shift(const StencilView& view, Vec2 to, BeforeShift& before) {
+    before.transmission.resize(view.stencil.size());
+    before.kept.resize(view.stencil.size());
+    return HWY_DYNAMIC_DISPATCH(shift_stencil)(
+        rows_of(view), terms_of(view.stencil.disc()), along(to.x, view.anchor.x),
+        along(to.y, view.anchor.y), before.transmission.data(), before.kept.data());
+}
+
+void undo(const StencilView& view, const BeforeShift& before) {
+    const StencilRows s = rows_of(view);
+    for (int j = 0; j < s.n; ++j) {
+        const DiscStencil::Row& row = s.rows[j];
+        std::copy_n(before.transmission.data() + row.at, row.count,
+                    s.transmission + row.dy * s.transmission_pitch + row.first);
+    }
+    std::copy(before.kept.begin(), before.kept.end(), view.kept);
+}
+
+}  // namespace grainfield::tracking
+#endif

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/vec2.h"
+#include "tracking/disc_profile.h"
+#include "tracking/padded_image.h"
+
+namespace grainfield::tracking {
+
+/// The pixels that a disc can reach whose centre lies within kRoom of a pixel, its anchor, row by
+/// row in whole vectors. The same for all discs of a scene, so that a disc's transmission t there
+/// can be kept from one step to the next: half of a step's work is then only read.
+class DiscStencil {
+ public:
+    explicit DiscStencil(const DiscProfile& disc);
+
+    static constexpr double kRoom = 0.75;  ///< per axis [px]
+    static constexpr int kLanes = 8;       ///< rows are whole multiples of this
+
+    struct Row {
+        int dy;     ///< from the anchor
+        int first;  ///< first column, from the anchor
+        int count;  ///< pixels, a multiple of kLanes
+        int at;     ///< where the row begins among the kept values
+    };
+    const std::vector<Row>& rows() const { return rows_; }
+    std::size_t size() const { return size_; }  ///< values kept per disc
+    const DiscProfile& disc() const { return disc_; }
+
+ private:
+    DiscProfile disc_;
+    std::vector<Row> rows_;
+    std::size_t size_ = 0;
+};
+
+/// The pixel that a disc's window is centred on.
+struct Anchor {
+    int x = 0, y = 0;
+
+    static Anchor of(Vec2 centre);
+    /// The window there holds a disc at `centre`.
+    bool holds(Vec2 centre) const;
+};
+
+/// Transmissions of one disc on its stencil, in half precision: t ∈ [1e-3, 1] to 2.4e-4 of its
+/// value. What is stored is what multiplies the image, so that it divides out again.
+using HalfFloat = std::uint16_t;
+
+/// A disc's window in the images of a scene. The images need the margin of disc_kernel.h.
+struct StencilView {
+    const DiscStencil& stencil;
+    const PaddedImage& darkness;
+    PaddedImage& transmission;
+    Anchor anchor;
+    HalfFloat* kept;  ///< stencil.size() values
+};
+
+/// Asks for a disc's pixels ahead of their use.
+void fetch(const StencilView& view);
+
+/// T ← T · t_centre, t kept. Returns the change of Σ (I − M)².
+double place(const StencilView& view, Vec2 centre);
+
+/// T ← T / t. Returns the change of Σ (I − M)².
+double lift(const StencilView& view);
+
+/// T ← T · t as it was kept.
+void put_back(const StencilView& view);
+
+/// By how much Σ (I − M)² would grow if the disc were lifted [contrast² px].
+double explained(const StencilView& view);
+
+/// The normal equations of one disc's position, all others fixed:
+///   J = ∂M/∂(x, y) = T · (2/w) P · (x − centre)/r,  A = Σ J Jᵀ,  b = Σ J (I − M).
+struct NormalEquations {
+    double xx = 0, xy = 0, yy = 0;  ///< A [1/px²]
+    double bx = 0, by = 0;          ///< b [1/px]
+    double misfit = 0;              ///< Σ (I − M)² over the stencil
+};
+
+/// `centre` is where t was kept.
+NormalEquations linearise(const StencilView& view, Vec2 centre);
+
+/// T and t before a shift.
+struct BeforeShift {
+    std::vector<float> transmission;
+    std::vector<HalfFloat> kept;
+};
+
+/// T ← T · t_to / t, t kept anew; the anchor must hold `to`. Returns the change of Σ (I − M)².
+double shift(const StencilView& view, Vec2 to, BeforeShift& before);
+
+/// Undoes the last shift.
+void undo(const StencilView& view, const BeforeShift& before);
+
+}  // namespace grainfield::tracking
