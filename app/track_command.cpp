@@ -168,6 +168,11 @@ ordered_json facts(const Tracker& tracker, const TrackSummary& summary) {
                              {"write", ms.write}};
     facts["residual_rms"] = nullptr;
     if (has_residual(tracker, summary)) facts["residual_rms"] = summary.residual_rms;
+    facts["unsettled"] = summary.unsettled;
+    facts["rejected"] = summary.rejected;
+    facts["warm_frames"] = summary.warm_frames;
+    facts["repeated_frames"] = summary.repeated;
+    facts["contrast_range"] = {summary.dimmest, summary.brightest};
     return facts;
 }
 
