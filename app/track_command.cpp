@@ -248,7 +248,7 @@ Summary TrackCommand::run(Session& session) {
     if (result.frames > 0 && !has_residual(tracker, result)) {
         session.plan.warn("no residual is given: no spheres were found");
     }
-    if (tracker.is_calibrated()) {
+    if (has_residual(tracker, result)) {
         const auto& disc = tracker.model().disc;
         tracks->add_curve(calibration_curve(disc.diameter, disc.edge_width, result.residual_rms));
     }
