@@ -151,7 +151,7 @@ TEST(Tracker, AWarmStartFindsWhatAColdOneFindsWithLessWork) {
         MemoryFrames one({m.frames[f]});
         run(one, cold, plan);
         const auto score =
-            testing::score(warm.snapshots[f].position, cold.snapshots[f].position, 3, 300, 300, 12);
+            score_positions(warm.snapshots[f].position, cold.snapshots[f].position, 3, 300, 300, 12);
         // Each frame alone has its own calibration, hence the small differences.
         EXPECT_GE(score.recall(), 0.998);
         EXPECT_GE(score.precision(), 0.998);
@@ -192,7 +192,7 @@ TEST(Tracker, FollowsALampThatFlickers) {
     EXPECT_NEAR(summary.dimmest, 0.6, 0.04);
     EXPECT_NEAR(summary.brightest, 1.05, 0.01);
     for (std::size_t f = 0; f < 5; ++f) {
-        const auto score = testing::score(sink.snapshots[f].position, truth.snapshots[f].position,
+        const auto score = score_positions(sink.snapshots[f].position, truth.snapshots[f].position,
                                           3, 300, 300, 12);
         EXPECT_LE(score.missed + score.spurious, 2) << "frame " << f;
         EXPECT_LT(score.rms, 0.1) << "frame " << f;
@@ -213,7 +213,7 @@ TEST(Tracker, ReportedErrorsHoldOnFramesOfACameraThatItDidNotImagine) {
     RunPlan plan;
     run(source, sink, plan);
     const Snapshot& s = sink.snapshots[0];
-    const auto score = testing::score(s.position, scene.position, 3, 640, 640, 16);
+    const auto score = score_positions(s.position, scene.position, 3, 640, 640, 16);
     std::vector<double> liquid;
     std::vector<double> crystal;
     for (std::size_t i = 0; i < scene.position.size(); ++i) {
