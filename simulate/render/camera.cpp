@@ -120,7 +120,7 @@ Camera::Camera(const RenderOptions& options, const View& view, std::uint64_t see
     gain_ = sensor.gain.value_or((full_scale - sensor.offset) / sensor.full_well);
 
     const double blur = options_.light.blur * view.scale();
-    if (blur > 0) supersampling_ = std::clamp(static_cast<int>(std::ceil(1 / blur)), 1, 8);
+    if (blur > 0) supersampling_ = std::clamp(static_cast<int>(std::ceil(2 / blur)), 1, 8);
     sigma_ = blur * supersampling_;
     margin_ = (blur_reach(sigma_) + supersampling_ - 1) / supersampling_;
 

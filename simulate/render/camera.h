@@ -33,9 +33,10 @@ class Camera {
     /// Throws OptionError (require_valid).
     Camera(const RenderOptions& options, const View& view, std::uint64_t seed, int threads);
 
-    /// Pixels on every side of the frame that the blur reaches, and the number of radiance pixels
-    /// along one side of a camera pixel. More than one only where the point spread is too narrow
-    /// to be sampled once a pixel (σ < 1 px).
+    /// Pixels on every side of the frame that the blur reaches, and the number n of radiance pixels
+    /// along one side of a camera pixel: n σ ≥ 2, n ≤ 8. The sum that replaces the blur's integral
+    /// is then off by at most (1/12 n²) (g(t) − g(t − 1)) < 0.3 % of an edge's height, g the point
+    /// spread along a line, and by nothing on the average over sub-pixel positions.
     int margin() const { return margin_; }
     int supersampling() const { return supersampling_; }
     /// The view in which radiance is wanted: `view` padded and refined.
