@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 namespace grainfield::app {
 
@@ -11,9 +12,17 @@ OptionSet::OptionSet(std::string command, const std::vector<OptionTable>& tables
     for (const OptionTable& table : tables) {
         for (const Option& row : table.rows()) ++uses[row.name];
     }
+    // "cell-height" of one section may be what "height" of the section [cell] is called.
+    std::set<std::string> taken;
     for (const OptionTable& table : tables) {
         for (const Option& row : table.rows()) {
-            const bool shared = uses[row.name] > 1 && !table.section().empty();
+            if (uses[row.name] > 1) taken.insert(table.section() + "-" + row.name);
+        }
+    }
+    for (const OptionTable& table : tables) {
+        for (const Option& row : table.rows()) {
+            const bool shared =
+                (uses[row.name] > 1 || taken.contains(row.name)) && !table.section().empty();
             entries_.push_back({.section = table.section(),
                                 .flag = shared ? table.section() + "-" + row.name : row.name,
                                 .option = row});

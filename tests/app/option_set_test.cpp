@@ -53,6 +53,17 @@ TEST_F(OptionSetOfThreeTables, ConfigurationShowsPresentValuesUnderTheirSection)
                                                  Pair("q4.range", "1"), Pair("sk.bins", "40")));
 }
 
+TEST(OptionSet, ANameThatLooksLikeSectionAndNameGetsItsSectionToo) {
+    double height = 1, rows = 2, given = 3;
+    OptionTable cell("cell");
+    cell.number("height", height, "a", {0, 9}, "height");
+    OptionTable view("view");
+    view.number("height", rows, "px", {0, 9}, "height");
+    view.number("cell-height", given, "a", {0, 9}, "height of the cell");
+    EXPECT_THAT(OptionSet("validate", {cell, view}).flags(),
+                ElementsAre("cell-height", "view-height", "view-cell-height"));
+}
+
 TEST(OptionSet, ASectionNamedLikeTheCommandSharesItsKeysWithTheCommandWideOnes) {
     int threads = 0;
     double diameter = 1;

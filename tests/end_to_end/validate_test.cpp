@@ -149,7 +149,7 @@ TEST(ValidateScene, GivesTheSameScoresForAnyNumberOfThreads) {
 TEST(ValidateScene, ExplainsWithoutRunning) {
     const Outcome outcome = run_grainfield({"validate", "--explain"});
     EXPECT_EQ(outcome.code, 0) << outcome.err;
-    EXPECT_THAT(outcome.out, HasSubstr("render"));
+    EXPECT_THAT(outcome.out, HasSubstr("silhouettes, 1600"));
     EXPECT_THAT(outcome.out, HasSubstr("score"));
 }
 
