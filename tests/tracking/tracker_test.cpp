@@ -150,8 +150,8 @@ TEST(Tracker, AWarmStartFindsWhatAColdOneFindsWithLessWork) {
     for (std::size_t f = 0; f < 4; ++f) {
         MemoryFrames one({m.frames[f]});
         run(one, cold, plan);
-        const auto score =
-            score_positions(warm.snapshots[f].position, cold.snapshots[f].position, 3, 300, 300, 12);
+        const auto score = score_positions(warm.snapshots[f].position, cold.snapshots[f].position,
+                                           3, 300, 300, 12);
         // Each frame alone has its own calibration, hence the small differences.
         EXPECT_GE(score.recall(), 0.998);
         EXPECT_GE(score.precision(), 0.998);
@@ -193,7 +193,7 @@ TEST(Tracker, FollowsALampThatFlickers) {
     EXPECT_NEAR(summary.brightest, 1.05, 0.01);
     for (std::size_t f = 0; f < 5; ++f) {
         const auto score = score_positions(sink.snapshots[f].position, truth.snapshots[f].position,
-                                          3, 300, 300, 12);
+                                           3, 300, 300, 12);
         EXPECT_LE(score.missed + score.spurious, 2) << "frame " << f;
         EXPECT_LT(score.rms, 0.1) << "frame " << f;
     }
