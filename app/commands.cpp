@@ -3,6 +3,7 @@
 #include "app/compare_command.h"
 #include "app/export_command.h"
 #include "app/info_command.h"
+#include "app/render_command.h"
 #include "app/simulate_field_command.h"
 #include "app/simulate_md_command.h"
 #include "app/track_command.h"
@@ -15,6 +16,7 @@ std::vector<std::unique_ptr<Command>> make_commands() {
     commands.push_back(std::make_unique<TrackCommand>());
     commands.push_back(std::make_unique<SimulateMdCommand>());
     commands.push_back(std::make_unique<SimulateFieldCommand>());
+    commands.push_back(std::make_unique<RenderCommand>());
     commands.push_back(std::make_unique<AnalyzeCommand>());
     commands.push_back(std::make_unique<CompareCommand>());
     commands.push_back(std::make_unique<ValidateCommand>());

@@ -1,0 +1,124 @@
+#include "simulate/render/raytrace.h"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "simulate/render/camera.h"
+#include "simulate/render/fresnel.h"
+#include "tests/simulate/render/render_scenes.h"
+
+namespace grainfield::simulate {
+namespace {
+
+TEST(Fresnel, HasTheKnownLimits) {
+    const double n = 2.87;
+    const double k = 3.36;
+    const double normal = ((n - 1) * (n - 1) + k * k) / ((n + 1) * (n + 1) + k * k);
+    EXPECT_NEAR(metal_reflectance(1, n, k), normal, 1e-12);
+    EXPECT_NEAR(metal_reflectance(0, n, k), 1, 1e-12);
+    // A metal that does not absorb is glass: r = ((n − 1)/(n + 1))², both faces 2 r/(1 + r).
+    const double r = std::pow(0.52 / 2.52, 2);
+    EXPECT_NEAR(metal_reflectance(1, 1.52, 0), r, 1e-12);
+    EXPECT_NEAR(plate_reflectance(1), 2 * r / (1 + r), 1e-12);
+    EXPECT_NEAR(plate_reflectance(0), 1, 1e-9);
+}
+
+// One sphere, no glass, telecentric: the ray at impact ρ leaves at 2θ, sin θ = ρ/R, downwards if
+// ρ > R/√2, and sees the panel if it falls within its half size.
+TEST(Raytrace, OneSphereHasTheRadianceOfTheClosedForm) {
+    SphereScene scene;
+    scene.high_plate = 1.94;
+    scene.centre = {{2, 2, 0.5}};
+    RaytraceOptions options;
+    options.glass_thickness = 0;
+    options.panel_distance = 30;
+    options.panel_half_size = 60;
+    RaytraceOptics optics(options, 1);
+    const View view = square_view(801, 4, Projection::telecentric);
+    const Image image = optics.radiance(scene, view);
+    for (const double part : {0.0, 0.3, 0.6, 0.69, 0.75, 0.8, 0.9, 0.95, 0.98}) {
+        const int x = 400 + static_cast<int>(std::lround(part * 0.5 * view.scale()));
+        const double theta = std::asin(std::min(1.0, (x - 400) / (0.5 * view.scale())));
+        const double down = -std::cos(2 * theta);
+        double expected = 0;
+        if (down > 0) {
+            const double height = 0.5 + 0.5 * std::cos(theta) + options.panel_distance;
+            const double reach = height * std::sin(2 * theta) / down + 0.5 * std::sin(theta);
+            if (reach < options.panel_half_size) expected = metal_reflectance(std::cos(theta));
+        }
+        EXPECT_NEAR(static_cast<double>(image(x, 400)), expected, 0.012) << part;
+    }
+    EXPECT_EQ(image(10, 10), 1);
+    EXPECT_GT(optics.cost().settled, 0.9 * optics.cost().pixels);
+}
+
+// physics.md, section 5: darkness of an isolated sphere of a = 10.09 px, measured on a real frame.
+TEST(Raytrace, AnIsolatedSphereHasTheMeasuredProfile) {
+    SphereScene scene;
+    scene.high_plate = 1.94;
+    scene.centre = {{2, 2, 0.5}};
+    RenderOptions options;
+    options.camera = CameraKind::ideal;
+    options.view.width = 41;
+    options.view.height = 41;
+    options.view.scale = 10.09;
+    options.light.blur = 0.08;
+    options.raytrace.panel_distance = 30;
+    options.raytrace.panel_half_size = 75;
+    const View view(options.view, square_box(4), 1.94);
+    const Camera camera(options, view, 1, 1);
+    RaytraceOptics optics(options.raytrace, 2);
+    const Image seen = camera.exposure(optics.radiance(scene, camera.radiance_view(view)));
+    const Vec2 centre = view.project(scene.centre[0]);
+    const double core = static_cast<double>(seen(20, 20));
+    constexpr std::array<std::pair<double, double>, 6> measured{
+        {{2.25, 0.946}, {3.25, 0.839}, {4.25, 0.553}, {4.75, 0.363}, {5.25, 0.199}, {6.25, 0.026}}};
+    for (const auto& [r, darkness] : measured) {
+        double sum = 0;
+        int count = 0;
+        for (int y = 0; y < seen.height(); ++y) {
+            for (int x = 0; x < seen.width(); ++x) {
+                if (std::abs(std::hypot(x - centre.x, y - centre.y) - r) > 0.25) continue;
+                sum += (1 - static_cast<double>(seen(x, y))) / (1 - core);
+                ++count;
+            }
+        }
+        ASSERT_GT(count, 0);
+        EXPECT_NEAR(sum / count, darkness, 0.05) << r;
+    }
+}
+
+TEST(Raytrace, SamplingErrorIsBelowOnePerCentOfContrast) {
+    const SphereScene scene = crystal_scene(8, 0.81, 1.94);
+    const View view = square_view(128, 8, Projection::perspective);
+    RaytraceOptics optics({}, 1);
+    RaytraceOptions fine;
+    fine.tolerance = 1e-5;
+    fine.most_samples = 1024;
+    RaytraceOptics reference(fine, 1);
+    const Image a = optics.radiance(scene, view);
+    const Image b = reference.radiance(scene, view);
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        const double d = static_cast<double>(a.pixels()[i] - b.pixels()[i]);
+        sum += d * d;
+    }
+    EXPECT_LT(std::sqrt(sum / static_cast<double>(a.size())), 0.01);
+    EXPECT_LT(optics.cost().rays, 0.2 * reference.cost().rays);
+}
+
+TEST(Raytrace, IsTheSameForAnyNumberOfThreadsAndForNoSpheres) {
+    const SphereScene scene = crystal_scene(6, 0.9, 1.94);
+    const View view = square_view(64, 6, Projection::perspective);
+    RaytraceOptics one({}, 1);
+    RaytraceOptics many({}, 8);
+    EXPECT_EQ(one.radiance(scene, view), many.radiance(scene, view));
+    const Image empty = one.radiance({}, view);
+    for (const float value : empty.pixels()) ASSERT_NEAR(value, 1, 0.01);
+}
+
+}  // namespace
+}  // namespace grainfield::simulate
