@@ -8,8 +8,8 @@
 
 #include "core/random.h"
 #include "tests/support/layer_frames.h"
-#include "tracking/score/track_scores.h"
 #include "tracking/link/linker.h"
+#include "tracking/score/track_scores.h"
 
 namespace grainfield::tracking {
 namespace {
