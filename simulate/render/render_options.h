@@ -64,7 +64,7 @@ struct SilhouetteOptions {
 
 /// Steel spheres between glass plates over a panel. Section `raytrace`.
 struct RaytraceOptions {
-    double panel_distance = 30;   ///< of the diffuser below the low plate's upper face [a]
+    double panel_distance = 10;   ///< of the diffuser below the low plate's upper face [a]
     double panel_half_size = 75;  ///< of the square panel [a]
     double emission_power = 1;    ///< panel radiance ∝ cos^(power − 1): 1 is Lambertian
     double glass_thickness = 10;  ///< of either plate [a]; 0: no plates
