@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -22,7 +23,7 @@ namespace {
 
 constexpr double radius = 0.5;
 constexpr double glass_index = 1.52;
-constexpr double least_weight = 0.004;
+constexpr double least_weight = 0.01;
 constexpr double half_ring = 2 * std::numbers::pi / 180;
 constexpr std::uint32_t nothing = RTC_INVALID_GEOMETRY_ID;
 
@@ -183,12 +184,13 @@ Ray camera_ray(const View& view, Vec2 pixel, double top) {
     return {origin, down * (1 / norm(down))};
 }
 
-// Point k of the R2 sequence, within ± 1/2.
-Vec2 sub_pixel(int k) {
+// Point k of the R2 sequence, within ± 1/2, shifted differently in every pixel: the errors of
+// neighbours are then unrelated, and the blur averages them.
+Vec2 sub_pixel(int k, int column, int row) {
     constexpr double a = 0.7548776662466927;
     constexpr double b = 0.5698402909980532;
-    const double x = 0.5 + a * (k + 1);
-    const double y = 0.5 + b * (k + 1);
+    const double x = 0.5 + a * (k + 1) + 0.8191725134 * column + 0.6710436067 * row;
+    const double y = 0.5 + b * (k + 1) + 0.5497004779 * column + 0.8566748838 * row;
     return {x - std::floor(x) - 0.5, y - std::floor(y) - 0.5};
 }
 
@@ -253,7 +255,7 @@ class Picture {
         for (int count = 4;; count *= 4) {
             count = std::min(count, options_.most_samples);
             for (; k < count; ++k) {
-                const Ray ray = camera_ray(view_, at(x, y) + sub_pixel(k), cell_.top());
+                const Ray ray = camera_ray(view_, at(x, y) + sub_pixel(k, x, y), cell_.top());
                 const Cell::Seen seen = cell_.look(ray, cost.rays);
                 ++cost.samples;
                 (seen.sphere ? covered : free) += seen.radiance;

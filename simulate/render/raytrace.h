@@ -14,7 +14,7 @@ namespace grainfield::simulate {
 /// plate reflects (plate_reflectance), as if at its inner face. What passes downwards sees the
 /// panel, radiance ∝ cos^(power − 1) of its angle, within panel_half_size of the frame's middle,
 /// after refraction in the glass; what passes upwards sees the LED ring (4° wide) or darkness.
-/// Paths end after `bounces` mirrors or below 0.4 % of weight. Radiance is relative to the
+/// Paths end after `bounces` mirrors or below 1 % of weight. Radiance is relative to the
 /// unobstructed panel seen straight down. Neglected: roughness, polarisation along a path, the
 /// ghost of the plates' outer faces being displaced, light that reaches the panel from spheres.
 ///
