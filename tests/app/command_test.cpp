@@ -89,7 +89,7 @@ TEST(Commands, HaveOneLinePurposesAndUniqueFlags) {
         EXPECT_EQ(std::set<std::string>(flags.begin(), flags.end()).size(), flags.size());
     }
     EXPECT_EQ(names, (std::vector<std::string>{"track", "simulate md", "simulate field", "analyze",
-                                               "compare", "export", "info"}));
+                                               "critical", "compare", "export", "info"}));
 }
 
 }  // namespace
