@@ -183,7 +183,10 @@ TEST(Analysis, HandlesUnequalNumbersAndAnEmptyFrameInBetween) {
     source.snapshots[2].id.clear();
     source.snapshots[4].position.resize(700);
     source.snapshots[4].id.resize(700);
-    for (const ObservableResult& r : run(source)) EXPECT_EQ(r.reason, "") << r.name;
+    for (const ObservableResult& r : run(source))
+        if (r.name != "fit") {  // nothing here has a pre-peak
+            EXPECT_EQ(r.reason, "") << r.name;
+        }
 }
 
 TEST(Analysis, SaysInThePlanWhatItLeavesOut) {
@@ -223,8 +226,8 @@ TEST(Analysis, DescribesEveryOptionOnce) {
     const auto tables = describe(options);
     std::vector<std::string> sections;
     for (const OptionTable& table : tables) sections.push_back(table.section());
-    EXPECT_EQ(sections,
-              (std::vector<std::string>{"analysis", "q4", "phase", "msd", "sk", "variance"}));
+    EXPECT_EQ(sections, (std::vector<std::string>{"analysis", "q4", "phase", "msd", "sk",
+                                                  "variance", "fit"}));
     tables[4].find("k-max")->set_from_text("3.5");
     EXPECT_EQ(options.sk.k_max, 3.5);
     tables[1].find("neighbours")->set_from_text("near-delaunay");

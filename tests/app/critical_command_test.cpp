@@ -20,7 +20,10 @@ std::filesystem::path write_run(const std::filesystem::path& path, double nu, bo
     ObservableResult fit;
     fit.name = "fit";
     fit.measurements = {{"s0_over_s1", "-", 0.7 * (nu - 5.2), 0.01, 100, ""}};
-    if (!has_fit) fit = {.name = "fit", .reason = "no pre-peak"};
+    if (!has_fit) {
+        fit.measurements.clear();
+        fit.reason = "no pre-peak";
+    }
     run.observables = {fit};
     run.record.configuration = {{"field.nu", std::to_string(nu)}};
     io::write_results(path, run, io::Overwrite::force);
@@ -31,7 +34,7 @@ Summary run_command(const testing::ScratchFolder& folder, std::vector<std::files
                     std::vector<std::pair<std::string, std::string>> options) {
     CriticalCommand command;
     std::vector<OptionTable> tables = command.options();
-    options.emplace_back("output", (folder / "critical.h5").string());
+    options.emplace_back("output", std::string(folder / "critical.h5"));
     for (const auto& [name, text] : options) tables.front().set(name, OptionValue(text));
     Session session;
     session.command = "critical";
