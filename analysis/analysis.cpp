@@ -33,7 +33,7 @@ class Stopwatch {
 };
 
 struct Seconds {
-    double q4 = 0, phase = 0, msd = 0, sk = 0, variance = 0;
+    double q4 = 0, phase = 0, msd = 0, sk = 0, variance = 0, fit = 0;
 
     Seconds& operator+=(const Seconds& o) {
         q4 += o.q4;
@@ -74,7 +74,7 @@ class Run {
         phase_order_.symmetry = 4;
         if (wanted_.phase || wanted_.msd) phase_.emplace(options.phase, info, frames);
         if (wanted_.msd) msd_.emplace(options.msd, frames, threads);
-        if (wanted_.sk) sk_.emplace(options.sk, box, frames);
+        if (wanted_.sk || wanted_.fit) sk_.emplace(options.sk, box, frames);
         if (wanted_.variance) variance_.emplace(options.variance, box, frames, threads);
     }
 
@@ -139,8 +139,9 @@ class Run {
             push(seconds_.msd,
                  [&] { return msd_->result(phase_ && phase_->follows() ? &*phase_ : nullptr); });
         }
-        if (sk_) push(seconds_.sk, [&] { return sk_->result(); });
+        if (wanted_.sk) push(seconds_.sk, [&] { return sk_->result(); });
         if (variance_) push(seconds_.variance, [&] { return variance_->result(); });
+        if (wanted_.fit) push(seconds_.fit, [&] { return fit_result(*sk_, options_.fit); });
         return results;
     }
 
@@ -183,13 +184,14 @@ void warn_if_unfilled(const Pattern& pattern, RunPlan& plan) {
 std::vector<OptionTable> describe(AnalysisOptions& options) {
     OptionTable table("analysis");
     table.text("observables", options.observables,
-               "comma list of q4, phase, msd, sk, variance; or all");
+               "comma list of q4, phase, msd, sk, variance, fit; or all");
     return {table,
             describe(options.q4),
             describe(options.phase),
             describe(options.msd),
             describe(options.sk),
-            describe(options.variance)};
+            describe(options.variance),
+            describe(options.fit)};
 }
 
 void plan_analysis(SnapshotSource& source, const AnalysisOptions& options, RunPlan& plan) {
@@ -239,6 +241,13 @@ void plan_analysis(SnapshotSource& source, const AnalysisOptions& options, RunPl
     }
     if (wanted.variance) {
         plan.run("variance", frames < 2 ? "one frame: over positions" : "temporal, per position");
+    }
+    if (wanted.fit) {
+        if (frames < 2 && !first.box.is_periodic()) {
+            plan.skip("fit", "one frame: S(k) has the walls in it", "");
+        } else {
+            plan.run("fit", "S0 + S1 (ka)^alpha below the pre-peak, if there is one");
+        }
     }
 }
 

@@ -16,7 +16,8 @@ ObservableSet ObservableSet::parse(const std::string& list) {
         {"phase", &ObservableSet::phase},
         {"msd", &ObservableSet::msd},
         {"sk", &ObservableSet::sk},
-        {"variance", &ObservableSet::variance}};
+        {"variance", &ObservableSet::variance},
+        {"fit", &ObservableSet::fit}};
     std::istringstream entries(list);
     std::string entry;
     bool any = false;
@@ -35,14 +36,14 @@ ObservableSet ObservableSet::parse(const std::string& list) {
             for (const auto& [name, member] : members) names.push_back(name);
             const std::string nearest = nearest_name(entry, names);
             throw OptionError(ErrorText{"unknown observable", "'" + entry + "'",
-                                        "some of all, q4, phase, msd, sk, variance",
+                                        "some of all, q4, phase, msd, sk, variance, fit",
                                         nearest.empty() ? "" : "did you mean " + nearest + "?"});
         }
         set.*(found->second) = true;
     }
     if (!any) {
         throw OptionError(ErrorText{"no observables are asked for", "'" + list + "'",
-                                    "some of all, q4, phase, msd, sk, variance", ""});
+                                    "some of all, q4, phase, msd, sk, variance, fit", ""});
     }
     return set;
 }

@@ -11,6 +11,7 @@ struct ObservableSet {
     bool msd = false;
     bool sk = false;
     bool variance = false;
+    bool fit = false;
 
     /// From "all" or a comma list such as "q4,sk". Throws OptionError naming the unknown entry, or
     /// if the list is empty.

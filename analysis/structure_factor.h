@@ -3,12 +3,14 @@
 #include <complex>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "analysis/accumulator.h"
 #include "analysis/blocks.h"
 #include "analysis/density_modes.h"
+#include "analysis/fit.h"
 #include "analysis/pattern.h"
 #include "core/checkpoint.h"
 #include "core/density_field.h"
@@ -96,6 +98,21 @@ class StructureFactor {
 
     const ModeGrid& grid() const { return grid_; }
 
+    enum class Estimator { raw, connected, neumann };
+
+    /// What the measurements allow: modes between walls (from two frames on), connected, raw.
+    bool allows(Estimator estimator) const;
+
+    /// S(k) with its degrees of freedom ν, for fits. ν = n_eff T/g (half of it for the real Neumann
+    /// modes; times (M − 1)/M where the mean is subtracted): T frames, and g the correlation of
+    /// |ρ_k|², (1 + r²)/(1 − r²), from that of ρ_k, (1 + r)/(1 − r), as for a mode that relaxes
+    /// exponentially; r from the scatter of the blocks, smoothed over k and corrected for their
+    /// finite length. `times`: how often each block of time is taken, for the bootstrap;
+    /// empty: once. The degrees of freedom are always those of all blocks.
+    Spectrum spectrum(Estimator estimator, std::span<const int> times = {}) const;
+    std::size_t blocks() const { return blocks_.size(); }
+    bool is_periodic() const { return box_.is_periodic(); }
+
  private:
     struct Block {
         double frames = 0;
@@ -105,7 +122,6 @@ class StructureFactor {
         std::vector<double> cosine;             // Σ c
         std::vector<double> cosine2;            // Σ c²
     };
-    enum class Estimator { raw, connected, neumann };
     static constexpr std::size_t nowhere = static_cast<std::size_t>(-1);
 
     struct Shells {
@@ -123,10 +139,11 @@ class StructureFactor {
     std::vector<double> averages(const Shells& shells, const Block& sums, Estimator estimator,
                                  const std::vector<double>& samples) const;
     Curve curve(const char* name, const char* title, Estimator estimator) const;
-    Curve samples_curve(Estimator estimator) const;
+    Curve samples_curve(const char* name, Estimator estimator) const;
     void add_measurements(ObservableResult& result, Estimator best,
                           const std::string& reason) const;
     Block total(std::optional<std::size_t> without) const;
+    Block total_of(std::span<const int> times) const;
     Block empty_block() const;
 
     StructureFactorOptions options_;

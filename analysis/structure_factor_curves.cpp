@@ -28,22 +28,47 @@ std::int64_t shell_of(double k, double step, const std::optional<double>& width)
     return n < 5.5 ? std::llround(n * distinct) : std::llround(n) * std::llround(distinct);
 }
 
+// The correlation r from frame to frame of a mode that relaxes exponentially, from the excess g of
+// the variance of the means of b frames over that of independent ones:
+// g = (1 + r)/(1 − r) − 2 r (1 − r^b)/(b (1 − r)²), which rises with r.
+double frame_correlation(double g, double b) {
+    const auto excess = [b](double r) {
+        return (1 + r) / (1 - r) - 2 * r * (1 - std::pow(r, b)) / (b * (1 - r) * (1 - r));
+    };
+    if (!(g > 1) || !(b > 1)) return 0;
+    double low = 0;
+    double high = 0.9999;
+    if (excess(high) < g) return high;
+    for (int step = 0; step < 60; ++step) {
+        const double middle = 0.5 * (low + high);
+        (excess(middle) < g ? low : high) = middle;
+    }
+    return 0.5 * (low + high);
+}
+
 }  // namespace
 
 StructureFactor::Block StructureFactor::total(std::optional<std::size_t> without) const {
+    std::vector<int> times(blocks_.size(), 1);
+    if (without) times[*without] = 0;
+    return total_of(times);
+}
+
+StructureFactor::Block StructureFactor::total_of(std::span<const int> times) const {
     Block sums = empty_block();
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
-        if (without && *without == b) continue;
+        if (times[b] == 0) continue;
+        const double weight = times[b];
         const Block& block = blocks_[b];
-        sums.frames += block.frames;
-        sums.particles += block.particles;
+        sums.frames += weight * block.frames;
+        sums.particles += weight * block.particles;
         for (std::size_t m = 0; m < sums.rho.size(); ++m) {
-            sums.rho[m] += block.rho[m];
-            sums.power[m] += block.power[m];
+            sums.rho[m] += weight * block.rho[m];
+            sums.power[m] += weight * block.power[m];
         }
         for (std::size_t c = 0; c < sums.cosine.size(); ++c) {
-            sums.cosine[c] += block.cosine[c];
-            sums.cosine2[c] += block.cosine2[c];
+            sums.cosine[c] += weight * block.cosine[c];
+            sums.cosine2[c] += weight * block.cosine2[c];
         }
     }
     return sums;
@@ -225,13 +250,54 @@ Curve StructureFactor::curve(const char* name, const char* title, Estimator esti
     return curve;
 }
 
-Curve StructureFactor::samples_curve(Estimator estimator) const {
+bool StructureFactor::allows(Estimator estimator) const {
+    const bool measured = added_ > 0 && !grid_.modes().empty();
+    if (estimator == Estimator::raw) return measured;
+    return measured && added_ >= 2 && (estimator == Estimator::connected || has_neumann());
+}
+
+Spectrum StructureFactor::spectrum(Estimator estimator, std::span<const int> times) const {
+    const Shells shells = this->shells(estimator);
+    const std::vector<double> samples = this->samples(shells, estimator);
+    const std::vector<double> modes = independent_modes(shells, estimator);
+    const Block sums = times.empty() ? total(std::nullopt) : total_of(times);
+    Spectrum spectrum;
+    spectrum.k = shells.k;
+    spectrum.s = averages(shells, sums, estimator, samples);
+    const auto frames = static_cast<double>(added_);
+    const double block = frames / static_cast<double>(blocks_.size());
+    for (std::size_t i = 0; i < shells.k.size(); ++i) {
+        // T/M from few blocks is noisy: the mean over shells within a fifth or so in k.
+        double sum = 0;
+        double weight = 0;
+        for (std::size_t j = 0; j < shells.k.size(); ++j) {
+            const double u = std::log(shells.k[j] / shells.k[i]) / 0.2;
+            if (std::abs(u) > 3) continue;
+            const double w = shells.modes[j] * std::exp(-0.5 * u * u);
+            sum += w * frames / samples[j];
+            weight += w;
+        }
+        const double r = frame_correlation(sum / weight, block);
+        const double kept = (1 - r) / (1 + r);
+        double nu = modes[i] * frames * (1 - r * r) / (1 + r * r);
+        if (estimator != Estimator::raw) nu *= std::max(0.0, 1 - 1 / (frames * kept));
+        if (estimator == Estimator::neumann) nu *= 0.5;
+        spectrum.dof.push_back(nu);
+        spectrum.error.push_back(spectrum.s[i] / std::sqrt(nu));
+    }
+    return spectrum;
+}
+
+Curve StructureFactor::samples_curve(const char* name, Estimator estimator) const {
     const Shells shells = this->shells(estimator);
     Curve curve;
-    curve.name = "sk_samples";
+    curve.name = name;
     curve.title = "Independent frames behind S(k)";
-    curve.columns = {Column{"k", "1/a", "Wavevector k a", shells.k},
-                     Column{"samples", "-", "Independent frames", samples(shells, estimator)}};
+    curve.columns = {
+        Column{"k", "1/a", "Wavevector k a", shells.k},
+        Column{"samples", "-", "Independent frames", samples(shells, estimator)},
+        Column{"modes", "-", "Independent modes", independent_modes(shells, estimator)},
+        Column{"dof", "-", "Degrees of freedom", spectrum(estimator).dof}};
     return curve;
 }
 
@@ -298,7 +364,10 @@ ObservableResult StructureFactor::result() const {
         result.curves.push_back(
             curve("sk_neumann", "Structure factor, modes of a walled box", Estimator::neumann));
     }
-    if (added_ >= 2) result.curves.push_back(samples_curve(best));
+    if (added_ >= 2) result.curves.push_back(samples_curve("sk_samples", best));
+    if (added_ >= 2 && has_neumann()) {
+        result.curves.push_back(samples_curve("sk_neumann_samples", Estimator::neumann));
+    }
     add_measurements(result, best, reason);
     return result;
 }

@@ -1,6 +1,7 @@
 #include "app/analyze_command.h"
 #include "app/command.h"
 #include "app/compare_command.h"
+#include "app/critical_command.h"
 #include "app/export_command.h"
 #include "app/info_command.h"
 #include "app/render_command.h"
@@ -18,6 +19,7 @@ std::vector<std::unique_ptr<Command>> make_commands() {
     commands.push_back(std::make_unique<SimulateFieldCommand>());
     commands.push_back(std::make_unique<RenderCommand>());
     commands.push_back(std::make_unique<AnalyzeCommand>());
+    commands.push_back(std::make_unique<CriticalCommand>());
     commands.push_back(std::make_unique<CompareCommand>());
     commands.push_back(std::make_unique<ValidateCommand>());
     commands.push_back(std::make_unique<ExportCommand>());

@@ -23,6 +23,7 @@ struct Axis {
 
 enum class Mark {
     line,   ///< points joined by a line, with error bars
+    curve,  ///< a smooth line without points: a fit
     steps,  ///< a histogram's outline, x at the centres of the bins
     guide   ///< a line to compare slopes with; belongs to no run
 };

@@ -156,6 +156,8 @@ Figure structure_factor(const Runs& runs, const std::vector<std::string>& labels
              {"sk", "sk_raw", "k", "s", "s_err"}, false);
     add_kind(figure, runs, {"modes of a walled box", Mark::line, false},
              {"sk", "sk_neumann", "k", "s", "s_err"}, false);
+    add_kind(figure, runs, {"fit, S₀ + S₁ (ka)^α", Mark::curve, true},
+             {"fit", "fit", "k", "s", "s_err"}, false);
     figure.may_be_linear = true;
     entitle(figure, common_title(runs, sk));
     return figure;
@@ -264,6 +266,22 @@ Figure phase_fractions(const Runs& runs, const std::vector<std::string>& labels)
     return figure;
 }
 
+Figure critical(const Runs& runs, const std::vector<std::string>& labels) {
+    Figure figure = empty_figure(labels, "critical", "S₀/S₁ against the control parameter",
+                                 {"x", "Control parameter", "", Scale::linear, false},
+                                 {"s0_over_s1", "S₀/S₁", "", Scale::linear, true});
+    add_kind(figure, runs, {"S₀/S₁", Mark::line, true},
+             {"critical", "critical", "x", "s0_over_s1", "err"}, true);
+    add_kind(figure, runs, {"weighted line", Mark::curve, true},
+             {"critical", "critical_line", "x", "s0_over_s1", "err"}, false);
+    return figure;
+}
+
+bool has_critical(const Runs& runs) {
+    return std::ranges::any_of(runs,
+                               [](const Results& run) { return run.find("critical") != nullptr; });
+}
+
 }  // namespace
 
 std::vector<std::string> run_labels(const std::vector<Results>& runs) {
@@ -289,8 +307,11 @@ std::vector<std::string> run_labels(const std::vector<Results>& runs) {
 
 std::vector<Figure> make_figures(const std::vector<Results>& runs,
                                  const std::vector<std::string>& labels) {
-    return {histogram(runs, labels), structure_factor(runs, labels), number_variance(runs, labels),
-            displacement(runs, labels), phase_fractions(runs, labels)};
+    std::vector<Figure> figures{histogram(runs, labels), structure_factor(runs, labels),
+                                number_variance(runs, labels), displacement(runs, labels),
+                                phase_fractions(runs, labels)};
+    if (has_critical(runs)) figures.insert(figures.begin(), critical(runs, labels));
+    return figures;
 }
 
 }  // namespace grainfield::report

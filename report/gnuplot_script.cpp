@@ -106,6 +106,7 @@ std::string plot_clause(const Figure& figure, const Series& series, std::size_t 
     const std::string line = fmt::format("lc rgb '{}' dt {}", hex(style.colour), style.dash + 1);
     const std::string data = fmt::format("$data{} using 1:2", number);
     if (kind.mark == Mark::guide) return data + " with lines " + line + " lw 1.2 " + title;
+    if (kind.mark == Mark::curve) return data + " with lines " + line + " lw 2 " + title;
     if (kind.mark == Mark::steps) return data + " with histeps " + line + " lw 2 " + title;
     // Plain strokes: gnuplot's own error bars wipe out what lies under their points.
     std::string bars;

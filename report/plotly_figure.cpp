@@ -70,6 +70,11 @@ json trace(const Figure& figure, const Series& series) {
         t.erase("hovertemplate");
         return t;
     }
+    if (kind.mark == Mark::curve) {
+        t["mode"] = "lines";
+        t["line"]["width"] = 2.4;
+        return t;
+    }
     if (kind.mark == Mark::steps) {
         add_outline(t, series);
         if (figure.runs.size() == 1) t["fill"] = "tozeroy";

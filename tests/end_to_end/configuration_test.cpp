@@ -64,7 +64,7 @@ TEST_F(Configuration, ExplainTellsThePlanAndWritesNothing) {
 }
 
 TEST_F(Configuration, QuietPrintsNothingAndVerboseListsTheStages) {
-    const Outcome quiet = track({"-o", folder_ / "a.h5", "--quiet"});
+    const Outcome quiet = track({"-o", folder_ / "a.h5", "--quiet", "--sphere-diameter", "10"});
     EXPECT_EQ(quiet.code, 0);
     EXPECT_EQ(quiet.out + quiet.err, "");
     const Outcome normal = track({"-o", folder_ / "b.h5"});

@@ -1,12 +1,16 @@
 #include "report/text.h"
 
 #include <cmath>
+#include <csignal>
+#include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sys/resource.h>
 
 #include "core/errors.h"
 #include "tests/report/sample_results.h"
@@ -146,7 +150,7 @@ TEST(WriteFile, LeavesNothingBehindWhereTheDiskIsFull) {
     setrlimit(RLIMIT_FSIZE, &before);
     std::signal(SIGXFSZ, handler);
     EXPECT_FALSE(std::filesystem::exists(folder / "x.txt"));
-    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / "."), {}), 0);
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 0);
 }
 
 }  // namespace
