@@ -131,8 +131,7 @@ void Displacement::merge(const Displacement& later) {
 std::optional<Displacement::Clock> Displacement::clock() const {
     std::vector<double> stamp = time_;
     std::ranges::sort(stamp);
-    const auto [again, end] = std::ranges::unique(stamp);
-    stamp.erase(again, end);
+    stamp.erase(std::unique(stamp.begin(), stamp.end()), stamp.end());
     if (stamp.size() < 2 || !std::isfinite(stamp.back() - stamp.front())) return std::nullopt;
     std::vector<double> gap;
     for (std::size_t i = 1; i < stamp.size(); ++i) gap.push_back(stamp[i] - stamp[i - 1]);
