@@ -149,11 +149,16 @@ std::vector<double> StructureFactor::independent_modes(const Shells& shells,
     std::array<std::array<double, 2 * reach + 1>, 2> overlap;
     const std::array<double, 2> half{0.5 * grid_.spacing().x * box_.length.x,
                                      0.5 * grid_.spacing().y * box_.length.y};
+    // Differences from −reach to reach, as an index from 0.
+    const auto index_of = [&](int d) {
+        const int index = d + reach;
+        return static_cast<std::size_t>(index);
+    };
     for (std::size_t axis = 0; axis < 2; ++axis) {
         for (int d = -reach; d <= reach; ++d) {
             const double x = d * half[axis];
             const double c = d == 0 ? 1 : std::sin(x) / x;
-            overlap[axis][static_cast<std::size_t>(d + reach)] = c * c < 1e-12 ? 0 : c * c;
+            overlap[axis][index_of(d)] = c * c < 1e-12 ? 0 : c * c;
         }
     }
     std::vector<std::size_t> shell(grid_.modes().size(), nowhere);
@@ -165,10 +170,10 @@ std::vector<double> StructureFactor::independent_modes(const Shells& shells,
     for (std::size_t m = 0; m < shell.size(); ++m) {
         if (shell[m] == nowhere) continue;
         for (int dx = -reach; dx <= reach; ++dx) {
-            const double of_x = overlap[0][static_cast<std::size_t>(dx + reach)];
+            const double of_x = overlap[0][index_of(dx)];
             if (of_x == 0) continue;
             for (int dy = -reach; dy <= reach; ++dy) {
-                const double of_y = overlap[1][static_cast<std::size_t>(dy + reach)];
+                const double of_y = overlap[1][index_of(dy)];
                 if (of_y == 0) continue;
                 int nx = grid_.modes()[m].nx + dx;
                 int ny = grid_.modes()[m].ny + dy;

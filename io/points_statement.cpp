@@ -81,7 +81,7 @@ std::string set_positive(std::optional<double>& number, std::string_view text) {
 }
 
 std::string set_box(std::optional<Box>& box, std::string_view text) {
-    const auto wrong = fmt::format("'{}' is not a box X0,Y0,LX,LY,HEIGHT", text);
+    auto wrong = fmt::format("'{}' is not a box X0,Y0,LX,LY,HEIGHT", text);
     std::vector<double> numbers;
     for (const std::string_view part : parts_of(text, ',')) {
         const auto number = parse<double>(part);
