@@ -34,7 +34,8 @@ bool DiscScan::prepare(const Disc& disc, int width, int y_first, int y_end) {
     bottom_ = std::min(y_end, floor_to_int(cy + radius + 0.5) + 1);
     if (first_ >= end_ || top_ >= bottom_) return false;
 
-    columns_.resize(static_cast<std::size_t>(end_ - left_ + 1));
+    const int borders = end_ - left_ + 1;
+    columns_.resize(static_cast<std::size_t>(borders));
     for (std::size_t j = 0; j < columns_.size(); ++j) {
         const double u = left_ - 0.5 + static_cast<double>(j) - cx;
         const double clipped = std::min(std::abs(u), radius);
@@ -42,7 +43,8 @@ bool DiscScan::prepare(const Disc& disc, int width, int y_first, int y_end) {
         columns_[j] = {clipped, k, primitive(k, clipped, radius), u < 0 ? -1.0 : 1.0};
     }
     row_origin_ = top_;
-    rows_.resize(static_cast<std::size_t>(bottom_ - top_ + 1));
+    const int row_borders = bottom_ - top_ + 1;
+    rows_.resize(static_cast<std::size_t>(row_borders));
     for (std::size_t j = 0; j < rows_.size(); ++j) {
         const double t = std::clamp(top_ - 0.5 + static_cast<double>(j) - cy, -radius, radius);
         const double half_chord = std::sqrt(radius * radius - t * t);
@@ -52,8 +54,9 @@ bool DiscScan::prepare(const Disc& disc, int width, int y_first, int y_end) {
 }
 
 DiscScan::Row DiscScan::row_at(int y) const {
-    const RowBorder& above = rows_[static_cast<std::size_t>(y - row_origin_)];
-    const RowBorder& below = rows_[static_cast<std::size_t>(y - row_origin_ + 1)];
+    const auto index = static_cast<std::size_t>(y - row_origin_);
+    const RowBorder& above = rows_[index];
+    const RowBorder& below = rows_[index + 1];
     Row row{above.t, below.t, above.h, below.h, 0, 0, 0, 0};
     const bool holds_centre = above.t < 0 && below.t > 0;
     const double widest =

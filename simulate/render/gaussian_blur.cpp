@@ -43,11 +43,13 @@ GRAINFIELD_BLUR_KERNEL void weighted_rows(const float* __restrict in, std::ptrdi
 
 std::vector<float> gaussian_weights(double sigma) {
     const int reach = blur_reach(sigma);
-    std::vector<double> weight(static_cast<std::size_t>(2 * reach + 1));
+    const int size = 2 * reach + 1;
+    std::vector<double> weight(static_cast<std::size_t>(size));
     double sum = 0;
     for (int j = -reach; j <= reach; ++j) {
         const double w = std::exp(-0.5 * j * j / (sigma * sigma));
-        weight[static_cast<std::size_t>(j + reach)] = w;
+        const int index = j + reach;
+        weight[static_cast<std::size_t>(index)] = w;
         sum += w;
     }
     std::vector<float> normalised;

@@ -43,7 +43,8 @@ GRAINFIELD_SENSOR_KERNEL void quantise(const float* __restrict electrons,
     const auto convert = [&](float e) __attribute__((always_inline)) {
         const float dn = gain * std::min(e, well) + offset;
         // Clamped first, so that rounding by conversion cannot overflow.
-        return static_cast<float>(static_cast<int>(std::min(std::max(dn, 0.0F), top) + 0.5F));
+        const float raised = std::min(std::max(dn, 0.0F), top) + 0.5F;
+        return static_cast<float>(static_cast<int>(raised));
     };
     if (dark == nullptr) {
         for (int i = 0; i < count; ++i) counts[i] = convert(electrons[i]);

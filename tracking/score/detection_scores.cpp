@@ -186,7 +186,7 @@ std::vector<int> DetectionScores::add(const TruthFrame& truth, const std::vector
                                       const std::vector<Vec2>& errors) {
     require_columns(truth, found, errors);
     ++frames_;
-    const std::vector<int> partner = match_positions(found, truth.position, gate_);
+    std::vector<int> partner = match_positions(found, truth.position, gate_);
     constexpr double kInfinite = std::numeric_limits<double>::infinity();
     const auto each_class = [&](std::uint64_t mask, auto&& action) {
         for (std::size_t c = 0; c < classes_.size(); ++c) {

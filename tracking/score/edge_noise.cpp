@@ -80,10 +80,12 @@ Differences differences_of(const Image& counts, const std::vector<std::uint8_t>&
 double mean_contrast(const ImageModel& model, int width, int height) {
     constexpr int kSamples = 16;
     double sum = 0;
-    for (int i = 0; i < kSamples * kSamples; ++i) {
-        sum += model.background((i % kSamples + 0.5) * width / kSamples,
-                                (i / kSamples + 0.5) * height / kSamples) -
-               model.dark_level;
+    for (int row = 0; row < kSamples; ++row) {
+        for (int column = 0; column < kSamples; ++column) {
+            sum += model.background((column + 0.5) * width / kSamples,
+                                    (row + 0.5) * height / kSamples) -
+                   model.dark_level;
+        }
     }
     return std::abs(sum) / (kSamples * kSamples);
 }
