@@ -112,6 +112,7 @@ void Tracker::locate(const Frame& frame, std::int64_t position, TrackSummary& su
     }
     auto start = Clock::now();
     Illumination light = illumination_->expected(frame.image);
+    summary.ms_per_frame.detect += milliseconds_since(start);
     std::vector<Vec2> places = start_for(frame, position, summary);
     Located found;
     for (int attempt = 0; attempt < 2; ++attempt) {

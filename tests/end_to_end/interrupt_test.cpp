@@ -93,7 +93,7 @@ TEST_P(InterruptedConversion, EndsInTimeAndWritesNothing) {
     const ScratchFolder input, folder;
     const std::string output = folder / (GetParam() == std::string("export") ? "x.csv" : "x.h5");
     const Process process({GRAINFIELD_PROGRAM, GetParam(), long_table(input), "-o", output});
-    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    process.let_work(std::chrono::milliseconds(400), SIGTERM);
     const auto start = std::chrono::steady_clock::now();
     process.send(SIGTERM);
     const Outcome outcome = process.wait();

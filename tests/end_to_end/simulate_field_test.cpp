@@ -124,7 +124,7 @@ TEST_P(InterruptedField, LeavesACheckpointWithinTwoSecondsAndGoesOn) {
     Words words = job(folder / "f.h5", {"--nx", "512", "--record", "1e5"});
     words.insert(words.begin(), GRAINFIELD_PROGRAM);
     const Process process(words);
-    std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+    process.let_work(std::chrono::milliseconds(1500), GetParam());
     const auto start = std::chrono::steady_clock::now();
     process.send(GetParam());
     const Outcome outcome = process.wait();

@@ -81,7 +81,7 @@ TEST(SimulateMd, StopsWithinTwoSecondsAndGoesOnAsIfNothingHadHappened) {
     const ScratchFolder folder;
     ASSERT_EQ(testing::run_grainfield(small_run(folder / "whole.h5")).code, 0);
     const Process process(program(small_run(folder / "cut.h5")));
-    std::this_thread::sleep_for(std::chrono::milliseconds(400));
+    process.let_work(std::chrono::milliseconds(300), SIGINT);
     const auto start = std::chrono::steady_clock::now();
     process.send(SIGINT);
     const Outcome outcome = process.wait();

@@ -2,7 +2,6 @@
 #include <chrono>
 #include <fstream>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <fmt/format.h>
@@ -162,7 +161,7 @@ TEST(ValidateScene, StopsAtCtrlCWithTheScoresOfTheFramesDone) {
     words.insert(words.begin(), GRAINFIELD_PROGRAM);
     const testing::Process process(words);
     // 380 frames take far longer than this, the molecular dynamics far less.
-    std::this_thread::sleep_for(std::chrono::seconds(4));
+    process.let_work(std::chrono::seconds(4), SIGINT);
     process.send(SIGINT);
     const Outcome outcome = process.wait();
     EXPECT_EQ(outcome.code, 130) << outcome.err;

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <chrono>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <fcntl.h>
@@ -52,6 +54,15 @@ class Process {
 
     void send(int signal) const { ::kill(pid_, signal); }
 
+    /// Lets the program work for `time` once it handles `signal`, which would just end it before
+    /// (a loaded machine may take seconds to start a program). A minute at most.
+    void let_work(std::chrono::milliseconds time, int signal) const {
+        for (int i = 0; i < 6000 && !handles(signal); ++i) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        }
+        std::this_thread::sleep_for(time);
+    }
+
     Outcome wait() const {
         int status = 0;
         ::waitpid(pid_, &status, 0);
@@ -60,6 +71,18 @@ class Process {
     }
 
  private:
+    /// As Linux says it: the mask "SigCgt" in /proc/PID/status.
+    bool handles(int signal) const {
+        std::ifstream status("/proc/" + std::to_string(pid_) + "/status");
+        for (std::string word; status >> word;) {
+            unsigned long long mask = 0;
+            if (word == "SigCgt:" && status >> std::hex >> mask) {
+                return ((mask >> (signal - 1)) & 1) != 0;
+            }
+        }
+        return false;
+    }
+
     ScratchFolder out_;
     pid_t pid_ = -1;
 };

@@ -8,22 +8,14 @@
 
 #include "analysis/fit_result.h"
 #include "tests/analysis/synthetic_patterns.h"
+#include "tests/support/pull.h"
 
 namespace grainfield::analysis {
 namespace {
 
 using namespace synthetic;
 
-struct Pull {
-    double sum = 0, squares = 0, count = 0;
-    void add(double x) {
-        sum += x;
-        squares += x * x;
-        count += 1;
-    }
-    double mean() const { return sum / count; }
-    double width() const { return std::sqrt(squares / count - mean() * mean()); }
-};
+using grainfield::testing::Pull;
 
 // 500 trials: the bars 0.15 and 0.85–1.15 are those asked for; the mean of an honest pull has a
 // standard error of 0.045 and its width of 0.032, and the seed is fixed.

@@ -10,22 +10,14 @@
 
 #include "analysis/structure_factor.h"
 #include "tests/analysis/synthetic_patterns.h"
+#include "tests/support/pull.h"
 
 namespace grainfield::analysis {
 namespace {
 
 using namespace synthetic;
 
-struct Pull {
-    double sum = 0, squares = 0, count = 0;
-    void add(double x) {
-        sum += x;
-        squares += x * x;
-        count += 1;
-    }
-    double mean() const { return sum / count; }
-    double width() const { return std::sqrt(squares / count - mean() * mean()); }
-};
+using grainfield::testing::Pull;
 
 // The pulls of all shells with at least `modes` modes; each pattern is shown `repeat` times in a
 // row, so that frames are correlated.
@@ -54,7 +46,7 @@ Pull pulls(const Box& box, const char* curve_name, int frames, int repeat, int t
     return pull;
 }
 
-class StructureFactorErrors : public testing::TestWithParam<std::array<int, 3>> {};
+class StructureFactorErrors : public ::testing::TestWithParam<std::array<int, 3>> {};
 
 TEST_P(StructureFactorErrors, CoverTheTruthForPoissonFrames) {
     const auto [frames, repeat, trials] = GetParam();
@@ -73,9 +65,9 @@ TEST_P(StructureFactorErrors, CoverTheTruthForPoissonFrames) {
 
 INSTANTIATE_TEST_SUITE_P(
     Frames, StructureFactorErrors,
-    testing::Values(std::array<int, 3>{2, 1, 500}, std::array<int, 3>{3, 1, 500},
-                    std::array<int, 3>{7, 1, 500}, std::array<int, 3>{8, 1, 500},
-                    std::array<int, 3>{40, 1, 500}, std::array<int, 3>{64, 4, 500}));
+    ::testing::Values(std::array<int, 3>{2, 1, 500}, std::array<int, 3>{3, 1, 500},
+                      std::array<int, 3>{7, 1, 500}, std::array<int, 3>{8, 1, 500},
+                      std::array<int, 3>{40, 1, 500}, std::array<int, 3>{64, 4, 500}));
 
 }  // namespace
 }  // namespace grainfield::analysis

@@ -135,13 +135,6 @@ double explained_stencil(const StencilRows& s) {
     return sum(change);
 }
 
-void put_back_stencil(const StencilRows& s) {
-    for_each_spot(s, 0, 0, [&](Vector, Vector, Spot spot) HWY_ATTR {
-        const Vector old = hn::LoadU(kTag, spot.transmission);
-        hn::StoreU(hn::Mul(old, load_half(spot.kept)), kTag, spot.transmission);
-    });
-}
-
 void linearise_stencil(const StencilRows& s, const DiscTerms& disc, float x, float y,
                        double* sums) {
     Vector xx = hn::Zero(kTag);
@@ -200,7 +193,6 @@ namespace grainfield::tracking {
 HWY_EXPORT(place_stencil);
 HWY_EXPORT(lift_stencil);
 HWY_EXPORT(explained_stencil);
-HWY_EXPORT(put_back_stencil);
 HWY_EXPORT(linearise_stencil);
 HWY_EXPORT(shift_stencil);
 
@@ -272,10 +264,6 @@ double place(const StencilView& view, Vec2 centre) {
 
 double lift(const StencilView& view) {
     return HWY_DYNAMIC_DISPATCH(lift_stencil)(rows_of(view));
-}
-
-void put_back(const StencilView& view) {
-    HWY_DYNAMIC_DISPATCH(put_back_stencil)(rows_of(view));
 }
 
 double explained(const StencilView& view) {

@@ -67,9 +67,6 @@ double place(const StencilView& view, Vec2 centre);
 /// T ← T / t. Returns the change of Σ (I − M)².
 double lift(const StencilView& view);
 
-/// T ← T · t as it was kept.
-void put_back(const StencilView& view);
-
 /// By how much Σ (I − M)² would grow if the disc were lifted [contrast² px].
 double explained(const StencilView& view);
 

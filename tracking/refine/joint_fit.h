@@ -65,7 +65,7 @@ class JointFit {
     const PaddedImage& transmission() const { return transmission_; }
     const DiscProfile& disc() const { return profile_; }
 
-    /// Σ (I − M)² that each disc explains (see explained_misfit). Discs in whose neighbourhood
+    /// Σ (I − M)² that each disc explains (disc_stencil.h, explained). Discs in whose neighbourhood
     /// nothing has moved by more than 0.05 px since the last call keep their value.
     const std::vector<double>& explained();
 

@@ -6,31 +6,11 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
+#include "tests/tracking/refine/disc_oracle.h"
 #include "tracking/refine/disc_kernel.h"
 
 namespace grainfield::tracking {
 namespace {
-
-const DiscProfile kDisc{9, 1.25};
-const std::vector<Vec2> kCentres{{12.3, 11.8}, {18.9, 14.2}, {1.2, 25.4}, {30.8, 30.1}};
-
-/// The plain reference, in double precision.
-double oracle_transmission(double r) {
-    return r < kDisc.reach() ? 1 - kDisc.darkness(r) : 1.0;
-}
-
-double oracle_misfit(const PaddedImage& darkness, const std::vector<Vec2>& centres) {
-    double sum = 0;
-    for (int y = 0; y < darkness.height(); ++y) {
-        for (int x = 0; x < darkness.width(); ++x) {
-            double t = 1;
-            for (const Vec2 c : centres) t *= oracle_transmission(std::hypot(x - c.x, y - c.y));
-            const double r = static_cast<double>(darkness(x, y)) - 1 + t;
-            sum += r * r;
-        }
-    }
-    return sum;
-}
 
 PaddedImage noisy_darkness() {
     RandomStream random(3, "darkness");
@@ -95,7 +75,7 @@ TEST(DiscStencil, TheWindowHoldsEveryDiscThatItsAnchorHolds) {
     }
 }
 
-TEST(DiscStencil, LiftingUndoesPlacingAndPuttingBackUndoesLifting) {
+TEST(DiscStencil, LiftingUndoesPlacingAndPlacingUndoesLifting) {
     Scene with(kCentres, kDisc, noisy_darkness());
     Scene without({kCentres[0], kCentres[2], kCentres[3]}, kDisc, noisy_darkness());
     const Image before = with.transmission.inner();
@@ -108,7 +88,7 @@ TEST(DiscStencil, LiftingUndoesPlacingAndPuttingBackUndoesLifting) {
     for (std::size_t i = 0; i < lifted.size(); ++i) {
         EXPECT_NEAR(lifted.pixels()[i], expected.pixels()[i], 2e-6);
     }
-    put_back(with.view(1));
+    place(with.view(1), kCentres[1]);
     const Image again = with.transmission.inner();
     for (std::size_t i = 0; i < again.size(); ++i) {
         EXPECT_NEAR(again.pixels()[i], before.pixels()[i], 2e-6);
