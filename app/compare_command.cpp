@@ -54,7 +54,9 @@ Summary CompareCommand::work(Session& session) const {
     io::OutputFile html(output_, overwrite);
     std::optional<FiguresFolder> figures;
     if (report_.figures) figures.emplace(figures_folder(output_), overwrite);
-    report::write_report(results, report_, html.temporary(), figures_folder(output_), session.plan);
+    report::ReportOptions options = report_;
+    options.threads = session.threads();
+    report::write_report(results, options, html.temporary(), figures_folder(output_), session.plan);
     html.commit();
     session.outputs.push_back(output_);
     if (figures) {

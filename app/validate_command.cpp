@@ -265,6 +265,7 @@ Summary ValidateCommand::finish(Session& session, const ValidationOutcome& outco
         run.record.warnings.clear();
     }
     report::ReportOptions options = report_;
+    options.threads = session.threads();
     if (options.title.empty()) options.title = "Validation of the tracker";
     report::write_report(runs, options, html.temporary(), figures_folder(output_), session.plan,
                          validation_report(outcome, checks));

@@ -112,7 +112,7 @@ std::vector<ParticleMap> make_maps(const std::vector<Results>& runs, const MapBu
         }
     }
     const auto count = static_cast<std::int64_t>(maps.size());
-    parallel_for(count, thread_count(0), [&](std::int64_t i) {
+    parallel_for(count, thread_count(budget.threads), [&](std::int64_t i) {
         const auto m = static_cast<std::size_t>(i);
         encode(maps[m], *images[m], budget.image_bytes / maps.size());
     });

@@ -33,6 +33,7 @@ struct ParticleMap {
 struct MapBudget {
     std::size_t maps = 24;                ///< shared evenly by the runs, at least one each
     std::size_t image_bytes = 6'000'000;  ///< of all PNGs; images are reduced to keep it
+    int threads = 0;                      ///< that encode images; 0: all of the machine
 };
 
 /// The previews of all runs, as many as the budget allows, spread over each run. Previews whose

@@ -33,7 +33,7 @@ void write_report(const std::vector<Results>& runs, const ReportOptions& options
     const std::vector<std::string> labels = run_labels(runs);
     std::vector<Figure> figures = additions.figures;
     for (Figure& figure : make_figures(runs, labels)) figures.push_back(std::move(figure));
-    const std::vector<ParticleMap> maps = make_maps(runs, {});
+    const std::vector<ParticleMap> maps = make_maps(runs, {.threads = options.threads});
     std::string title = clean_text(options.title);
     if (title.empty()) title = "Report of a vibrated layer";
 

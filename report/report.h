@@ -14,6 +14,7 @@ namespace grainfield::report {
 struct ReportOptions {
     std::string title;    ///< heading of the page; empty: made from the runs
     bool figures = true;  ///< also write every figure as SVG and CSV into the folder beside
+    int threads = 0;      ///< 0: all of the machine
 };
 
 /// What a command adds to a report of its own: tables before the key numbers, figures before those

@@ -178,7 +178,7 @@ void choose_threads(int asked, FieldPlan& result, RunPlan& plan) {
     const auto cells = static_cast<std::int64_t>(lattice.cells());
     const std::int64_t useful =
         lattice.dimension == 1 ? 1 : std::max<std::int64_t>(1, cells / 16384);
-    const int offered = thread_count(0);
+    const int offered = thread_count(0);  // more than the machine has would wait for one another
     result.threads = static_cast<int>(std::min<std::int64_t>({asked, useful, offered}));
     if (result.threads < std::min(asked, offered)) {
         plan.skip("threads beyond " + std::to_string(result.threads),

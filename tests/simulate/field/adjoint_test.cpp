@@ -119,6 +119,27 @@ TEST(Adjoint, TheBiasOfTheStepIsOfFirstOrder) {
     EXPECT_LT(std::abs(half), 0.45 * two);
 }
 
+// Second order in dx: D on a face is the mean of its cells. ψ is smooth (b = 8, μ = 100) and the
+// same function of space on all lattices, as a mode has the same noise whatever else is kept.
+TEST(Adjoint, TheErrorOfTheLatticeIsOfSecondOrder) {
+    const auto s_on_lattice = [](int n) {
+        FieldSetup setup = plane(n, n, FieldScheme::lod, 0.5);
+        setup.lattice.spacing = 31.2 / n;
+        setup.model.nu = 0.01;
+        setup.model.mu = 100;
+        setup.model.b = 8;
+        setup.twofold = true;
+        AdjointEstimator adjoint(setup, {{3, 0}}, 1, 0);
+        adjoint.advance(60);
+        return adjoint.under_way(0);
+    };
+    const double s24 = s_on_lattice(24);
+    const double s48 = s_on_lattice(48);
+    const double s96 = s_on_lattice(96);
+    EXPECT_GT(std::abs(s48 / s24 - 1), 1e-4);
+    EXPECT_NEAR((s48 - s24) / (s96 - s48), 4, 0.5);
+}
+
 // The skips of the plan, at the settings that its tolerance of 0.5 % leads to.
 TEST(Adjoint, LeavingOutFastModesChangesSWithinTheTolerance) {
     for (const int n : {4, 12, 22}) {
