@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/run_series.h"
 #include "app/field_results.h"
 #include "app/interrupt_deadline.h"
 #include "app/lengths.h"
@@ -203,6 +204,9 @@ Summary AnalyzeCommand::work(Session& session) const {
                                lengths_of(*file, results.source, adjustment));
     if (const auto* tracks = dynamic_cast<const io::TrajectoryFile*>(file.get())) {
         if (!tracks->record().command.empty()) results.sources = {tracks->record()};
+        if (!tracks->curves().empty()) {
+            results.observables.push_back(analysis::run_series(tracks->curves()));
+        }
     }
     results.label = label_.empty() ? input.stem().string() : label_;
     results.frames = snapshots.count();

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "app/order_series.h"
 #include "app/snapshot_segments.h"
 #include "core/errors.h"
 #include "core/interrupt.h"
@@ -82,6 +83,7 @@ std::vector<OptionTable> SimulateMdCommand::options() {
     own.text("start", start_, "trajectory to start from instead of the initial layout");
     own.integer("start-frame", start_frame_, "-", {-1, 1e15}, "snapshot to start from, -1: last");
     own.flag("resume", resume_, "go on from OUTPUT.checkpoint");
+    own.flag("order", order_, "also mean |Q4| and share of solid grains of each snapshot");
     own.number("checkpoint-every", checkpoint_every_, "min", {0, 1e6}, "time between checkpoints");
     std::vector<OptionTable> tables{own};
     for (OptionTable& table : simulate::describe(md_)) tables.push_back(std::move(table));
@@ -141,6 +143,7 @@ void SimulateMdCommand::run_to_end(Session& session, MdSimulation& simulation,
 }
 
 Summary SimulateMdCommand::run(Session& session) {
+    if (!order_) session.plan.skip("order", "not asked for (--order)", "|Q4| of every snapshot");
     if (session.common.explain) {
         const MdSimulation planned(md_, {}, 1, session.plan);
         return explanation(session.plan);
@@ -192,7 +195,13 @@ Summary SimulateMdCommand::run(Session& session) {
         summary.signal = caught_signal();
         return summary;
     }
-    segments.merge_into(writer);
+    if (order_) {
+        OrderSeries order(writer, simulation.period(), simulation.info().diameter);
+        segments.merge_into(order);
+        writer.add_curve(order.curve());
+    } else {
+        segments.merge_into(writer);
+    }
     writer.add_curve(simulation.series().curve());
     writer.finish(session.record());
     segments.remove();

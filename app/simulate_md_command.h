@@ -41,6 +41,7 @@ class SimulateMdCommand : public Command {
     std::string start_;
     std::int64_t start_frame_ = -1;
     bool resume_ = false;
+    bool order_ = false;
     double checkpoint_every_ = 10;
     simulate::MdOptions md_;
 };

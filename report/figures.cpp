@@ -277,9 +277,37 @@ Figure critical(const Runs& runs, const std::vector<std::string>& labels) {
     return figure;
 }
 
-bool has_critical(const Runs& runs) {
+/// Columns of the time series of a simulation, against its time.
+Figure run_series(const Runs& runs, const std::vector<std::string>& labels, const char* name,
+                  const char* title, const Axis& y,
+                  const std::vector<std::pair<const char*, const char*>>& columns) {
+    Figure figure =
+        empty_figure(labels, name, title, {"t", "Time t", "periods", Scale::linear, true}, y);
+    for (const auto& [column, label] : columns) {
+        add_kind(figure, runs, {label, Mark::curve, true}, {"series", "md", "t", column, ""},
+                 column == columns.front().first);
+    }
+    return figure;
+}
+
+Figure energies(const Runs& runs, const std::vector<std::string>& labels) {
+    return run_series(
+        runs, labels, "energies", "Energies of the run",
+        {"energy", "Energy per grain", "m g a", Scale::linear, true},
+        {{"energy_xy", "horizontal"}, {"energy_z", "vertical"}, {"energy_rotation", "rotation"}});
+}
+
+Figure collisions(const Runs& runs, const std::vector<std::string>& labels) {
+    return run_series(runs, labels, "collisions", "Collisions of the run",
+                      {"rate", "Collisions per grain", "1/period", Scale::linear, true},
+                      {{"pair", "between grains"},
+                       {"low_plate", "with the low plate"},
+                       {"high_plate", "with the high plate"}});
+}
+
+bool any_has(const Runs& runs, const char* observable) {
     return std::ranges::any_of(runs,
-                               [](const Results& run) { return run.find("critical") != nullptr; });
+                               [&](const Results& run) { return run.find(observable) != nullptr; });
 }
 
 }  // namespace
@@ -310,7 +338,11 @@ std::vector<Figure> make_figures(const std::vector<Results>& runs,
     std::vector<Figure> figures{histogram(runs, labels), structure_factor(runs, labels),
                                 number_variance(runs, labels), displacement(runs, labels),
                                 phase_fractions(runs, labels)};
-    if (has_critical(runs)) figures.insert(figures.begin(), critical(runs, labels));
+    if (any_has(runs, "critical")) figures.insert(figures.begin(), critical(runs, labels));
+    if (any_has(runs, "series")) {
+        figures.push_back(energies(runs, labels));
+        figures.push_back(collisions(runs, labels));
+    }
     return figures;
 }
 

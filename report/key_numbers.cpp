@@ -21,7 +21,8 @@ const std::map<std::string, std::string>& observable_titles() {
                                                            {"variance", "Number variance"},
                                                            {"fit", "Fit of S(k)"},
                                                            {"critical", "Critical point"},
-                                                           {"lengths", "Lengths"}};
+                                                           {"lengths", "Lengths"},
+                                                           {"series", "Time series of the run"}};
     return titles;
 }
 
@@ -49,6 +50,22 @@ const std::map<std::string, std::string>& quantity_titles() {
         {"s1", "S₁"},
         {"alpha", "Exponent α"},
         {"k_pre_peak", "Wavevector of the pre-peak"},
+        {"energy_xy", "Horizontal kinetic energy per grain"},
+        {"energy_z", "Vertical kinetic energy per grain"},
+        {"energy_rotation", "Rotational energy per grain"},
+        {"energy_potential", "Potential energy per grain"},
+        {"pair", "Pair collisions per grain"},
+        {"low_plate", "Collisions with the low plate per grain"},
+        {"high_plate", "Collisions with the high plate per grain"},
+        {"wall", "Collisions with side walls per grain"},
+        {"sliding", "Share of collisions that slid"},
+        {"contact_time", "Collisions that the TC model made elastic, per grain"},
+        {"work", "Energy put in by the plates, per grain and period"},
+        {"loss_pair", "Energy lost between grains, per grain and period"},
+        {"loss_plate", "Energy lost at plates and walls, per grain and period"},
+        {"impulse_low", "Mean force of the low plate per grain"},
+        {"impulse_high", "Mean force of the high plate per grain"},
+        {"pressure", "Pressure"},
         {"critical_value", "Critical value of the control parameter"},
         {"critical_low", "Critical value, lower end"},
         {"critical_high", "Critical value, upper end"},

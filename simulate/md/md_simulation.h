@@ -38,6 +38,7 @@ class MdSimulation {
 
     TrajectoryInfo info() const;
     const MdSeries& series() const { return series_; }
+    double period() const { return system_.period(); }
     std::int64_t events() const;
     double max_overlap() const { return max_overlap_; }
     /// |energy change + losses − work| over the energy turned over.

@@ -1,4 +1,5 @@
 #include <chrono>
+#include <map>
 #include <string>
 #include <thread>
 #include <vector>
@@ -61,6 +62,32 @@ TEST(SimulateMd, KeepsTheContractForScripts) {
     const Outcome analysis =
         testing::run_grainfield({"analyze", folder / "a.h5", "-o", folder / "r.h5", "--json"});
     EXPECT_EQ(analysis.code, 0) << analysis.err;
+}
+
+TEST(SimulateMd, EnergiesAndOrderGoIntoTheAnalysisAndTheReport) {
+    const ScratchFolder folder;
+    const Outcome run = testing::run_grainfield(with(small_run(folder / "a.h5"), {"--order"}));
+    ASSERT_EQ(run.code, 0) << run.err;
+    const json summary = json::parse(run.out);
+    const Outcome analysis =
+        testing::run_grainfield({"analyze", folder / "a.h5", "-o", folder / "r.h5", "--json"});
+    ASSERT_EQ(analysis.code, 0) << analysis.err;
+    const json measured = json::parse(analysis.out);
+    std::map<std::string, double> value;
+    for (const std::string name : {"q4", "series"}) {
+        for (const json& m : measured[name]["measurements"]) {
+            if (m.contains("value")) value[name + "." + m["name"].get<std::string>()] = m["value"];
+        }
+    }
+    EXPECT_NEAR(value["series.energy_xy"] / summary["energy_xy"].get<double>(), 1, 0.02);
+    EXPECT_NEAR(value["series.pair"] / summary["pair_per_grain_period"].get<double>(), 1, 0.02);
+    // The order of the run is that of its analysis: the same snapshots, the same rule.
+    EXPECT_NEAR(value["series.q4_mean"] / value["q4.q4_mean"], 1, 0.05);
+    const Outcome report =
+        testing::run_grainfield({"compare", folder / "r.h5", "-o", folder / "r.html", "--quiet"});
+    ASSERT_EQ(report.code, 0) << report.err;
+    EXPECT_THAT(testing::read_all(folder / "r.html"), HasSubstr("Energies of the run"));
+    EXPECT_THAT(testing::read_all(folder / "r_files/energies.csv"), HasSubstr("horizontal"));
 }
 
 TEST(SimulateMd, ThreadsDoNotChangeAByte) {
