@@ -33,13 +33,14 @@ class Stopwatch {
 };
 
 struct Seconds {
-    double q4 = 0, phase = 0, msd = 0, sk = 0, variance = 0, fit = 0;
+    double q4 = 0, phase = 0, msd = 0, sk = 0, s4 = 0, variance = 0, fit = 0;
 
     Seconds& operator+=(const Seconds& o) {
         q4 += o.q4;
         phase += o.phase;
         msd += o.msd;
         sk += o.sk;
+        s4 += o.s4;
         variance += o.variance;
         return *this;
     }
@@ -50,6 +51,7 @@ struct Measured {
     Pattern pattern;
     BondStatistics::Sample bonds;
     StructureFactor::Sample modes;
+    OrderStructureFactor::Sample order_modes;
     NumberVariance::Sample windows;
     Seconds seconds;
 };
@@ -75,19 +77,24 @@ class Run {
         if (wanted_.phase || wanted_.msd) phase_.emplace(options.phase, info, frames);
         if (wanted_.msd) msd_.emplace(options.msd, frames, threads);
         if (wanted_.sk || wanted_.fit) sk_.emplace(options.sk, box, frames);
+        if (wanted_.s4) s4_.emplace(options.s4, box, frames);
         if (wanted_.variance) variance_.emplace(options.variance, box, frames, threads);
     }
 
     Measured measure(Pattern pattern) const {
         Measured m;
         m.pattern = std::move(pattern);
-        if (wanted_.q4 || phase_) {
+        if (wanted_.q4 || phase_ || s4_) {
             const Stopwatch watch(m.seconds.q4);
             m.bonds = BondStatistics::measure(m.pattern, options_.q4);
         }
         if (sk_) {
             const Stopwatch watch(m.seconds.sk);
             m.modes = sk_->measure(m.pattern);
+        }
+        if (s4_) {
+            const Stopwatch watch(m.seconds.s4);
+            m.order_modes = s4_->measure(m.pattern, m.bonds.field.q);
         }
         if (variance_) {
             const Stopwatch watch(m.seconds.variance);
@@ -112,6 +119,10 @@ class Run {
         if (sk_) {
             const Stopwatch watch(seconds_.sk);
             sk_->add(std::move(m.modes));
+        }
+        if (s4_) {
+            const Stopwatch watch(seconds_.s4);
+            s4_->add(std::move(m.order_modes));
         }
         if (variance_) {
             const Stopwatch watch(seconds_.variance);
@@ -140,6 +151,7 @@ class Run {
                  [&] { return msd_->result(phase_ && phase_->follows() ? &*phase_ : nullptr); });
         }
         if (wanted_.sk) push(seconds_.sk, [&] { return sk_->result(); });
+        if (s4_) push(seconds_.s4, [&] { return s4_->result(); });
         if (variance_) push(seconds_.variance, [&] { return variance_->result(); });
         if (wanted_.fit) push(seconds_.fit, [&] { return fit_result(*sk_, options_.fit); });
         return results;
@@ -155,6 +167,7 @@ class Run {
     std::optional<PhaseHistory> phase_;
     std::optional<Displacement> msd_;
     std::optional<StructureFactor> sk_;
+    std::optional<OrderStructureFactor> s4_;
     std::optional<NumberVariance> variance_;
     Seconds seconds_;
     std::int64_t dropped_ = 0;
@@ -184,12 +197,13 @@ void warn_if_unfilled(const Pattern& pattern, RunPlan& plan) {
 std::vector<OptionTable> describe(AnalysisOptions& options) {
     OptionTable table("analysis");
     table.text("observables", options.observables,
-               "comma list of q4, phase, msd, sk, variance, fit; or all");
+               "comma list of q4, phase, msd, sk, s4, variance, fit; or all");
     return {table,
             describe(options.q4),
             describe(options.phase),
             describe(options.msd),
             describe(options.sk),
+            describe(options.s4),
             describe(options.variance),
             describe(options.fit)};
 }
@@ -238,6 +252,10 @@ void plan_analysis(SnapshotSource& source, const AnalysisOptions& options, RunPl
         plan.run("sk", first.box.is_periodic() ? "periodic box: raw estimator"
                        : frames < 2            ? "one frame: raw estimator"
                                                : "walls: connected and cosine estimators");
+    }
+    if (wanted.s4) {
+        plan.run("s4", fmt::format("structure factor of Q{}, two weighted sums over the particles",
+                                   options.q4.symmetry));
     }
     if (wanted.variance) {
         plan.run("variance", frames < 2 ? "one frame: over positions" : "temporal, per position");

@@ -7,6 +7,7 @@
 #include "analysis/displacement.h"
 #include "analysis/fit_result.h"
 #include "analysis/number_variance.h"
+#include "analysis/order_structure_factor.h"
 #include "analysis/phase.h"
 #include "analysis/structure_factor.h"
 #include "core/progress.h"
@@ -17,16 +18,17 @@
 namespace grainfield::analysis {
 
 struct AnalysisOptions {
-    std::string observables = "all";  ///< comma list of q4, phase, msd, sk, variance, fit
+    std::string observables = "all";  ///< comma list of q4, phase, msd, sk, s4, variance, fit
     BondOrderOptions q4;
     PhaseOptions phase;
     DisplacementOptions msd;
     StructureFactorOptions sk;
+    OrderStructureFactorOptions s4;
     NumberVarianceOptions variance;
     FitOptions fit;
 };
 
-/// One table per section: analysis, q4, phase, msd, sk, variance, fit.
+/// One table per section: analysis, q4, phase, msd, sk, s4, variance, fit.
 std::vector<OptionTable> describe(AnalysisOptions& options);
 
 /// Says in `plan` what `analyze` will run and leave out, and why, from the source's properties and
@@ -39,7 +41,7 @@ void plan_analysis(SnapshotSource& source, const AnalysisOptions& options, RunPl
 /// and added in order, so the results are the same bits for any number of threads. Lengths are
 /// turned into units of a (TrajectoryInfo::diameter); times keep the unit of the trajectory.
 /// An observable that cannot be measured comes back with a `reason`. Observables come in the order
-/// q4, phase, msd, sk, variance, fit.
+/// q4, phase, msd, sk, s4, variance, fit.
 ///
 /// Memory: a few snapshots and the accumulators (see the classes); only msd grows with the number
 /// of frames, up to its bound. Throws OptionError (options), InputError (inconsistent snapshots,

@@ -100,10 +100,19 @@ template <std::size_t columns>
     if constexpr (columns == 2) add(sums[1], rr1, ii1, ri1, ir1);
 }
 
-[[gnu::always_inline]] inline void add_tile(PowerTable& x, PowerTable& y,
+// `weights`: of the particles of the tile; null: one each.
+[[gnu::always_inline]] inline void add_tile(PowerTable& x, PowerTable& y, const double* weights,
                                             const std::vector<int>& rows, Quad* sums) {
     raise(x);
     raise(y);
+    for (std::size_t n = 0; weights != nullptr && n < x.count(); ++n) {
+        double* re = x.re(n);
+        double* im = x.im(n);
+        for (std::size_t j = 0; j < tile; ++j) {
+            re[j] *= weights[j];
+            im[j] *= weights[j];
+        }
+    }
     for (std::size_t nx = 0; nx < rows.size(); ++nx) {
         const auto count = static_cast<std::size_t>(rows[nx]);
         std::size_t ny = 0;
@@ -113,14 +122,15 @@ template <std::size_t columns>
     }
 }
 
-void add_tile_plain(PowerTable& x, PowerTable& y, const std::vector<int>& rows, Quad* sums) {
-    add_tile(x, y, rows, sums);
+void add_tile_plain(PowerTable& x, PowerTable& y, const double* weights,
+                    const std::vector<int>& rows, Quad* sums) {
+    add_tile(x, y, weights, rows, sums);
 }
 
 #if defined(__x86_64__) && defined(__GNUC__)
-[[gnu::target("avx2")]] void add_tile_avx2(PowerTable& x, PowerTable& y,
+[[gnu::target("avx2")]] void add_tile_avx2(PowerTable& x, PowerTable& y, const double* weights,
                                            const std::vector<int>& rows, Quad* sums) {
-    add_tile(x, y, rows, sums);
+    add_tile(x, y, weights, rows, sums);
 }
 const auto best_add_tile = __builtin_cpu_supports("avx2") != 0 ? add_tile_avx2 : add_tile_plain;
 #else
@@ -138,6 +148,42 @@ void start(PowerTable& table, std::span<const Vec2> part, double Vec2::*axis, do
         table.re(1)[j] = inside ? std::cos(phase) : 0;
         table.im(1)[j] = inside ? -std::sin(phase) : 0;
     }
+}
+
+// Without weights every particle counts one.
+std::vector<std::complex<double>> modes_of(std::span<const Vec2> positions,
+                                           std::span<const double> weights, Vec2 origin,
+                                           const ModeGrid& grid) {
+    const std::vector<int>& rows = grid.rows();
+    std::size_t quadrant = 0;
+    for (int count : rows) quadrant += static_cast<std::size_t>(count);
+    std::vector<Quad> sums(quadrant, Quad{});
+    PowerTable x(std::max<std::size_t>(rows.size(), 2));
+    const int y_most = *std::max_element(rows.begin(), rows.end());
+    PowerTable y(std::max<std::size_t>(static_cast<std::size_t>(y_most), 2));
+    std::array<double, tile> weight{};
+    for (std::size_t first = 0; first < positions.size(); first += tile) {
+        const auto part = positions.subspan(first, std::min(tile, positions.size() - first));
+        start(x, part, &Vec2::x, origin.x, grid.spacing().x);
+        start(y, part, &Vec2::y, origin.y, grid.spacing().y);
+        std::copy_n(weights.begin() + static_cast<std::ptrdiff_t>(weights.empty() ? 0 : first),
+                    weights.empty() ? 0 : part.size(), weight.begin());
+        best_add_tile(x, y, weights.empty() ? nullptr : weight.data(), rows, sums.data());
+    }
+
+    // exp(−i(a + b)) = (ca cb − sa sb) + i(ca·(−sb) + (−sa)·cb), and the same with −b.
+    std::vector<std::complex<double>> rho(grid.modes().size());
+    std::size_t at = 0;
+    for (std::size_t row = 0; row < rows.size(); ++row) {
+        const int nx = static_cast<int>(row);
+        for (int ny = 0; ny < rows[row]; ++ny, ++at) {
+            const auto& [rr, ii, ri, ir] = sums[at];
+            if (nx == 0 && ny == 0) continue;
+            rho[grid.index(nx, ny)] = {rr - ii, ri + ir};
+            if (nx > 0 && ny > 0) rho[grid.index(nx, -ny)] = {rr + ii, ir - ri};
+        }
+    }
+    return rho;
 }
 
 }  // namespace
@@ -178,33 +224,13 @@ std::size_t ModeGrid::index(int nx, int ny) const {
 
 std::vector<std::complex<double>> density_modes(std::span<const Vec2> positions, Vec2 origin,
                                                 const ModeGrid& grid) {
-    const std::vector<int>& rows = grid.rows();
-    std::size_t quadrant = 0;
-    for (int count : rows) quadrant += static_cast<std::size_t>(count);
-    std::vector<Quad> sums(quadrant, Quad{});
-    PowerTable x(std::max<std::size_t>(rows.size(), 2));
-    const int y_most = *std::max_element(rows.begin(), rows.end());
-    PowerTable y(std::max<std::size_t>(static_cast<std::size_t>(y_most), 2));
-    for (std::size_t first = 0; first < positions.size(); first += tile) {
-        const auto part = positions.subspan(first, std::min(tile, positions.size() - first));
-        start(x, part, &Vec2::x, origin.x, grid.spacing().x);
-        start(y, part, &Vec2::y, origin.y, grid.spacing().y);
-        best_add_tile(x, y, rows, sums.data());
-    }
+    return modes_of(positions, {}, origin, grid);
+}
 
-    // exp(−i(a + b)) = (ca cb − sa sb) + i(ca·(−sb) + (−sa)·cb), and the same with −b.
-    std::vector<std::complex<double>> rho(grid.modes().size());
-    std::size_t at = 0;
-    for (std::size_t row = 0; row < rows.size(); ++row) {
-        const int nx = static_cast<int>(row);
-        for (int ny = 0; ny < rows[row]; ++ny, ++at) {
-            const auto& [rr, ii, ri, ir] = sums[at];
-            if (nx == 0 && ny == 0) continue;
-            rho[grid.index(nx, ny)] = {rr - ii, ri + ir};
-            if (nx > 0 && ny > 0) rho[grid.index(nx, -ny)] = {rr + ii, ir - ri};
-        }
-    }
-    return rho;
+std::vector<std::complex<double>> weighted_modes(std::span<const Vec2> positions,
+                                                 std::span<const double> weights, Vec2 origin,
+                                                 const ModeGrid& grid) {
+    return modes_of(positions, weights, origin, grid);
 }
 
 }  // namespace grainfield::analysis

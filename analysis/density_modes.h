@@ -56,4 +56,10 @@ class ModeGrid {
 std::vector<std::complex<double>> density_modes(std::span<const Vec2> positions, Vec2 origin,
                                                 const ModeGrid& grid);
 
+/// Σ_j w_j exp(−i k·(r_j − origin)): the modes of a quantity that particles carry. As many weights
+/// as positions.
+std::vector<std::complex<double>> weighted_modes(std::span<const Vec2> positions,
+                                                 std::span<const double> weights, Vec2 origin,
+                                                 const ModeGrid& grid);
+
 }  // namespace grainfield::analysis

@@ -12,11 +12,9 @@ namespace grainfield::analysis {
 ObservableSet ObservableSet::parse(const std::string& list) {
     ObservableSet set;
     const std::map<std::string, bool ObservableSet::*> members{
-        {"q4", &ObservableSet::q4},
-        {"phase", &ObservableSet::phase},
-        {"msd", &ObservableSet::msd},
-        {"sk", &ObservableSet::sk},
-        {"variance", &ObservableSet::variance},
+        {"q4", &ObservableSet::q4},   {"phase", &ObservableSet::phase},
+        {"msd", &ObservableSet::msd}, {"sk", &ObservableSet::sk},
+        {"s4", &ObservableSet::s4},   {"variance", &ObservableSet::variance},
         {"fit", &ObservableSet::fit}};
     std::istringstream entries(list);
     std::string entry;
@@ -36,14 +34,14 @@ ObservableSet ObservableSet::parse(const std::string& list) {
             for (const auto& [name, member] : members) names.push_back(name);
             const std::string nearest = nearest_name(entry, names);
             throw OptionError(ErrorText{"unknown observable", "'" + entry + "'",
-                                        "some of all, q4, phase, msd, sk, variance, fit",
+                                        "some of all, q4, phase, msd, sk, s4, variance, fit",
                                         nearest.empty() ? "" : "did you mean " + nearest + "?"});
         }
         set.*(found->second) = true;
     }
     if (!any) {
         throw OptionError(ErrorText{"no observables are asked for", "'" + list + "'",
-                                    "some of all, q4, phase, msd, sk, variance, fit", ""});
+                                    "some of all, q4, phase, msd, sk, s4, variance, fit", ""});
     }
     return set;
 }

@@ -10,6 +10,7 @@ struct ObservableSet {
     bool phase = false;
     bool msd = false;
     bool sk = false;
+    bool s4 = false;
     bool variance = false;
     bool fit = false;
 

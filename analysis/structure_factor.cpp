@@ -79,7 +79,7 @@ StructureFactor::StructureFactor(const StructureFactorOptions& options, const Bo
 
 StructureFactor::Block StructureFactor::empty_block() const {
     Block block;
-    block.rho.assign(grid_.modes().size(), {0, 0});
+    block.rho.assign(components_ * grid_.modes().size(), {0, 0});
     block.power.assign(grid_.modes().size(), 0);
     block.cosine.assign(neumann_modes_.size(), 0);
     block.cosine2.assign(neumann_modes_.size(), 0);
@@ -90,7 +90,16 @@ bool StructureFactor::has_neumann() const {
     return !neumann_modes_.empty();
 }
 
-StructureFactor::Sample StructureFactor::measure(const Pattern& pattern) const {
+StructureFactor StructureFactor::of_order(const StructureFactorOptions& options, const Box& box,
+                                          std::int64_t frames) {
+    StructureFactor order(options, box, frames);
+    order.components_ = 2;
+    order.neumann_modes_.clear();
+    order.blocks_.assign(order.blocks_.size(), order.empty_block());
+    return order;
+}
+
+void StructureFactor::require_same_box(const Pattern& pattern) const {
     if (!same_length(pattern.box.length.x, box_.length.x) ||
         !same_length(pattern.box.length.y, box_.length.y)) {
         throw InputError(
@@ -99,8 +108,30 @@ StructureFactor::Sample StructureFactor::measure(const Pattern& pattern) const {
                       fmt::format("{} x {} a as before", box_.length.x, box_.length.y),
                       "analyse the parts with a constant box one by one"});
     }
+}
+
+StructureFactor::Sample StructureFactor::measure(const Pattern& pattern) const {
+    require_same_box(pattern);
     return {static_cast<double>(pattern.size()),
             density_modes(pattern.position, pattern.box.origin, grid_)};
+}
+
+StructureFactor::Sample StructureFactor::measure(
+    const Pattern& pattern, std::span<const std::complex<double>> order) const {
+    require_same_box(pattern);
+    std::vector<double> real(order.size(), 0.0);
+    std::vector<double> imaginary(order.size(), 0.0);
+    double particles = 0;
+    for (std::size_t j = 0; j < order.size(); ++j) {
+        if (!std::isfinite(order[j].real()) || !std::isfinite(order[j].imag())) continue;
+        real[j] = order[j].real();
+        imaginary[j] = order[j].imag();
+        particles += 1;
+    }
+    Sample sample{particles, weighted_modes(pattern.position, real, pattern.box.origin, grid_)};
+    const auto second = weighted_modes(pattern.position, imaginary, pattern.box.origin, grid_);
+    sample.rho.insert(sample.rho.end(), second.begin(), second.end());
+    return sample;
 }
 
 void StructureFactor::add(Sample sample) {
@@ -109,7 +140,7 @@ void StructureFactor::add(Sample sample) {
     block.particles += sample.particles;
     for (std::size_t m = 0; m < sample.rho.size(); ++m) {
         block.rho[m] += sample.rho[m];
-        block.power[m] += std::norm(sample.rho[m]);
+        block.power[m % grid_.modes().size()] += std::norm(sample.rho[m]);
     }
     for (std::size_t c = 0; c < neumann_modes_.size(); ++c) {
         const Mode& mode = grid_.modes()[neumann_modes_[c]];
@@ -122,7 +153,7 @@ void StructureFactor::add(Sample sample) {
 }
 
 void StructureFactor::merge(const StructureFactor& later) {
-    if (later.grid_.modes().size() != grid_.modes().size()) {
+    if (later.grid_.modes().size() != grid_.modes().size() || later.components_ != components_) {
         throw InputError(ErrorText{"the parts to merge have different wavevectors",
                                    fmt::format("{} modes", later.grid_.modes().size()),
                                    fmt::format("{}", grid_.modes().size()), ""});

@@ -68,7 +68,7 @@ class StructureFactor {
  public:
     struct Sample {
         double particles = 0;
-        std::vector<std::complex<double>> rho;
+        std::vector<std::complex<double>> rho;  ///< component after component
     };
 
     /// The grid is that of `box` [a]; all later patterns must have the same one.
@@ -79,8 +79,16 @@ class StructureFactor {
     static StructureFactor of_field(const StructureFactorOptions& options,
                                     const DensityField& field, std::int64_t frames);
 
+    /// Of a complex order parameter that particles carry, Q_k = Σ_j Q^j exp(−ik·r_j): what
+    /// `OrderStructureFactor` wraps. The real and the imaginary part are two components, whose
+    /// powers add: the mean of S at k and −k. No Neumann estimator.
+    static StructureFactor of_order(const StructureFactorOptions& options, const Box& box,
+                                    std::int64_t frames);
+
     /// Thread-safe. Throws InputError if the pattern's box is another one.
     Sample measure(const Pattern& pattern) const;
+    /// Of an order parameter, one value a particle; those that are not finite count as absent.
+    Sample measure(const Pattern& pattern, std::span<const std::complex<double>> order) const;
 
     /// Of a field: ρ_k = Σ ρ(r) dx^d exp(−ik·r) over the cells by FFT, and the volume L^d in the
     /// place of N, so that raw S(k) = ⟨|ρ_k|²⟩/L^d. `dimension` 1: dx^d = dx. Modes of cells and of
@@ -117,8 +125,8 @@ class StructureFactor {
     struct Block {
         double frames = 0;
         double particles = 0;
-        std::vector<std::complex<double>> rho;  // Σ ρ
-        std::vector<double> power;              // Σ |ρ|²
+        std::vector<std::complex<double>> rho;  // Σ ρ, component after component
+        std::vector<double> power;              // Σ |ρ|², all components together
         std::vector<double> cosine;             // Σ c
         std::vector<double> cosine2;            // Σ c²
     };
@@ -145,11 +153,13 @@ class StructureFactor {
     Block total(std::optional<std::size_t> without) const;
     Block total_of(std::span<const int> times) const;
     Block empty_block() const;
+    void require_same_box(const Pattern& pattern) const;
 
     StructureFactorOptions options_;
     Box box_;
     BlockPlan plan_;
     ModeGrid grid_;
+    std::size_t components_ = 1;
     std::int64_t added_ = 0;
     std::vector<Block> blocks_;
     std::vector<std::size_t> neumann_index_;  // of each mode in `cosine`, or nowhere

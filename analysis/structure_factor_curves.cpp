@@ -62,8 +62,8 @@ StructureFactor::Block StructureFactor::total_of(std::span<const int> times) con
         const Block& block = blocks_[b];
         sums.frames += weight * block.frames;
         sums.particles += weight * block.particles;
-        for (std::size_t m = 0; m < sums.rho.size(); ++m) {
-            sums.rho[m] += weight * block.rho[m];
+        for (std::size_t m = 0; m < sums.rho.size(); ++m) sums.rho[m] += weight * block.rho[m];
+        for (std::size_t m = 0; m < sums.power.size(); ++m) {
             sums.power[m] += weight * block.power[m];
         }
         for (std::size_t c = 0; c < sums.cosine.size(); ++c) {
@@ -99,8 +99,13 @@ double StructureFactor::mode_value(const Block& sums, Estimator estimator, std::
     switch (estimator) {
         case Estimator::raw:
             return sums.power[mode] / frames / particles;
-        case Estimator::connected:
-            return (sums.power[mode] / frames - std::norm(sums.rho[mode] / frames)) / particles;
+        case Estimator::connected: {
+            double of_mean = 0;
+            for (std::size_t m = mode; m < sums.rho.size(); m += sums.power.size()) {
+                of_mean += std::norm(sums.rho[m] / frames);
+            }
+            return (sums.power[mode] / frames - of_mean) / particles;
+        }
         case Estimator::neumann:
             break;
     }
@@ -129,9 +134,11 @@ std::vector<double> StructureFactor::samples(const Shells& shells, Estimator est
                     const std::size_t c = neumann_index_[m];
                     const double d = block.cosine[c] / block.frames - sums.cosine[c] / frames;
                     of_blocks += 4 * d * d / (k - 1);
-                } else {
+                    continue;
+                }
+                for (std::size_t c = m; c < sums.rho.size(); c += sums.power.size()) {
                     of_blocks +=
-                        std::norm(block.rho[m] / block.frames - sums.rho[m] / frames) / (k - 1);
+                        std::norm(block.rho[c] / block.frames - sums.rho[c] / frames) / (k - 1);
                 }
             }
         }
@@ -189,7 +196,8 @@ std::vector<double> StructureFactor::independent_modes(const Shells& shells,
     }
     std::vector<double> independent;
     for (std::size_t s = 0; s < sums.size(); ++s) {
-        independent.push_back(shells.modes[s] * shells.modes[s] / sums[s]);
+        const double components = static_cast<double>(components_);
+        independent.push_back(components * shells.modes[s] * shells.modes[s] / sums[s]);
     }
     return independent;
 }

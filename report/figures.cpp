@@ -163,6 +163,19 @@ Figure structure_factor(const Runs& runs, const std::vector<std::string>& labels
     return figure;
 }
 
+Figure order_structure_factor(const Runs& runs, const std::vector<std::string>& labels) {
+    Figure figure = empty_figure(labels, "s4", "Structure factor of the order",
+                                 {"k", "Wavevector k", "1/a", Scale::log, true},
+                                 {"s", "S₄(k)", "", Scale::log, true});
+    const Source s4{"s4", "s4", "k", "s", "s_err"};
+    add_kind(figure, runs, {"S₄(k)", Mark::line, true}, s4, true);
+    add_kind(figure, runs, {"Ornstein–Zernike, S₄(0)/(1 + (ξ₄k)²)", Mark::curve, true},
+             {"s4", "s4_fit", "k", "s", ""}, false);
+    figure.may_be_linear = true;
+    entitle(figure, common_title(runs, s4));
+    return figure;
+}
+
 Figure number_variance(const Runs& runs, const std::vector<std::string>& labels) {
     Figure figure = empty_figure(labels, "variance", "Number variance",
                                  {"l", "Window side ℓ", "a", Scale::log, false},
@@ -339,6 +352,7 @@ std::vector<Figure> make_figures(const std::vector<Results>& runs,
                                 number_variance(runs, labels), displacement(runs, labels),
                                 phase_fractions(runs, labels)};
     if (any_has(runs, "critical")) figures.insert(figures.begin(), critical(runs, labels));
+    if (any_has(runs, "s4")) figures.push_back(order_structure_factor(runs, labels));
     if (any_has(runs, "series")) {
         figures.push_back(energies(runs, labels));
         figures.push_back(collisions(runs, labels));

@@ -90,7 +90,7 @@ TEST(Analysis, GivesTheSameBitsForOneTwoAndEightThreads) {
 TEST(Analysis, OfALinkedVideoMeasuresAllObservables) {
     MemorySource source = video(40);
     const auto results = run(source);
-    ASSERT_EQ(results.size(), 6U);
+    ASSERT_EQ(results.size(), 7U);
     for (const ObservableResult& r : results) {
         // Nothing here has a pre-peak.
         EXPECT_EQ(r.reason.empty(), r.name != "fit") << r.name << ": " << r.reason;
@@ -104,7 +104,7 @@ TEST(Analysis, OfALinkedVideoMeasuresAllObservables) {
     EXPECT_LT(solid, (800 + 0.35 * 600) / 1400);
     EXPECT_TRUE(results[2].find_measurement("d_solid")->value.has_value());
     EXPECT_NE(results[3].find_curve("sk_neumann"), nullptr);
-    EXPECT_NEAR(*results[4].find_measurement("number_density")->value, 1400.0 / 1600, 1e-12);
+    EXPECT_NEAR(*results[5].find_measurement("number_density")->value, 1400.0 / 1600, 1e-12);
 }
 
 TEST(Analysis, NeverHasAValueThatIsNotANumberNorAMissingOneWithoutReason) {
@@ -226,7 +226,7 @@ TEST(Analysis, DescribesEveryOptionOnce) {
     const auto tables = describe(options);
     std::vector<std::string> sections;
     for (const OptionTable& table : tables) sections.push_back(table.section());
-    EXPECT_EQ(sections, (std::vector<std::string>{"analysis", "q4", "phase", "msd", "sk",
+    EXPECT_EQ(sections, (std::vector<std::string>{"analysis", "q4", "phase", "msd", "sk", "s4",
                                                   "variance", "fit"}));
     tables[4].find("k-max")->set_from_text("3.5");
     EXPECT_EQ(options.sk.k_max, 3.5);

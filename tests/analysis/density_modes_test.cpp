@@ -59,6 +59,26 @@ TEST(DensityModes, EqualTheSumOfExponentialsTo1e12) {
     }
 }
 
+TEST(WeightedModes, EqualTheWeightedSumOfExponentials) {
+    RandomStream random(2, "modes");
+    const Box box{{-4, 9}, {30, 20}, {Boundary::periodic, Boundary::periodic}, 0};
+    const std::vector<Vec2> points = poisson_points(300, box, random);
+    std::vector<double> weights;
+    for (std::size_t j = 0; j < points.size(); ++j) weights.push_back(random.normal());
+    const ModeGrid grid({2 * std::numbers::pi / 30, 2 * std::numbers::pi / 20}, 3);
+    const auto modes = weighted_modes(points, weights, box.origin, grid);
+    for (std::size_t m = 0; m < modes.size(); ++m) {
+        std::complex<double> sum = 0;
+        for (std::size_t j = 0; j < points.size(); ++j) {
+            const Vec2 r = points[j] - box.origin;
+            const double phase = grid.modes()[m].nx * grid.spacing().x * r.x +
+                                 grid.modes()[m].ny * grid.spacing().y * r.y;
+            sum += weights[j] * std::polar(1.0, -phase);
+        }
+        EXPECT_LT(std::abs(modes[m] - sum), 1e-11) << m;
+    }
+}
+
 TEST(DensityModes, OfAPerfectLatticeVanishOffBraggToTheSquareRootOf1e18) {
     RandomStream random(2, "bragg");
     const std::vector<Vec2> points = square_lattice(100, 1, 0, random);
