@@ -52,7 +52,6 @@ void explain(const MdSystem& system, RunPlan& plan) {
     } else {
         plan.skip("contact-time model", "off", "one comparison a collision");
     }
-    plan.skip("order parameters", "left to 'grainfield analyze'", "all of their time");
 }
 
 }  // namespace
