@@ -4,11 +4,11 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <system_error>
 
 #include <fmt/format.h>
 
+#include "analysis/adjoint_spectrum.h"
 #include "analysis/field_statistics.h"
 #include "core/errors.h"
 #include "core/interrupt.h"
@@ -47,6 +47,7 @@ class Work {
     virtual double mass_drift() const { return 0; }
     virtual void finish(io::FieldWriter& writer) { static_cast<void>(writer); }
     virtual void discard() {}
+    virtual std::size_t memory() const { return 0; }  ///< of fields and tables [B]
     virtual std::vector<ObservableResult> results() const = 0;
 };
 
@@ -67,6 +68,7 @@ class DensityWork : public Work {
     std::int64_t step() const override { return fields_->step(); }
     std::int64_t advance(std::int64_t at_most) override { return run_.advance(at_most); }
     void save(Checkpoint& checkpoint) override {
+        simulate::require_finite(*fields_);
         log_.sync();
         fields_->save(checkpoint);
         statistics_.save(checkpoint);
@@ -84,6 +86,7 @@ class DensityWork : public Work {
         for (std::int64_t i = 0; i < log_.count(); ++i) writer.write(log_.read(i));
     }
     void discard() override { log_.remove(); }
+    std::size_t memory() const override { return fields_->memory(); }
     std::vector<ObservableResult> results() const override { return statistics_.results(); }
 
  private:
@@ -107,7 +110,9 @@ class DensityWork : public Work {
 class AdjointWork : public Work {
  public:
     AdjointWork(const simulate::FieldPlan& plan, int threads, const Checkpoint* from)
-        : total_(plan.schedule.total()), adjoint_(plan.setup, plan.waves, threads) {
+        : total_(plan.schedule.total()),
+          nu_(plan.setup.has_order ? plan.setup.model.nu : 1),
+          adjoint_(plan.setup, plan.waves, threads) {
         if (from != nullptr) adjoint_.restore(*from);
     }
     std::int64_t step() const override { return adjoint_.step(); }
@@ -121,46 +126,16 @@ class AdjointWork : public Work {
 
  private:
     std::int64_t total_;
+    double nu_;
     simulate::AdjointEstimator adjoint_;
 };
 
-// Waves of the same length are pooled; stretches are taken as independent.
 std::vector<ObservableResult> AdjointWork::results() const {
-    std::map<double, std::vector<double>> by_k;
+    std::vector<analysis::WaveSamples> waves;
     for (std::size_t w = 0; w < adjoint_.waves(); ++w) {
-        const double k = std::round(adjoint_.wavenumber(w) * 1e12) / 1e12;
-        const auto& samples = adjoint_.samples(w);
-        by_k[k].insert(by_k[k].end(), samples.begin(), samples.end());
+        waves.push_back({adjoint_.wavenumber(w), adjoint_.samples(w)});
     }
-    Curve curve{"sk",
-                "Structure factor, adjoint",
-                {{"k", "1/a", "Wavevector k", {}},
-                 {"s", "-", "S(k)", {}},
-                 {"s_err", "-", "Standard error of S(k)", {}},
-                 {"n", "-", "Stretches", {}}},
-                {}};
-    constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
-    for (const auto& [k, samples] : by_k) {
-        const auto n = static_cast<double>(samples.size());
-        double mean = 0;
-        double squares = 0;
-        for (double s : samples) mean += s / n;
-        for (double s : samples) squares += (s - mean) * (s - mean);
-        curve.columns[0].values.push_back(k);
-        curve.columns[1].values.push_back(n > 0 ? mean : undefined);
-        curve.columns[2].values.push_back(n > 1 ? std::sqrt(squares / (n * (n - 1))) : undefined);
-        curve.columns[3].values.push_back(n);
-    }
-    ObservableResult result;
-    result.name = "sk";
-    Measurement lowest{
-        "s_lowest_k", "-", std::nullopt, std::nullopt, curve.columns[3].values[0], ""};
-    if (lowest.samples > 0) lowest.value = curve.columns[1].values[0];
-    if (lowest.samples > 1) lowest.error = curve.columns[2].values[0];
-    if (lowest.samples < 2) lowest.reason = "too few stretches ended: make the run longer";
-    result.measurements = {lowest};
-    result.curves = {std::move(curve)};
-    return {result};
+    return {analysis::adjoint_spectrum(waves, adjoint_.time() * nu_)};
 }
 
 std::unique_ptr<Work> begin(const FieldJobOptions& options, const simulate::FieldPlan& plan,
@@ -181,7 +156,18 @@ void save(Work& work, const FieldJobOptions& options, const fs::path& path) {
 
 std::optional<Checkpoint> checkpoint_to_resume(const FieldJobOptions& options, const fs::path& path,
                                                Session& session) {
-    if (!options.resume) return std::nullopt;
+    const fs::path fields = with_suffix(options.output, ".fields");
+    if (!options.resume) {
+        for (const fs::path& left : {path, fields}) {
+            if (session.common.force || !fs::exists(left)) continue;
+            throw OutputError({.problem = fmt::format("'{}' exists: an interrupted run of '{}'",
+                                                      left.string(), options.output.string()),
+                               .actual = {},
+                               .expected = {},
+                               .suggestion = "go on with --resume, or start anew with --force"});
+        }
+        return std::nullopt;
+    }
     if (!fs::exists(path)) {
         session.plan.warn(
             fmt::format("there is no '{}': starting from the beginning", path.string()));
@@ -223,8 +209,8 @@ FieldJobResult run_field_job(const FieldJobOptions& options, const simulate::Fie
                              Session& session) {
     const auto overwrite = session.common.force ? io::Overwrite::force : io::Overwrite::refuse;
     const fs::path path = with_suffix(options.output, ".checkpoint");
-    io::FieldWriter writer(options.output, overwrite);
     const std::optional<Checkpoint> from = checkpoint_to_resume(options, path, session);
+    io::FieldWriter writer(options.output, overwrite);
     const std::unique_ptr<Work> work = begin(options, plan, plan.threads, from ? &*from : nullptr);
 
     const std::int64_t total = plan.schedule.total();
@@ -240,6 +226,7 @@ FieldJobResult run_field_job(const FieldJobOptions& options, const simulate::Fie
     result.scheme = plan.scheme;
     result.ms_per_step = taken > 0 ? 1e3 * seconds_since(start) / static_cast<double>(taken) : 0;
     result.mass_drift = work->mass_drift();
+    result.memory_mb = static_cast<double>(work->memory()) / 1e6;
     result.statistics = work->results();
     if (result.signal != 0) {
         session.plan.warn(

@@ -22,6 +22,7 @@ struct FieldJobResult {
     std::int64_t steps = 0;  ///< since the start, before a resume included
     double ms_per_step = 0;  ///< of this call; 0 if it took none
     double mass_drift = 0;   ///< |mean now − mean at the start| / standard deviation of a cell
+    double memory_mb = 0;    ///< fields and tables
     std::string scheme;
     std::vector<ObservableResult> statistics;
     int signal = 0;

@@ -60,6 +60,7 @@ ordered_json facts(const FieldJobResult& result) {
     facts["ms_per_step"] = result.ms_per_step;
     facts["mass_drift"] = result.mass_drift;
     facts["scheme"] = result.scheme;
+    facts["memory_mb"] = result.memory_mb;
     return facts;
 }
 

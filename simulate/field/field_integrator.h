@@ -49,7 +49,7 @@ class FieldIntegrator {
 
     /// ρ of a replica. Leimkuhler–Matthews: z = ρ + w/2, whose statistics are those of the model.
     virtual DensityField density(int replica) const = 0;
-    /// ψ; all 0 without it. Not const: rows are read through the transform's own arrays.
+    /// ψ; all 0 without it.
     virtual DensityField order() const = 0;
     /// ⟨D⟩ over the cells.
     virtual double mean_diffusivity() const = 0;

@@ -68,6 +68,19 @@ void choose_scheme(const SchemeOptions& o, FieldPlan& result, RunPlan& plan) {
     }
 }
 
+// An implicit sweep reaches sqrt(dt D0)/dx cells far, which is what a line solver has to run on
+// beyond the ends of its line.
+void require_solvable(const FieldSetup& setup) {
+    constexpr double most = 1e8;
+    const double number =
+        setup.dt * setup.model.d0 / (setup.lattice.spacing * setup.lattice.spacing);
+    if (number <= most) return;
+    throw OptionError({.problem = "the time step is too long for this lattice",
+                       .actual = fmt::format("dt D0/dx^2 = {:.3g}", number),
+                       .expected = fmt::format("at most {:g}", most),
+                       .suggestion = "take a smaller scheme.dt or model.d0, or a wider lattice"});
+}
+
 // The smallest k whose modes above have a variance of at most `allowed`.
 double cut_for(const Lattice& lattice, const ModelOptions& model, double allowed) {
     const double nyquist = std::numbers::pi / lattice.spacing * std::sqrt(2.0);
@@ -81,6 +94,18 @@ double cut_for(const Lattice& lattice, const ModelOptions& model, double allowed
     return high;
 }
 
+// Modes may be replaced by their average only where they are faster than the density at their own
+// wavenumber: the smallest k beyond which g(k) ≥ 4 D0 k², at most `all`.
+double fast_beyond(const ModelOptions& model, double all) {
+    double slow = 0;
+    constexpr int steps = 2000;
+    for (int i = 1; i <= steps; ++i) {
+        const double k = all * i / steps;
+        if (decay_rate(model, k * k) < 4 * model.d0 * k * k) slow = k;
+    }
+    return slow;
+}
+
 void choose_cut(const SchemeOptions& o, FieldSetup& setup, RunPlan& plan) {
     const double all = 2 * std::numbers::pi / setup.lattice.spacing;
     setup.k_cut = o.k_cut.value_or(all);
@@ -88,8 +113,9 @@ void choose_cut(const SchemeOptions& o, FieldSetup& setup, RunPlan& plan) {
         setup.model.form == DiffusivityForm::exponential && setup.scheme != FieldScheme::paper;
     if (!o.k_cut && may_skip) {
         const double share = o.tolerance / 4;
-        setup.k_cut = cut_for(setup.lattice, setup.model,
-                              std::sqrt(share / bias_of_cut) / (2 * setup.model.lambda));
+        setup.k_cut = std::max(cut_for(setup.lattice, setup.model,
+                                       std::sqrt(share / bias_of_cut) / (2 * setup.model.lambda)),
+                               fast_beyond(setup.model, all));
     }
     const OrderSpectrum spectrum(setup.lattice, setup.model, setup.dt, OrderScheme::exact,
                                  setup.k_cut);
@@ -230,8 +256,11 @@ FieldPlan plan_field(const FieldOptions& options, RunPlan& plan) {
     setup.seed = options.seed;
     setup.has_order = options.model.lambda > 0;
     choose_scheme(options.scheme, result, plan);
+    require_solvable(setup);
     if (setup.has_order) {
-        plan.run("order field", "exact Ornstein-Uhlenbeck modes, one inverse transform");
+        plan.run("order field", setup.scheme == FieldScheme::paper
+                                    ? "Crank-Nicolson modes, as published"
+                                    : "exact Ornstein-Uhlenbeck modes, one inverse transform");
         choose_cut(options.scheme, setup, plan);
         choose_hold(options.scheme, setup, plan);
     } else {

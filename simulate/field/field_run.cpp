@@ -1,6 +1,11 @@
 #include "simulate/field/field_run.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
 
 namespace grainfield::simulate {
 
@@ -21,6 +26,22 @@ FieldFrame frame_of(const FieldIntegrator& fields) {
     if (setup.has_order) frame.order = fields.order();
     frame.mean_diffusivity = fields.mean_diffusivity();
     return frame;
+}
+
+void require_finite(const FieldIntegrator& fields) {
+    const FieldSetup& setup = fields.setup();
+    for (int r = 0; r < setup.replicas; ++r) {
+        if (std::isfinite(fields.mass(r))) continue;
+        throw PhysicsError(
+            {.problem = fmt::format("the density is no longer finite at step {}", fields.step()),
+             .actual = fmt::format("scheme {} at dt = {:g}",
+                                   setup.scheme == FieldScheme::paper ? "paper"
+                                   : setup.scheme == FieldScheme::lod ? "lod"
+                                                                      : "explicit",
+                                   setup.dt),
+             .expected = "a step at which the scheme is stable",
+             .suggestion = "take a smaller dt, or scheme = \"lod\", which is stable at any"});
+    }
 }
 
 FieldRun::FieldRun(FieldIntegrator& fields, const FieldSchedule& schedule, FieldSink& samples,
@@ -53,6 +74,7 @@ std::int64_t FieldRun::advance(std::int64_t at_most) {
     fields_.advance(steps);
     const std::int64_t now = fields_.step();
     if (!is_sample(now) && !is_stored(now)) return steps;
+    require_finite(fields_);
     const FieldFrame frame = frame_of(fields_);
     if (is_sample(now)) samples_.write(frame);
     if (is_stored(now)) stored_.write(frame);

@@ -11,6 +11,10 @@ namespace grainfield::simulate {
 /// All fields of an integrator at its present step.
 FieldFrame frame_of(const FieldIntegrator& fields);
 
+/// Throws PhysicsError, naming scheme and step, if a density is not finite: ∫ρ tells. Only the
+/// published scheme can come to that.
+void require_finite(const FieldIntegrator& fields);
+
 /// Carries the fields through a schedule and hands out samples and fields to store. It has no state
 /// but the step of the fields, so that a restored integrator goes on where it was.
 class FieldRun {
@@ -20,7 +24,8 @@ class FieldRun {
 
     bool is_done() const { return fields_.step() >= schedule_.total(); }
     /// Advances by at most `at_most` steps, up to the next sample or stored field, and returns the
-    /// steps taken. The results do not depend on how a run is cut into calls.
+    /// steps taken. The results do not depend on how a run is cut into calls. Throws PhysicsError
+    /// (require_finite) before a sample or a stored field would hold what is not finite.
     std::int64_t advance(std::int64_t at_most);
 
  private:

@@ -38,7 +38,7 @@ OrderField<Real>::OrderField(const Lattice& lattice, OrderSpectrum spectrum, std
       along_x_(lattice.nx),
       modes_(distance_ * static_cast<std::size_t>(spectrum_.columns())),
       transformed_(modes_.size()),
-      decay_(2 * modes_.size()),
+      loss_(2 * modes_.size()),
       amplitude_(2 * modes_.size()) {
     fill_coefficients();
 }
@@ -61,7 +61,7 @@ void OrderField<Real>::fill_coefficients() {
             const double amplitude = spectrum_.amplitude(kx)[y];
             for (const int at : {y, (ny - y) % ny}) {
                 const std::size_t j = begin + 2 * static_cast<std::size_t>(at);
-                decay_[j] = decay_[j + 1] = static_cast<Real>(spectrum_.decay(kx)[y]);
+                loss_[j] = loss_[j + 1] = static_cast<Real>(spectrum_.loss(kx)[y]);
                 amplitude_[j] =
                     static_cast<Real>(is_real ? amplitude : amplitude / std::numbers::sqrt2);
                 amplitude_[j + 1] = is_real ? Real{0} : amplitude_[j];
@@ -86,12 +86,12 @@ void OrderField<Real>::update_column(int kx, std::uint64_t step) {
     const std::size_t begin = distance_ * static_cast<std::size_t>(kx);
     // A complex number is an array of two.
     Real* c = reinterpret_cast<Real*>(&modes_[begin]);
-    const Real* decay = &decay_[2 * begin];
+    const Real* loss = &loss_[2 * begin];
     const Real* amplitude = &amplitude_[2 * begin];
     zeta.resize(2 * static_cast<std::size_t>(spectrum_.rows(kx) + 1));
     noise_.normal(step, static_cast<std::uint32_t>(kx), zeta);
     for (std::size_t j = 0; j < zeta.size(); ++j) {
-        c[j] = decay[j] * c[j] + amplitude[j] * static_cast<Real>(zeta[j]);
+        c[j] += amplitude[j] * static_cast<Real>(zeta[j]) - loss[j] * c[j];
     }
     if (is_symmetric(kx)) {
         mirror(kx);
@@ -102,8 +102,8 @@ void OrderField<Real>::update_column(int kx, std::uint64_t step) {
     std::size_t j = 2 * static_cast<std::size_t>(lattice_.ny);
     for (std::size_t i = 0; i < zeta.size(); i += 2) {
         j -= 2;
-        c[j] = decay[j] * c[j] + amplitude[j] * static_cast<Real>(zeta[i]);
-        c[j + 1] = decay[j + 1] * c[j + 1] + amplitude[j + 1] * static_cast<Real>(zeta[i + 1]);
+        c[j] += amplitude[j] * static_cast<Real>(zeta[i]) - loss[j] * c[j];
+        c[j + 1] += amplitude[j + 1] * static_cast<Real>(zeta[i + 1]) - loss[j + 1] * c[j + 1];
     }
 }
 

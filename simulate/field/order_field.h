@@ -65,7 +65,7 @@ class OrderField {
     LineFourier<Real> along_x_;
     AlignedVector<std::complex<Real>> modes_;        // [kx][ky]
     AlignedVector<std::complex<Real>> transformed_;  // [kx][y]
-    AlignedVector<Real> decay_, amplitude_;          // of each component in modes_
+    AlignedVector<Real> loss_, amplitude_;           // of each component in modes_
 };
 
 extern template class OrderField<float>;

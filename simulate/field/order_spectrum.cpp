@@ -50,7 +50,7 @@ OrderSpectrum::OrderSpectrum(const Lattice& lattice, const ModelOptions& model, 
     for (int x = 0; x <= lattice.nx / 2; ++x) {
         const double kx = wavenumber(x, lattice.nx, lattice.spacing);
         if (kx > k_cut && x > 0) break;
-        start_.push_back(decay_.size());
+        start_.push_back(loss_.size());
         int rows = -1;
         for (int y = 0; y <= lattice.ny / 2; ++y) {
             const double ky = wavenumber(y, lattice.ny, lattice.spacing);
@@ -62,7 +62,7 @@ OrderSpectrum::OrderSpectrum(const Lattice& lattice, const ModelOptions& model, 
             const double half = g * dt / 2;
             const double kick = model.c2 * dt / lattice.volume();
             const bool exact = scheme == OrderScheme::exact;
-            decay_.push_back(exact ? std::exp(-g * dt) : (1 - half) / (1 + half));
+            loss_.push_back(exact ? -std::expm1(-g * dt) : g * dt / (1 + half));
             amplitude_.push_back(!exact  ? std::sqrt(kick) / (1 + half)
                                  : g > 0 ? std::sqrt(-sigma2 * std::expm1(-2 * g * dt))
                                          : std::sqrt(kick));

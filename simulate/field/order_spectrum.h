@@ -17,11 +17,12 @@ enum class OrderScheme {
 /// Rates and one-step coefficients of the Fourier modes of the order field,
 ///
 ///   ψ(r) = Σ_k c_k exp(ik·r),   dc_k/dt = −g_k c_k + ξ_k,   g_k = ν + μ|k|^b,
-///   c_k ← α_k c_k + β_k ζ,      ⟨ζζ*⟩ = 1,
+///   c_k ← c_k − λ_k c_k + β_k ζ,   ⟨ζζ*⟩ = 1,   λ = 1 − α,
 ///   exact:           α = e^{−g dt},  β² = σ_k² (1 − α²),  σ_k² = C2/(2 g_k L^d),
 ///   Crank–Nicolson:  α = (1 − g dt/2)/(1 + g dt/2),  β² = C2 dt/L^d / (1 + g dt/2)².
 ///
-/// Both keep ⟨|c_k|²⟩ = σ_k² exactly (docs/field.md). A mode with g_k = 0 diffuses:
+/// λ is kept, not α: in single precision α of a slow mode would be rounded to 1 and its variance
+/// would be wrong. Both keep ⟨|c_k|²⟩ = σ_k² exactly (docs/field.md). A mode with g_k = 0 diffuses:
 /// α = 1, β² = C2 dt/L^d. Only modes with |k| ≤ k_cut are kept.
 class OrderSpectrum {
  public:
@@ -34,8 +35,8 @@ class OrderSpectrum {
     std::size_t kept() const { return kept_; }  ///< modes of both half planes
     std::size_t all() const { return lattice_.cells(); }
 
-    /// Per |ky| = 0 … rows(kx).
-    const double* decay(int kx) const { return &decay_[start_[static_cast<std::size_t>(kx)]]; }
+    /// λ per |ky| = 0 … rows(kx).
+    const double* loss(int kx) const { return &loss_[start_[static_cast<std::size_t>(kx)]]; }
     const double* amplitude(int kx) const {
         return &amplitude_[start_[static_cast<std::size_t>(kx)]];
     }
@@ -52,7 +53,7 @@ class OrderSpectrum {
     Lattice lattice_;
     std::vector<int> rows_;
     std::vector<std::size_t> start_;
-    std::vector<double> decay_, amplitude_, stationary_;
+    std::vector<double> loss_, amplitude_, stationary_;
     std::size_t kept_ = 0;
     double missing_variance_ = 0;
     bool diffuses_ = false;

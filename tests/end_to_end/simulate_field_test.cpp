@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <string>
-#include <thread>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -85,7 +85,11 @@ TEST(SimulateField, ThreadsChangeNoNumber) {
     const ScratchFolder folder;
     std::string first;
     for (const char* threads : {"1", "2", "8"}) {
-        ASSERT_EQ(run_grainfield(job(folder / "f.h5", {"--force", "--threads", threads})).code, 0);
+        // Large enough for four threads (field_plan.cpp, choose_threads).
+        const Words words =
+            job(folder / "f.h5", {"--force", "--threads", threads, "--nx", "256", "--relax", "20",
+                                  "--record", "60", "--store", "30"});
+        ASSERT_EQ(run_grainfield(words).code, 0);
         const std::string text = content(folder, folder / "f.h5");
         if (first.empty()) first = text;
         EXPECT_EQ(text, first) << threads;
@@ -94,7 +98,9 @@ TEST(SimulateField, ThreadsChangeNoNumber) {
 
 TEST(SimulateField, KilledAnywhereItGoesOnAsIfNothingHadHappened) {
     const ScratchFolder folder;
-    const Words longer{"--record", "20000", "--checkpoint-every", "0.01"};
+    // Two threads share a lattice of this size.
+    const Words longer{"--nx",    "192", "--record",           "300",
+                       "--store", "100", "--checkpoint-every", "0.01"};
     ASSERT_EQ(run_grainfield(job(folder / "whole.h5", longer)).code, 0);
     const std::string whole = content(folder, folder / "whole.h5");
     RandomStream random(1, "kill times");
@@ -104,17 +110,41 @@ TEST(SimulateField, KilledAnywhereItGoesOnAsIfNothingHadHappened) {
     int kills = 0;
     for (; kills < 60 && !std::filesystem::exists(folder / "f.h5"); ++kills) {
         const Process process(words);
-        std::this_thread::sleep_for(std::chrono::microseconds(20000 + random.below(120000)));
+        process.let_work(std::chrono::milliseconds(20 + random.below(120)), SIGINT);
         process.send(SIGKILL);
         process.wait();
     }
     EXPECT_GT(kills, 3);
     if (!std::filesystem::exists(folder / "f.h5")) {
         words.erase(words.begin());
-        ASSERT_EQ(run_grainfield(words).code, 0);
+        const Outcome last = run_grainfield(words);
+        ASSERT_EQ(last.code, 0) << last.err;
     }
     EXPECT_EQ(content(folder, folder / "f.h5"), whole);
     EXPECT_FALSE(std::filesystem::exists(folder / "f.h5.checkpoint"));
+}
+
+TEST(SimulateField, KeepsAnInterruptedRunUnlessForced) {
+    const ScratchFolder folder;
+    std::ofstream(folder / "f.h5.checkpoint") << "precious";
+    const Outcome refused = run_grainfield(job(folder / "f.h5"));
+    EXPECT_EQ(refused.code, 4) << refused.err;
+    EXPECT_THAT(refused.err, AllOf(HasSubstr("f.h5.checkpoint"), HasSubstr("--resume")));
+    EXPECT_EQ(testing::read_all(folder / "f.h5.checkpoint"), "precious");
+    EXPECT_EQ(folder.entries(), 1U);
+    EXPECT_EQ(run_grainfield(job(folder / "f.h5", {"--force"})).code, 0);
+}
+
+// The published scheme has no bound on its step but one on what it can bear.
+TEST(SimulateField, FieldsThatAreNotFiniteAreNoResult) {
+    const ScratchFolder folder;
+    const Outcome outcome = run_grainfield(
+        job(folder / "f.h5", {"--scheme", "paper", "--dt", "10", "--nu", "0.003", "--record",
+                              "30000", "--sample", "50", "--store", "0"}));
+    EXPECT_EQ(outcome.code, 5) << outcome.out;
+    EXPECT_THAT(outcome.err,
+                AllOf(HasSubstr("no longer finite at step"), HasSubstr("scheme paper")));
+    EXPECT_FALSE(std::filesystem::exists(folder / "f.h5"));
 }
 
 class InterruptedField : public ::testing::TestWithParam<int> {};

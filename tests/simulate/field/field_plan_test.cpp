@@ -1,6 +1,7 @@
 #include "simulate/field/field_plan.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -55,6 +56,27 @@ TEST(FieldPlan, SkipsWhatTheSceneDoesNotNeed) {
     EXPECT_TRUE(exact.setup.twofold);
     EXPECT_EQ(exact.setup.noise, NoiseShape::normal);
     EXPECT_EQ(exact.setup.hold, 1);
+}
+
+// Replacing ψ by its average needs modes faster than the density: with b = 2 or a large D0 they
+// are not.
+TEST(FieldPlan, KeepsModesThatAreNotFasterThanTheDensity) {
+    FieldOptions options;
+    options.model.b = 2;
+    RunPlan one;
+    plan_field(options, one);
+    EXPECT_FALSE(skips(one, "order modes above"));
+    options = {};
+    options.model.d0 = 3;
+    RunPlan two;
+    EXPECT_NEAR(plan_field(options, two).setup.k_cut, std::sqrt(12.0), 0.05);
+}
+
+TEST(FieldPlan, RefusesStepsThatNoLineSolverCanTake) {
+    FieldOptions options;
+    options.model.d0 = 1e12;
+    RunPlan plan;
+    EXPECT_THROW(plan_field(options, plan), OptionError);
 }
 
 TEST(FieldPlan, HoldsTheOrderFieldWhereStepsAreShort) {
