@@ -64,6 +64,24 @@ bool is_within(Vec2 p, const View& view, double margin) {
            p.y < view.height() - 0.5 + margin;
 }
 
+void explain_optics(const RenderOptions& o, const View& view, RunPlan& plan) {
+    const bool traced = o.optics == OpticsKind::raytrace;
+    plan.run("optics", fmt::format("{}, {} × {} px, {:.4g} px per diameter",
+                                   traced ? "ray tracing" : "silhouettes", view.width(),
+                                   view.height(), view.scale()));
+    if (!traced) return;
+    if (o.raytrace.tolerance <= 0) {
+        plan.run("uniform sampling",
+                 fmt::format("{} camera rays in every pixel", o.raytrace.most_samples));
+        return;
+    }
+    plan.skip("uniform sampling",
+              fmt::format("no ray where only the panel is seen, one where neighbours agree within "
+                          "{:g}, {} elsewhere",
+                          o.raytrace.tolerance, o.raytrace.most_samples),
+              "a third to most of the rays; the summary says how many and what it changes");
+}
+
 void explain_light(const RenderOptions& o, RunPlan& plan) {
     if (o.camera == CameraKind::ideal) {
         plan.skip("noise", "the camera is ideal", "random numbers, about 5 ms a megapixel");
@@ -97,10 +115,7 @@ Renderer::Renderer(const RenderOptions& options, const TrajectoryInfo& info, con
       camera_(options, view_, seed, threads),
       optics_(make_optics(options_, threads)) {
     require_at_most_three_periods(view_, in_diameters(box, info.diameter));
-    plan.run("optics",
-             fmt::format("{}, {} × {} px, {:.4g} px per diameter",
-                         options.optics == OpticsKind::silhouette ? "silhouettes" : "ray tracing",
-                         view_.width(), view_.height(), view_.scale()));
+    explain_optics(options_, view_, plan);
     const double shutter = shutter_seconds(options_, seconds_per_unit_);
     if (shutter > 0 && options_.exposure.sub_frames > 1) {
         plan.run("motion blur", fmt::format("{:g} ms, up to {} instants a frame", shutter * 1e3,
