@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "app/optics_summary.h"
 #include "core/errors.h"
 #include "core/interrupt.h"
 #include "core/progress.h"
@@ -94,17 +95,23 @@ RenderCommand::Tally RenderCommand::render_all(Session& session, SnapshotSource&
     Tally tally;
     Progress progress("rendering", static_cast<std::int64_t>(chosen.size()), "frames",
                       session.common.verbosity());
+    if (render_.optics == simulate::OpticsKind::raytrace) progress.announce();
     for (std::size_t i = 0; i < chosen.size() && caught_signal() == 0; ++i) {
         const auto index = static_cast<std::int64_t>(i);
-        progress.advance();
         if (renderer.loses(index)) {
             ++tally.lost;
+            progress.advance();
             continue;
         }
         const Snapshot snapshot = source.read(chosen[i]);
         std::optional<Snapshot> next;
         if (snapshot.velocity.empty() && chosen[i] + 1 < source.count()) {
             next = source.read(chosen[i] + 1);
+        }
+        if (tally.frames == 0) {
+            tally.check = simulate::check_sampling(
+                render_, renderer.view(), source.info(), snapshot, next ? &*next : nullptr,
+                static_cast<std::uint64_t>(session.common.seed), session.threads());
         }
         const auto start = Clock::now();
         simulate::RenderedFrame rendered =
@@ -120,6 +127,7 @@ RenderCommand::Tally RenderCommand::render_all(Session& session, SnapshotSource&
         tally.write_seconds += seconds_since(start_writing);
         tally.spheres += static_cast<double>(rendered.truth.size());
         ++tally.frames;
+        progress.advance();
     }
     return tally;
 }
@@ -177,8 +185,6 @@ Summary RenderCommand::run(Session& session) {
     }
 
     const double frames = static_cast<double>(std::max<std::int64_t>(tally.frames, 1));
-    const simulate::OpticsCost cost = renderer.cost();
-    const double pixels = std::max(cost.pixels, 1.0);
     Summary summary;
     summary.facts["frames"] = tally.frames;
     summary.facts["lost_frames"] = tally.lost;
@@ -187,17 +193,14 @@ Summary RenderCommand::run(Session& session) {
     summary.facts["frame_rate"] = rate ? ordered_json(*rate) : ordered_json();
     summary.facts["ms_per_frame"] = 1e3 * tally.render_seconds / frames;
     summary.facts["write_ms_per_frame"] = 1e3 * tally.write_seconds / frames;
-    summary.facts["rays_per_pixel"] = cost.rays / pixels;
-    summary.facts["samples_per_pixel"] = cost.samples / pixels;
-    summary.facts["settled_pixels"] = cost.settled / pixels;
     summary.text = fmt::format(
         "{}: {} frames ({} lost), {:.0f} spheres a frame, {:.4g} px per diameter\n"
         "  {:.1f} ms a frame to render, {:.1f} ms to write\n",
         output_, tally.frames, tally.lost, tally.spheres / frames, renderer.view().scale(),
         1e3 * tally.render_seconds / frames, 1e3 * tally.write_seconds / frames);
-    if (cost.rays > 0) {
-        summary.text += fmt::format("  {:.2f} rays a pixel, {:.0f} % of pixels without any\n",
-                                    cost.rays / pixels, 100 * cost.settled / pixels);
+    add_optics_summary(renderer, tally.frames, tally.check, summary);
+    if (tally.frames > 0 && tally.spheres <= 0) {
+        session.plan.warn("no sphere is in view; see --centre-x, --centre-y and --scale");
     }
     if (caught_signal() != 0) {
         session.plan.warn(fmt::format("interrupted after {} of {} frames, which are kept",

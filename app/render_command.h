@@ -11,6 +11,7 @@
 #include "io/frame_writer.h"
 #include "io/trajectory_file.h"
 #include "simulate/render/renderer.h"
+#include "simulate/render/sampling_check.h"
 
 namespace grainfield::app {
 
@@ -30,6 +31,7 @@ class RenderCommand : public Command {
         double render_seconds = 0;
         double write_seconds = 0;
         double spheres = 0;
+        simulate::SamplingCheck check;
     };
 
     Tally render_all(Session& session, SnapshotSource& source,

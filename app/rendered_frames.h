@@ -10,6 +10,7 @@
 #include "core/run_plan.h"
 #include "core/trajectory.h"
 #include "simulate/render/renderer.h"
+#include "simulate/render/sampling_check.h"
 
 namespace grainfield::app {
 
@@ -25,7 +26,7 @@ class RenderedFrames : public FrameSource {
     std::int64_t count() const override { return trajectory_.count(); }
     int width() const override { return renderer_.view().width(); }
     int height() const override { return renderer_.view().height(); }
-    int bit_depth() const override { return bits_; }
+    int bit_depth() const override { return options_.sensor.bits; }
     std::optional<double> frame_rate() const override { return info_.frame_rate; }
     Frame read(std::int64_t index) override;
     std::string name() const override { return "rendered frames"; }
@@ -35,16 +36,23 @@ class RenderedFrames : public FrameSource {
     /// Where the spheres of frame `index` are [px]; renders it if that has not been done.
     const Snapshot& truth(std::int64_t index);
     const simulate::Renderer& renderer() const { return renderer_; }
+    /// Images made so far; some may have been made twice.
+    std::int64_t rendered() const { return rendered_; }
+    /// What adaptive sampling changes, on the first frame.
+    simulate::SamplingCheck check_sampling();
 
  private:
     void render(std::int64_t index);
 
     SnapshotSource& trajectory_;
-    int bits_;
+    simulate::RenderOptions options_;
+    std::uint64_t seed_;
+    int threads_;
     simulate::Renderer renderer_;
     TrajectoryInfo info_;
     std::vector<std::string> warnings_;
     Frame last_;
+    std::int64_t rendered_ = 0;
     std::map<std::int64_t, Snapshot> truth_;
 };
 

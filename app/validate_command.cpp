@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "app/figures_folder.h"
+#include "app/optics_summary.h"
 #include "app/rendered_frames.h"
 #include "app/validation_report.h"
 #include "core/errors.h"
@@ -225,6 +226,7 @@ ValidateCommand::Scene ValidateCommand::rendered_scene(Session& session) const {
     scene.truth = std::make_unique<RenderedTruth>(*frames);
     scene.sphere_diameter = frames->renderer().view().scale();
     scene.vibration_frequency = frames->truth_info().vibration_frequency;
+    scene.rendered = frames.get();
     scene.frames = std::move(frames);
     return scene;
 }
@@ -301,11 +303,18 @@ Summary ValidateCommand::run(Session& session) {
     settings.previews = previews_;
     settings.threads = session.threads();
     settings.verbosity = session.common.verbosity();
+    settings.slow_frames =
+        scene.rendered != nullptr && render_.optics == simulate::OpticsKind::raytrace;
     tracking::TrackSummary tracked;
     const ValidationOutcome outcome =
         validate({*scene.frames, *scene.truth, scene.sphere_diameter, scene.vibration_frequency},
                  settings, tracked, session.plan);
-    return finish(session, outcome, tracked, html, figures ? &*figures : nullptr);
+    Summary summary = finish(session, outcome, tracked, html, figures ? &*figures : nullptr);
+    if (scene.rendered != nullptr) {
+        add_optics_summary(scene.rendered->renderer(), scene.rendered->rendered(),
+                           scene.rendered->check_sampling(), summary);
+    }
+    return summary;
 }
 
 }  // namespace grainfield::app

@@ -8,6 +8,7 @@
 
 #include "app/command.h"
 #include "app/figures_folder.h"
+#include "app/rendered_frames.h"
 #include "app/stored_snapshots.h"
 #include "app/validation.h"
 #include "app/validation_thresholds.h"
@@ -35,6 +36,7 @@ class ValidateCommand : public Command {
     struct Scene {
         std::unique_ptr<SnapshotSource> trajectory;  ///< what the frames show; none if given
         std::unique_ptr<FrameSource> frames;
+        RenderedFrames* rendered = nullptr;  ///< the same frames, if they were rendered
         std::unique_ptr<SnapshotSource> truth;
         std::optional<double> sphere_diameter;  ///< [px]
         std::optional<double> vibration_frequency;

@@ -132,6 +132,9 @@ ValidationOutcome validate(const ValidationCase& scene, const ValidationSettings
     tracking::TrackOptions options = settings.tracking;
     options.threads = settings.threads;
     if (!options.sphere_diameter) options.sphere_diameter = scene.sphere_diameter;
+    Progress progress("rendering, tracking and scoring", scene.frames.count(), "frames",
+                      settings.verbosity);
+    if (settings.slow_frames) progress.announce();
     Tracker tracker(scene.frames, options, plan);
     if (!tracker.is_calibrated()) {
         throw PhysicsError({.problem = "the tracker cannot calibrate on the frames of this scene",
@@ -156,8 +159,6 @@ ValidationOutcome validate(const ValidationCase& scene, const ValidationSettings
     ScoringSink sink(scene.truth, outcome.scores, found, seen);
     PreviewChoice choice(settings.previews, scene.frames.count());
     std::vector<Preview> previews;
-    Progress progress("rendering, tracking and scoring", scene.frames.count(), "frames",
-                      settings.verbosity);
     summary = tracker.run(sink, progress, [&](const Frame& frame, const Snapshot& snapshot) {
         if (choice.takes(snapshot.frame)) previews.push_back({frame, snapshot, {}});
     });

@@ -25,6 +25,7 @@ struct ValidationSettings {
     int previews = 1;  ///< frames kept for the report
     int threads = 1;
     Verbosity verbosity = Verbosity::normal;
+    bool slow_frames = false;  ///< a frame takes long: show the progress from the first one on
 };
 
 /// Tracks the frames, scores what was found against the truth, and analyses both. True positions

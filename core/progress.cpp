@@ -43,6 +43,12 @@ void Progress::advance(std::int64_t done_more) {
     draw(false);
 }
 
+void Progress::announce() {
+    if (verbosity_ == Verbosity::quiet) return;
+    last_draw_ = Clock::now();
+    draw(false);
+}
+
 void Progress::finish() {
     if (!drawn_) return;
     draw(true);

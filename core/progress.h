@@ -22,6 +22,9 @@ class Progress {
 
     void advance(std::int64_t done_more = 1);
 
+    /// Shows the line at once: for jobs whose single steps take long.
+    void announce();
+
     /// Ends the line. Called by the destructor if nobody else does.
     void finish();
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "core/frame.h"
@@ -20,21 +21,26 @@ struct SphereScene {
 /// What the images so far took.
 struct OpticsCost {
     double pixels = 0;
-    double settled = 0;  ///< pixels that were decided without tracing a ray
-    double rays = 0;     ///< rays traced, reflected ones included; 0 where there are none
-    double samples = 0;  ///< of these, rays that start in the camera
+    double settled = 0;       ///< pixels that were decided without tracing a ray
+    double rays = 0;          ///< rays traced, reflected ones included; 0 where there are none
+    double samples = 0;       ///< of these, rays that start in the camera
+    double uniform_rays = 0;  ///< an estimate: with as many samples in every pixel
 };
 
 /// Forms images of spheres: each pixel is the mean, over its square, of the radiance relative to
-/// the unobstructed backlight (1 bright, 0 black), in focus, at one instant. Illumination, blur
-/// and noise are the camera's.
+/// the unobstructed backlight (1 bright, 0 black), in focus, and over the instants of an exposure.
+/// Illumination, blur and noise are the camera's.
 class Optics {
  public:
     virtual ~Optics() = default;
 
-    /// Same scene and view → same bits, for any number of threads. Spheres outside the view are
-    /// allowed; those beside it may still reflect into it.
-    virtual Image radiance(const SphereScene& scene, const View& view) = 0;
+    /// `instants`: one or more, of the same spheres in the same order. Same scenes and view → same
+    /// bits, for any number of threads. Spheres outside the view are allowed; those beside it may
+    /// still reflect into it.
+    virtual Image radiance(std::span<const SphereScene> instants, const View& view) = 0;
+    Image radiance(const SphereScene& scene, const View& view) {
+        return radiance({&scene, 1}, view);
+    }
     virtual OpticsCost cost() const = 0;
 };
 

@@ -4,179 +4,19 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <numbers>
 #include <utility>
 #include <vector>
 
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wpedantic"
-#include <embree3/rtcore.h>
-#pragma GCC diagnostic pop
-
-#include "core/errors.h"
 #include "core/parallel.h"
-#include "simulate/render/fresnel.h"
 
 namespace grainfield::simulate {
 
 namespace {
 
-constexpr double radius = 0.5;
-constexpr double glass_index = 1.52;
-constexpr double least_weight = 0.01;
-constexpr double half_ring = 2 * std::numbers::pi / 180;
-constexpr std::uint32_t nothing = RTC_INVALID_GEOMETRY_ID;
-
-struct Ray {
-    Vec3 origin;
-    Vec3 direction;
-    std::uint32_t from = nothing;  // the sphere that it leaves
-};
-
-/// The spheres and what surrounds them.
-class Cell {
- public:
-    Cell(RTCDevice device, const SphereScene& scene, const View& view,
-         const RaytraceOptions& options)
-        : scene_(scene), options_(options), middle_(view.centre()) {
-        low_ = scene.low_plate;
-        high_ = std::max(scene.high_plate, low_ + 1);
-        for (const Vec3 p : scene.centre) {
-            low_ = std::min(low_, p.z - radius);
-            high_ = std::max(high_, p.z + radius);
-        }
-        has_glass_ = options.glass_thickness > 0;
-        clear_ = has_glass_ ? 1 - plate_reflectance(1) : 1;
-        embree_ = rtcNewScene(device);
-        RTCGeometry spheres = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
-        if (!scene.centre.empty()) {
-            auto* data = static_cast<float*>(
-                rtcSetNewGeometryBuffer(spheres, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
-                                        4 * sizeof(float), scene.centre.size()));
-            for (const Vec3 p : scene.centre) {
-                *data++ = static_cast<float>(p.x);
-                *data++ = static_cast<float>(p.y);
-                *data++ = static_cast<float>(p.z);
-                *data++ = static_cast<float>(radius);
-            }
-        }
-        rtcCommitGeometry(spheres);
-        rtcAttachGeometry(embree_, spheres);
-        rtcReleaseGeometry(spheres);
-        rtcCommitScene(embree_);
-    }
-    ~Cell() { rtcReleaseScene(embree_); }
-    Cell(const Cell&) = delete;
-    Cell& operator=(const Cell&) = delete;
-
-    double top() const { return high_; }
-
-    /// What a ray sees that meets no sphere on its way down.
-    double panel(Vec3 origin, Vec3 direction) const {
-        const double cosine = -direction.z;
-        if (cosine < 1e-6) return 0;
-        const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
-        double reach = (origin.z - low_ + options_.panel_distance) / cosine * sine;
-        double passes = 1;
-        if (has_glass_) {
-            const double inside = sine / glass_index;
-            reach += options_.glass_thickness * inside / std::sqrt(1 - inside * inside);
-            passes = (1 - plate_reflectance(cosine)) / clear_;
-        }
-        const double along = sine > 0 ? reach / sine : 0;
-        const double x = origin.x + direction.x * along - middle_.x;
-        const double y = origin.y + direction.y * along - middle_.y;
-        if (std::max(std::abs(x), std::abs(y)) > options_.panel_half_size) return 0;
-        return passes * std::pow(cosine, options_.emission_power - 1);
-    }
-
-    struct Seen {
-        double radiance = 0;
-        bool sphere = false;  // the first thing met
-    };
-    Seen look(Ray ray, std::int64_t& rays) const {
-        const std::uint32_t hit = first_sphere(ray, rays);
-        if (hit == nothing) return {panel(ray.origin, ray.direction), false};
-        return {reflected(ray, hit, 1, options_.bounces, rays), true};
-    }
-
- private:
-    std::uint32_t first_sphere(const Ray& ray, std::int64_t& rays) const {
-        float nearest = ray.from == nothing ? 0.0F : 1e-4F;
-        for (;;) {
-            ++rays;
-            RTCIntersectContext context;
-            rtcInitIntersectContext(&context);
-            RTCRayHit query{};
-            query.ray.org_x = static_cast<float>(ray.origin.x);
-            query.ray.org_y = static_cast<float>(ray.origin.y);
-            query.ray.org_z = static_cast<float>(ray.origin.z);
-            query.ray.dir_x = static_cast<float>(ray.direction.x);
-            query.ray.dir_y = static_cast<float>(ray.direction.y);
-            query.ray.dir_z = static_cast<float>(ray.direction.z);
-            query.ray.tnear = nearest;
-            query.ray.tfar = std::numeric_limits<float>::infinity();
-            query.ray.mask = ~0U;
-            query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-            rtcIntersect1(embree_, &context, &query);
-            if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return nothing;
-            // A mirror that curves outwards cannot see itself: rounding did.
-            if (query.hit.primID != ray.from) return query.hit.primID;
-            nearest = std::max(query.ray.tfar, nearest) + 1e-3F;
-        }
-    }
-
-    // What comes along `ray` from the mirror that it hits.
-    double reflected(const Ray& ray, std::uint32_t sphere, double weight, int bounces,
-                     std::int64_t& rays) const {
-        const Vec3 centre = scene_.centre[sphere];
-        const Vec3 from = ray.origin - centre;
-        const double along = dot(from, ray.direction);
-        const double square = along * along - squared_norm(from) + radius * radius;
-        const double t = -along - std::sqrt(std::max(0.0, square));
-        const Vec3 outward = from + ray.direction * t;
-        const Vec3 normal = outward * (1 / norm(outward));
-        const double cosine = -dot(ray.direction, normal);
-        if (cosine <= 0) return 0;
-        const double share = metal_reflectance(cosine);
-        if (bounces <= 0 || weight * share < least_weight) return 0;
-        const Ray on{centre + normal * radius, ray.direction + normal * (2 * cosine), sphere};
-        return share * follow(on, weight * share, bounces - 1, rays);
-    }
-
-    double follow(const Ray& ray, double weight, int bounces, std::int64_t& rays) const {
-        const std::uint32_t hit = first_sphere(ray, rays);
-        if (hit != nothing) return reflected(ray, hit, weight, bounces, rays);
-        const double cosine = std::abs(ray.direction.z);
-        const double share = has_glass_ ? plate_reflectance(cosine) : 0;
-        double radiance = 0;
-        if (ray.direction.z < 0) {
-            radiance = panel(ray.origin, ray.direction);
-        } else if (options_.ring_level > 0) {
-            const double angle = std::acos(std::min(1.0, cosine));
-            const double ring = options_.ring_angle * std::numbers::pi / 180;
-            if (std::abs(angle - ring) < half_ring) radiance = (1 - share) * options_.ring_level;
-        }
-        if (weight * share < least_weight || cosine < 1e-6 || bounces <= 0) return radiance;
-        const double plate = ray.direction.z < 0 ? low_ : high_;
-        const double t = (plate - ray.origin.z) / ray.direction.z;
-        const Ray back{ray.origin + ray.direction * t,
-                       {ray.direction.x, ray.direction.y, -ray.direction.z}};
-        return radiance + share * follow(back, weight * share, bounces - 1, rays);
-    }
-
-    const SphereScene& scene_;
-    const RaytraceOptions& options_;
-    Vec2 middle_;
-    RTCScene embree_ = nullptr;
-    double low_ = 0;
-    double high_ = 1;
-    bool has_glass_ = true;
-    double clear_ = 1;
-};
+constexpr float mixed = std::numeric_limits<float>::quiet_NaN();
 
 // Through `pixel`, from just above the spheres: single precision would not bear the true distance.
-Ray camera_ray(const View& view, Vec2 pixel, double top) {
+LightPath camera_ray(const View& view, Vec2 pixel, double top) {
     const Vec3 origin = view.at_height(pixel, top);
     if (view.projection() == Projection::telecentric) return {origin, {0, 0, -1}};
     const double pinhole = view.mid_height() + view.distance();
@@ -203,132 +43,155 @@ struct RowCost {
 /// The passes over the pixels of one image.
 class Picture {
  public:
-    Picture(const Cell& cell, const View& view, const RaytraceOptions& options, Image open)
+    Picture(const MirrorCell& cell, const View& view, const RaytraceOptions& options, Image open)
         : cell_(cell),
           view_(view),
           options_(options),
           open_(std::move(open)),
-          pilot_(view.width(), view.height()) {}
+          pilot_(open_.width(), open_.height(), mixed) {}
 
-    // One ray through the middle, or the panel.
+    // One ray into each pixel that spheres cover wholly.
     void probe(int y, RowCost& cost) {
         for (int x = 0; x < view_.width(); ++x) {
-            const Ray ray = camera_ray(view_, at(x, y), cell_.top());
-            if (open_(x, y) >= 1) {
-                pilot_(x, y) = static_cast<float>(cell_.panel(ray.origin, ray.direction));
-                ++cost.settled;
-                continue;
-            }
-            ++cost.samples;
-            pilot_(x, y) = static_cast<float>(cell_.look(ray, cost.rays).radiance);
+            if (open_(x, y) <= 0) pilot_(x, y) = static_cast<float>(sample(x, y, 0, cost).radiance);
         }
     }
 
     void settle(int y, Image& image, RowCost& cost) const {
         for (int x = 0; x < view_.width(); ++x) {
-            image(x, y) = is_settled(x, y) ? pilot_(x, y) : sampled(x, y, cost);
+            if (open_(x, y) >= 1) {
+                image(x, y) = static_cast<float>(panel(x, y));
+                ++cost.settled;
+            } else {
+                image(x, y) = is_settled(x, y) ? pilot_(x, y) : sampled(x, y, cost);
+            }
+        }
+    }
+
+    // Every pixel alike, plain means: what adaptive sampling is compared with.
+    void sample_uniformly(int y, Image& image, RowCost& cost) const {
+        for (int x = 0; x < view_.width(); ++x) {
+            double sum = 0;
+            for (int k = 0; k < options_.most_samples; ++k) {
+                sum += sample(x, y, k, cost).radiance;
+            }
+            image(x, y) = static_cast<float>(sum / options_.most_samples);
         }
     }
 
  private:
-    static Vec2 at(int x, int y) { return {static_cast<double>(x), static_cast<double>(y)}; }
+    LightPath ray_of(int x, int y, int k) const {
+        const Vec2 pixel{static_cast<double>(x), static_cast<double>(y)};
+        LightPath ray = camera_ray(view_, pixel + sub_pixel(k, x, y), cell_.top());
+        ray.instant = (x + 2 * y + k) % cell_.instants();
+        return ray;
+    }
 
+    MirrorCell::Seen sample(int x, int y, int k, RowCost& cost) const {
+        ++cost.samples;
+        return cell_.look(ray_of(x, y, k), cost.rays);
+    }
+
+    double panel(int x, int y) const {
+        const LightPath ray =
+            camera_ray(view_, {static_cast<double>(x), static_cast<double>(y)}, cell_.top());
+        return cell_.panel(ray.origin, ray.direction);
+    }
+
+    // Its own ray has no say: if it had, the bright ones among dark neighbours would be looked at
+    // again and the dark ones among bright ones not, and the image would be too dark.
     bool is_settled(int x, int y) const {
-        if (open_(x, y) >= 1) return true;
         if (open_(x, y) > 0) return false;
-        const auto limit = static_cast<float>(options_.tolerance);
-        const float here = pilot_(x, y);
-        const auto differs = [&](int i, int j) {
-            if (i < 0 || j < 0 || i >= view_.width() || j >= view_.height()) return false;
-            return std::abs(pilot_(i, j) - here) > limit;
+        float least = std::numeric_limits<float>::infinity();
+        float most = -least;
+        const auto compare = [&](int i, int j) {
+            if (i < 0 || j < 0 || i >= view_.width() || j >= view_.height()) return;
+            const float value = pilot_(i, j);
+            if (std::isnan(value)) return;
+            least = std::min(least, value);
+            most = std::max(most, value);
         };
-        return !differs(x - 1, y) && !differs(x + 1, y) && !differs(x, y - 1) && !differs(x, y + 1);
+        compare(x - 1, y);
+        compare(x + 1, y);
+        compare(x, y - 1);
+        compare(x, y + 1);
+        return most - least <= static_cast<float>(options_.tolerance);
     }
 
     float sampled(int x, int y, RowCost& cost) const {
-        double covered = 0;
-        double free = 0;
+        const auto open = static_cast<double>(open_(x, y));
+        double sum = 0;
         int hits = 0;
-        int misses = 0;
-        double last = -1;
         int k = 0;
-        for (int count = 4;; count *= 4) {
-            count = std::min(count, options_.most_samples);
-            for (; k < count; ++k) {
-                const Ray ray = camera_ray(view_, at(x, y) + sub_pixel(k, x, y), cell_.top());
-                const Cell::Seen seen = cell_.look(ray, cost.rays);
-                ++cost.samples;
-                (seen.sphere ? covered : free) += seen.radiance;
-                ++(seen.sphere ? hits : misses);
-            }
-            const double estimate = combined(x, y, covered, hits, free, misses);
-            if (std::abs(estimate - last) < options_.tolerance || k >= options_.most_samples) {
-                return static_cast<float>(estimate);
-            }
-            last = estimate;
+        if (open <= 0) {
+            sum = static_cast<double>(pilot_(x, y));
+            hits = k = 1;
         }
+        for (; k < options_.most_samples; ++k) {
+            const MirrorCell::Seen seen = sample(x, y, k, cost);
+            if (!seen.sphere) continue;
+            sum += seen.radiance;
+            ++hits;
+        }
+        // The exact share of what is open; a sliver of a sphere that no ray met is taken as open.
+        if (hits == 0) return static_cast<float>(panel(x, y));
+        const double free = open > 0 ? open * panel(x, y) : 0;
+        return static_cast<float>(free + (1 - open) * sum / hits);
     }
 
-    // The exact share of either kind, where both were seen.
-    double combined(int x, int y, double covered, int hits, double free, int misses) const {
-        if (hits == 0) return free / misses;
-        if (misses == 0) {
-            const Ray ray = camera_ray(view_, at(x, y), cell_.top());
-            const double open = static_cast<double>(open_(x, y));
-            return open * (open > 0 ? cell_.panel(ray.origin, ray.direction) : 0) +
-                   (1 - open) * covered / hits;
-        }
-        const double open = static_cast<double>(open_(x, y));
-        return open * free / misses + (1 - open) * covered / hits;
-    }
-
-    const Cell& cell_;
+    const MirrorCell& cell_;
     const View& view_;
     const RaytraceOptions& options_;
     Image open_;
-    Image pilot_;
+    Image pilot_;  // `mixed` where spheres do not cover the pixel
 };
 
 }  // namespace
-
-struct RaytraceOptics::Device {
-    RTCDevice handle = rtcNewDevice("threads=1,set_affinity=0");
-    Device() {
-        if (handle == nullptr) throw Error("Embree cannot be started.");
-    }
-    ~Device() { rtcReleaseDevice(handle); }
-    Device(const Device&) = delete;
-    Device& operator=(const Device&) = delete;
-};
 
 RaytraceOptics::RaytraceOptics(const RaytraceOptions& options, int threads)
     : options_(options),
       threads_(threads),
       silhouette_({}, threads),
-      device_(std::make_unique<Device>()) {}
+      device_(std::make_unique<EmbreeDevice>()) {}
 
 RaytraceOptics::~RaytraceOptics() = default;
 
-Image RaytraceOptics::radiance(const SphereScene& scene, const View& view) {
-    const Cell cell(device_->handle, scene, view, options_);
-    Picture picture(cell, view, options_, silhouette_.radiance(scene, view));
+Image RaytraceOptics::radiance(std::span<const SphereScene> instants, const View& view) {
+    const MirrorCell cell(*device_, instants, view.centre(), options_);
+    const bool uniform = options_.tolerance <= 0;
+    Picture picture(cell, view, options_, uniform ? Image() : silhouette_.radiance(instants, view));
     Image image(view.width(), view.height());
-    const auto rows = static_cast<std::size_t>(view.height());
-    std::vector<RowCost> cost(rows);
+    std::vector<RowCost> costs(static_cast<std::size_t>(view.height()));
     const auto each_row = [&](const auto& body) {
         parallel_for(view.height(), threads_, [&](std::int64_t y) {
-            body(static_cast<int>(y), cost[static_cast<std::size_t>(y)]);
+            body(static_cast<int>(y), costs[static_cast<std::size_t>(y)]);
         });
     };
-    each_row([&](int y, RowCost& row) { picture.probe(y, row); });
-    each_row([&](int y, RowCost& row) { picture.settle(y, image, row); });
-    cost_.pixels += static_cast<double>(image.size());
-    for (const RowCost& row : cost) {
-        cost_.rays += static_cast<double>(row.rays);
-        cost_.samples += static_cast<double>(row.samples);
-        cost_.settled += static_cast<double>(row.settled);
+    if (uniform) {
+        each_row([&](int y, RowCost& cost) { picture.sample_uniformly(y, image, cost); });
+    } else {
+        each_row([&](int y, RowCost& cost) { picture.probe(y, cost); });
+        each_row([&](int y, RowCost& cost) { picture.settle(y, image, cost); });
     }
+    RowCost sum;
+    for (const RowCost& row : costs) {
+        sum.rays += row.rays;
+        sum.samples += row.samples;
+        sum.settled += row.settled;
+    }
+    add_cost(static_cast<double>(image.size()), static_cast<double>(sum.settled),
+             static_cast<double>(sum.rays), static_cast<double>(sum.samples));
     return image;
+}
+
+// Uniform sampling: as many samples in every pixel, one ray each where there is only the panel.
+void RaytraceOptics::add_cost(double pixels, double settled, double rays, double samples) {
+    cost_.pixels += pixels;
+    cost_.settled += settled;
+    cost_.rays += rays;
+    cost_.samples += samples;
+    const double per_sample = samples > 0 ? rays / samples : 1;
+    cost_.uniform_rays += options_.most_samples * (settled + (pixels - settled) * per_sample);
 }
 
 }  // namespace grainfield::simulate

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <memory>
+#include <span>
 
+#include "simulate/render/mirror_cell.h"
 #include "simulate/render/optics.h"
 #include "simulate/render/silhouette.h"
 
@@ -18,11 +20,13 @@ namespace grainfield::simulate {
 /// unobstructed panel seen straight down. Neglected: roughness, polarisation along a path, the
 /// ghost of the plates' outer faces being displaced, light that reaches the panel from spheres.
 ///
-/// Sampling: pixels that no disc touches are the panel in closed form. Of all others one ray
-/// through the middle is traced; where it agrees with those of the four neighbours, that is the
-/// pixel. Elsewhere 4, 16, 64 … points of the R2 sequence (`roberts2018`) follow until two
-/// estimates agree within `tolerance`. The share of the pixel that spheres cover comes from
-/// SilhouetteOptics and is exact, so that samples only average over the covered part.
+/// Sampling: pixels that no disc touches are the panel in closed form. Of the others, those that
+/// are covered wholly get one ray, at a point of the R2 sequence (`roberts2018`), which stands for
+/// the pixel where those of its four neighbours agree within `tolerance`; its own value has no say,
+/// which keeps the mean right. Elsewhere there are `most_samples`. The share of a pixel that
+/// spheres cover comes from SilhouetteOptics and is exact, so that samples only average over the
+/// covered part. Motion blur costs no further rays: each one sees one of the instants. A tolerance
+/// of 0 samples every pixel alike with `most_samples` rays and takes plain means: the reference.
 ///
 /// Intersections by Embree (`wald2014`), hit points and normals recomputed in double. Time is
 /// about 0.3 µs a ray and core. Same bits for any number of threads.
@@ -31,16 +35,18 @@ class RaytraceOptics : public Optics {
     RaytraceOptics(const RaytraceOptions& options, int threads);
     ~RaytraceOptics() override;
 
-    Image radiance(const SphereScene& scene, const View& view) override;
+    using Optics::radiance;
+    Image radiance(std::span<const SphereScene> instants, const View& view) override;
     OpticsCost cost() const override { return cost_; }
 
  private:
-    struct Device;
+    void add_cost(double pixels, double settled, double rays, double samples);
+
     RaytraceOptions options_;
     int threads_;
     OpticsCost cost_;
     SilhouetteOptics silhouette_;
-    std::unique_ptr<Device> device_;
+    std::unique_ptr<EmbreeDevice> device_;
 };
 
 }  // namespace grainfield::simulate

@@ -80,8 +80,9 @@ OptionTable describe(RaytraceOptions& o) {
     t.number("ring-level", o.ring_level, "-", {0, 100}, "radiance of an LED ring above / panel");
     t.number("ring-angle", o.ring_angle, "deg", {1, 80}, "of the ring from the vertical");
     t.integer("bounces", o.bounces, "-", {1, 32}, "mirror reflections followed");
-    t.integer("most-samples", o.most_samples, "-", {4, 65536}, "camera rays per pixel, at most");
-    t.number("tolerance", o.tolerance, "-", {1e-5, 1}, "sampling error of a settled pixel");
+    t.integer("most-samples", o.most_samples, "-", {1, 65536}, "camera rays per unsettled pixel");
+    t.number("tolerance", o.tolerance, "-", {0, 1},
+             "spread around a settled pixel; 0: sample all pixels alike");
     return t;
 }
 

@@ -71,8 +71,8 @@ struct RaytraceOptions {
     double ring_level = 0;        ///< radiance of an LED ring above / of the panel; 0: none
     double ring_angle = 30;       ///< of the ring from the vertical, as seen from the cell [deg]
     int bounces = 4;              ///< mirror reflections followed
-    int most_samples = 4;         ///< rays from the camera per unsettled pixel, at most
-    double tolerance = 0.3;       ///< between estimates of a pixel, before the blur [bright field]
+    int most_samples = 4;         ///< rays from the camera per unsettled pixel
+    double tolerance = 0.05;      ///< between the neighbours of a settled pixel [bright field]
 };
 
 /// Everything about rendered frames.

@@ -64,6 +64,24 @@ bool is_within(Vec2 p, const View& view, double margin) {
            p.y < view.height() - 0.5 + margin;
 }
 
+void explain_optics(const RenderOptions& o, const View& view, RunPlan& plan) {
+    const bool traced = o.optics == OpticsKind::raytrace;
+    plan.run("optics", fmt::format("{}, {} × {} px, {:.4g} px per diameter",
+                                   traced ? "ray tracing" : "silhouettes", view.width(),
+                                   view.height(), view.scale()));
+    if (!traced) return;
+    if (o.raytrace.tolerance <= 0) {
+        plan.run("uniform sampling",
+                 fmt::format("{} camera rays in every pixel", o.raytrace.most_samples));
+        return;
+    }
+    plan.skip("uniform sampling",
+              fmt::format("no ray where only the panel is seen, one where neighbours agree within "
+                          "{:g}, {} elsewhere",
+                          o.raytrace.tolerance, o.raytrace.most_samples),
+              "a third to most of the rays; the summary says how many and what it changes");
+}
+
 void explain_light(const RenderOptions& o, RunPlan& plan) {
     if (o.camera == CameraKind::ideal) {
         plan.skip("noise", "the camera is ideal", "random numbers, about 5 ms a megapixel");
@@ -97,10 +115,7 @@ Renderer::Renderer(const RenderOptions& options, const TrajectoryInfo& info, con
       camera_(options, view_, seed, threads),
       optics_(make_optics(options_, threads)) {
     require_at_most_three_periods(view_, in_diameters(box, info.diameter));
-    plan.run("optics",
-             fmt::format("{}, {} × {} px, {:.4g} px per diameter",
-                         options.optics == OpticsKind::silhouette ? "silhouettes" : "ray tracing",
-                         view_.width(), view_.height(), view_.scale()));
+    explain_optics(options_, view_, plan);
     const double shutter = shutter_seconds(options_, seconds_per_unit_);
     if (shutter > 0 && options_.exposure.sub_frames > 1) {
         plan.run("motion blur", fmt::format("{:g} ms, up to {} instants a frame", shutter * 1e3,
@@ -149,19 +164,26 @@ std::vector<double> Renderer::instants_of(const GrainMotion& motion) const {
     return instants;
 }
 
-SphereScene Renderer::scene_at(const GrainMotion& motion, const Box& box, double seconds) const {
-    SphereScene scene;
-    scene.low_plate = 0;
-    scene.high_plate = height_;
-    scene.centre.reserve(motion.centre.size());
+std::vector<SphereScene> Renderer::scenes_at(const GrainMotion& motion, const Box& box,
+                                             const std::vector<double>& instants) const {
+    std::vector<SphereScene> scenes(instants.size());
+    for (SphereScene& scene : scenes) {
+        scene.low_plate = 0;
+        scene.high_plate = height_;
+        scene.centre.reserve(motion.centre.size());
+    }
     const double margin = seen_beyond * view_.scale() + camera_.margin() + options_.exposure.jitter;
     for (const Vec2 shift : images_of(box)) {
         for (std::size_t i = 0; i < motion.centre.size(); ++i) {
-            const Vec3 p = motion.at(i, seconds) + Vec3{shift.x, shift.y, 0};
-            if (is_within(view_.project(p), view_, margin)) scene.centre.push_back(p);
+            // At every instant or at none: the same spheres in the same order.
+            const Vec3 place = motion.centre[i] + Vec3{shift.x, shift.y, 0};
+            if (!is_within(view_.project(place), view_, margin)) continue;
+            for (std::size_t k = 0; k < scenes.size(); ++k) {
+                scenes[k].centre.push_back(motion.at(i, instants[k]) + Vec3{shift.x, shift.y, 0});
+            }
         }
     }
-    return scene;
+    return scenes;
 }
 
 Snapshot Renderer::truth_of(const Snapshot& snapshot, const GrainMotion& motion, const View& view,
@@ -227,20 +249,8 @@ RenderedFrame Renderer::render(const Snapshot& snapshot, std::int64_t index, con
         rendered.frame.bit_depth = options_.sensor.bits;
     } else {
         const View fine = camera_.radiance_view(view);
-        Image sum;
-        for (const double seconds : instants) {
-            Image image = optics_->radiance(scene_at(motion, box, seconds), fine);
-            if (sum.empty()) {
-                sum = std::move(image);
-                continue;
-            }
-            for (std::size_t i = 0; i < sum.size(); ++i) sum.pixels()[i] += image.pixels()[i];
-        }
-        const float weight = 1.0F / static_cast<float>(instants.size());
-        if (instants.size() > 1) {
-            for (float& value : sum.pixels()) value *= weight;
-        }
-        rendered.frame = camera_.photograph(sum, index);
+        const Image radiance = optics_->radiance(scenes_at(motion, box, instants), fine);
+        rendered.frame = camera_.photograph(radiance, index);
     }
     rendered.frame.index = index;
     rendered.frame.time = time;

@@ -65,7 +65,8 @@ class Renderer {
     OpticsCost cost() const { return optics_->cost(); }
 
  private:
-    SphereScene scene_at(const GrainMotion& motion, const Box& box, double seconds) const;
+    std::vector<SphereScene> scenes_at(const GrainMotion& motion, const Box& box,
+                                       const std::vector<double>& instants) const;
     Snapshot truth_of(const Snapshot& snapshot, const GrainMotion& motion, const View& view,
                       const std::vector<double>& instants) const;
     std::vector<double> instants_of(const GrainMotion& motion) const;

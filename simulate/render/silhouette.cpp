@@ -165,7 +165,22 @@ Disc silhouette_of(Vec3 centre, const View& view) {
 SilhouetteOptics::SilhouetteOptics(const SilhouetteOptions& options, int threads)
     : options_(options), threads_(threads) {}
 
-Image SilhouetteOptics::radiance(const SphereScene& scene, const View& view) {
+Image SilhouetteOptics::radiance(std::span<const SphereScene> instants, const View& view) {
+    Image mean = at_one_instant(instants.front(), view);
+    for (const SphereScene& scene : instants.subspan(1)) {
+        const Image image = at_one_instant(scene, view);
+        for (std::size_t i = 0; i < mean.size(); ++i) mean.pixels()[i] += image.pixels()[i];
+    }
+    if (instants.size() > 1) {
+        const float weight = 1.0F / static_cast<float>(instants.size());
+        for (float& value : mean.pixels()) value *= weight;
+    }
+    cost_.pixels += static_cast<double>(mean.size());
+    cost_.settled += static_cast<double>(mean.size());
+    return mean;
+}
+
+Image SilhouetteOptics::at_one_instant(const SphereScene& scene, const View& view) const {
     std::vector<std::size_t> order(scene.centre.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
     if (options_.rim > 0) {
@@ -189,8 +204,6 @@ Image SilhouetteOptics::radiance(const SphereScene& scene, const View& view) {
             UnionBand(image, first, end).paint(discs, members);
         }
     });
-    cost_.pixels += static_cast<double>(image.size());
-    cost_.settled += static_cast<double>(image.size());
     return image;
 }
 

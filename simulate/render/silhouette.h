@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "simulate/render/disc_scan.h"
@@ -23,10 +24,13 @@ namespace grainfield::simulate {
 class SilhouetteOptics : public Optics {
  public:
     SilhouetteOptics(const SilhouetteOptions& options, int threads);
-    Image radiance(const SphereScene& scene, const View& view) override;
+    using Optics::radiance;
+    Image radiance(std::span<const SphereScene> instants, const View& view) override;
     OpticsCost cost() const override { return cost_; }
 
  private:
+    Image at_one_instant(const SphereScene& scene, const View& view) const;
+
     SilhouetteOptions options_;
     int threads_;
     OpticsCost cost_;

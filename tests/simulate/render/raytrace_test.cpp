@@ -101,6 +101,20 @@ TEST(Raytrace, AnIsolatedSphereHasTheMeasuredProfile) {
     }
 }
 
+SphereScene moved(SphereScene scene, Vec3 by) {
+    for (Vec3& p : scene.centre) p = p + by;
+    return scene;
+}
+
+double rms_difference(const Image& a, const Image& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        const double d = static_cast<double>(a.pixels()[i] - b.pixels()[i]);
+        sum += d * d;
+    }
+    return std::sqrt(sum / static_cast<double>(a.size()));
+}
+
 // Of the image that the sensor sees, after the blur: 0.08 a.
 TEST(Raytrace, SamplingErrorIsBelowOnePerCentOfContrast) {
     const SphereScene scene = crystal_scene(8, 0.81, 1.94);
@@ -113,20 +127,87 @@ TEST(Raytrace, SamplingErrorIsBelowOnePerCentOfContrast) {
     const Camera camera(options, view, 1, 1);
     RaytraceOptics optics({}, 1);
     RaytraceOptions fine;
-    fine.tolerance = 1e-5;
-    fine.most_samples = 256;
+    fine.tolerance = 0;
+    fine.most_samples = 128;
     RaytraceOptics reference(fine, 1);
     const Image a = camera.exposure(optics.radiance(scene, camera.radiance_view(view)));
     const Image b = camera.exposure(reference.radiance(scene, camera.radiance_view(view)));
-    double sum = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        const double d = static_cast<double>(a.pixels()[i] - b.pixels()[i]);
-        sum += d * d;
-    }
-    const double error = std::sqrt(sum / static_cast<double>(a.size()));
+    const double error = rms_difference(a, b);
     RecordProperty("rms_error", std::to_string(error));
     EXPECT_LT(error, 0.01);
     EXPECT_LT(optics.cost().rays, 0.3 * reference.cost().rays);
+}
+
+// With noise, dust and all: what is saved must not be seen in the frame.
+TEST(Raytrace, AdaptiveSamplingDiffersFromUniformByLessThanTheNoiseOfTheCamera) {
+    const SphereScene start = crystal_scene(8, 0.81, 1.94);
+    const std::vector<SphereScene> instants{start, moved(start, {0.03, 0, 0.01}),
+                                            moved(start, {0.06, 0, 0.02})};
+    RenderOptions options;
+    options.view.width = 104;
+    options.view.height = 104;
+    options.view.scale = 16;
+    const View view(options.view, square_box(6.48), 1.94);
+    const Camera camera(options, view, 1, 1);
+    RaytraceOptions all_alike;
+    all_alike.tolerance = 0;
+    all_alike.most_samples = 64;
+    RaytraceOptics adaptive({}, 2);
+    RaytraceOptics uniform(all_alike, 2);
+    const View fine = camera.radiance_view(view);
+    const Image a = camera.exposure(adaptive.radiance(instants, fine));
+    const Image b = camera.exposure(uniform.radiance(instants, fine));
+    const double unit = camera.mean_counts(1) - camera.mean_counts(0);
+    double noise = 0;
+    double shift = 0;
+    for (std::size_t i = 0; i < b.size(); ++i) {
+        noise += camera.variance_counts(static_cast<double>(b.pixels()[i]));
+        shift += static_cast<double>(a.pixels()[i] - b.pixels()[i]);
+    }
+    noise = std::sqrt(noise / static_cast<double>(b.size())) / unit;
+    shift /= static_cast<double>(b.size());
+    RecordProperty("rms_difference", std::to_string(rms_difference(a, b)));
+    RecordProperty("noise", std::to_string(noise));
+    RecordProperty("mean_difference", std::to_string(shift));
+    EXPECT_LT(rms_difference(a, b), noise);
+    EXPECT_LT(std::abs(shift), 0.002) << "of the bright field";
+}
+
+TEST(Raytrace, SaysHowManyRaysUniformSamplingWouldTake) {
+    const SphereScene scene = crystal_scene(8, 0.95, 1.94);
+    const View view = square_view(256, 7.6, Projection::perspective);
+    RaytraceOptions all_alike;
+    all_alike.tolerance = 0;
+    RaytraceOptics adaptive({}, 2);
+    RaytraceOptics uniform(all_alike, 2);
+    static_cast<void>(adaptive.radiance(scene, view));
+    static_cast<void>(uniform.radiance(scene, view));
+    EXPECT_NEAR(adaptive.cost().uniform_rays / uniform.cost().rays, 1, 0.15);
+    EXPECT_DOUBLE_EQ(uniform.cost().uniform_rays, uniform.cost().rays);
+    EXPECT_LT(adaptive.cost().rays, 0.8 * uniform.cost().rays);
+}
+
+// Every ray sees one instant: the image is the mean over them, at the cost of one.
+TEST(Raytrace, MotionBlurIsTheMeanOverTheInstants) {
+    const SphereScene start = crystal_scene(6, 0.9, 1.94);
+    const std::vector<SphereScene> instants{start, moved(start, {0.1, 0.02, 0}),
+                                            moved(start, {0.2, 0.04, 0})};
+    const View view = square_view(90, 5.4, Projection::perspective);
+    RaytraceOptions dense;
+    dense.tolerance = 0;
+    dense.most_samples = 300;
+    RaytraceOptics together(dense, 2);
+    const Image blurred = together.radiance(instants, view);
+    dense.most_samples = 100;
+    RaytraceOptics apart(dense, 2);
+    Image mean(view.width(), view.height());
+    for (const SphereScene& scene : instants) {
+        const Image image = apart.radiance(scene, view);
+        for (std::size_t i = 0; i < mean.size(); ++i) mean.pixels()[i] += image.pixels()[i] / 3;
+    }
+    EXPECT_LT(rms_difference(blurred, mean), 0.01);
+    EXPECT_GT(rms_difference(blurred, apart.radiance(start, view)), 0.05);
+    EXPECT_NEAR(together.cost().rays / apart.cost().rays, 0.75, 0.05);  // three of apart's four
 }
 
 TEST(Raytrace, IsTheSameForAnyNumberOfThreadsAndForNoSpheres) {
@@ -135,7 +216,7 @@ TEST(Raytrace, IsTheSameForAnyNumberOfThreadsAndForNoSpheres) {
     RaytraceOptics one({}, 1);
     RaytraceOptics many({}, 8);
     EXPECT_EQ(one.radiance(scene, view), many.radiance(scene, view));
-    const Image empty = one.radiance({}, view);
+    const Image empty = one.radiance(SphereScene{}, view);
     for (const float value : empty.pixels()) ASSERT_NEAR(value, 1, 0.01);
 }
 

@@ -97,7 +97,8 @@ TEST(Silhouette, ARimIsBrightOnlyOutsideTheCore) {
 
 TEST(Silhouette, NothingMakesAnEvenField) {
     SilhouetteOptics optics({}, 2);
-    const Image image = optics.radiance({}, square_view(100, 10, Projection::perspective));
+    const Image image =
+        optics.radiance(SphereScene{}, square_view(100, 10, Projection::perspective));
     for (const float value : image.pixels()) ASSERT_EQ(value, 1);
 }
 

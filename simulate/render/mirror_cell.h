@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "core/vec2.h"
+#include "core/vec3.h"
+#include "simulate/render/optics.h"
+#include "simulate/render/render_options.h"
+
+struct RTCDeviceTy;
+struct RTCSceneTy;
+
+namespace grainfield::simulate {
+
+/// Embree, started once for all cells. Throws Error if it cannot be.
+class EmbreeDevice {
+ public:
+    EmbreeDevice();
+    ~EmbreeDevice();
+    EmbreeDevice(const EmbreeDevice&) = delete;
+    EmbreeDevice& operator=(const EmbreeDevice&) = delete;
+    RTCDeviceTy* handle() const { return handle_; }
+
+ private:
+    RTCDeviceTy* handle_;
+};
+
+/// A half-line on which light is followed backwards.
+struct LightPath {
+    static constexpr std::uint32_t nobody = ~0U;
+    Vec3 origin;
+    Vec3 direction;               ///< of length 1
+    int instant = 0;              ///< which of the instants it sees
+    std::uint32_t from = nobody;  ///< the sphere that it leaves
+};
+
+/// Mirror spheres between two glass plates above a panel: what a ray sees (RaytraceOptics says
+/// which physics). The spheres may be at several instants of one exposure; all instants live in one
+/// bounding volume hierarchy, and every ray belongs to one of them. Safe for many threads.
+class MirrorCell {
+ public:
+    /// `instants`: the same spheres in the same order; outlive this, as do `device` and `options`.
+    /// `middle`: of the panel [a].
+    MirrorCell(const EmbreeDevice& device, std::span<const SphereScene> instants, Vec2 middle,
+               const RaytraceOptions& options);
+    ~MirrorCell();
+    MirrorCell(const MirrorCell&) = delete;
+    MirrorCell& operator=(const MirrorCell&) = delete;
+
+    int instants() const { return static_cast<int>(instants_.size()); }
+    double top() const { return high_; }  ///< above all spheres [a]
+
+    struct Seen {
+        double radiance = 0;
+        bool sphere = false;  ///< the first thing met
+    };
+    /// Adds the number of rays traced to `rays`.
+    Seen look(const LightPath& ray, std::int64_t& rays) const;
+    /// What a ray sees that meets no sphere on its way down.
+    double panel(Vec3 origin, Vec3 direction) const;
+
+ private:
+    std::uint32_t first_sphere(const LightPath& ray, std::int64_t& rays) const;
+    double reflected(const LightPath& ray, std::uint32_t sphere, double weight, int bounces,
+                     std::int64_t& rays) const;
+    double follow(const LightPath& ray, double weight, int bounces, std::int64_t& rays) const;
+
+    std::span<const SphereScene> instants_;
+    const RaytraceOptions& options_;
+    Vec2 middle_;
+    RTCSceneTy* embree_;
+    double low_;
+    double high_;
+    bool has_glass_;
+    double clear_;  // what the low plate lets through, seen straight
+};
+
+}  // namespace grainfield::simulate
