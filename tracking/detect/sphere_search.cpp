@@ -15,6 +15,7 @@ namespace {
 constexpr int kLastRounds = 4;
 constexpr double kCandidateShare = 0.1;
 constexpr double kUnusual = 2;
+constexpr double kSurely = 0.5;
 constexpr double kSameAgain = 0.25;  // [D]
 constexpr double kHalfSplit = 0.3;   // [D]
 
@@ -224,10 +225,12 @@ bool SphereSearch::may_be_missing(float least_gain) const {
 
 std::int64_t SphereSearch::add_missing() {
     // Where the model is not perfect, as on every real image, small gains are to be had anywhere.
+    // Where most spheres are missing the residual is large everywhere, and a gain of half a sphere
+    // is a candidate all the same.
     const double rms = fit_.residual_rms();
     const double usual = rms * rms * std::numbers::pi * disc_.reach() * disc_.reach();
-    const auto least_gain =
-        static_cast<float>(std::max(kCandidateShare * threshold_, kUnusual * usual));
+    const double unusual = std::min(kUnusual * usual, kSurely * correlation_.full_gain());
+    const auto least_gain = static_cast<float>(std::max(kCandidateShare * threshold_, unusual));
     if (!may_be_missing(least_gain)) {
         ++summary_.maps_skipped;
         return 0;
