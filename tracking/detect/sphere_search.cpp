@@ -95,18 +95,12 @@ double seconds_since(Clock::time_point start) {
 
 OptionTable describe(DetectionOptions& options) {
     OptionTable table("detect");
-    table.number("cutoff", options.cutoff, "-", {1, 1000},
-                 "first candidates need 1/chi-squared above this");
     table.number("separation", options.separation, "D", {0.05, 2},
                  "two centres nearer than this are one sphere");
     table.number("evidence", options.evidence, "-", {0, 1},
                  "share of an isolated sphere's misfit that each sphere must explain");
     table.number("border", options.border, "D", {0, 10},
                  "centres nearer to the image border than this are not reported");
-    table.number("significance", options.significance, "sigma", {0, 1000},
-                 "evidence for a sphere in standard deviations of the noise");
-    table.integer("max-passes", options.max_passes, "-", {1, 1000},
-                  "most rounds of adding and removing spheres");
     return table;
 }
 
