@@ -178,7 +178,7 @@ void Tracker::judge(const Located& found, const Frame& frame, TrackSummary& summ
     summary.unsettled += found.unsettled;
     summary.rejected += found.rejected;
     if (!found.settled_detection) {
-        plan_.warn("some frames still gained or lost spheres after --max-passes");
+        plan_.warn("some frames still gained or lost spheres when the search was ended");
     }
     if (static_cast<double>(found.unsettled) > 1e-3 * static_cast<double>(found.position.size())) {
         plan_.warn("in some frames more than 0.1 % of the spheres still moved after --max-sweeps");

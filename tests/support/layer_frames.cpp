@@ -236,6 +236,25 @@ Image tanh_frame(const LayerScene& scene, double apparent_diameter, double edge_
     return transmission;
 }
 
+Image noise_frame(int width, int height, double mean, double sigma, double blur,
+                  std::uint64_t seed) {
+    Image frame(width, height);
+    RandomStream random(seed, "noise frame");
+    for (float& v : frame.pixels()) v = static_cast<float>(random.normal());
+    double rms = 1;
+    if (blur > 0) {
+        blur_rows(frame, blur);
+        frame = transposed(frame);
+        blur_rows(frame, blur);
+        frame = transposed(frame);
+        rms = 1 / (2 * blur * std::sqrt(std::numbers::pi));  // of the mean over the kernel
+    }
+    for (float& v : frame.pixels()) {
+        v = static_cast<float>(to_8_bits(mean + sigma / rms * static_cast<double>(v)));
+    }
+    return frame;
+}
+
 Image camera_frame(const LayerScene& scene, const Camera& camera, std::uint64_t seed) {
     constexpr int kOver = 4;  // sub-pixels per pixel and axis
     Image fine(scene.width * kOver, scene.height * kOver);

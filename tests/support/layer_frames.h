@@ -62,6 +62,11 @@ class LayerMotion {
 Image tanh_frame(const LayerScene& scene, double apparent_diameter, double edge_width, double noise,
                  std::uint64_t seed);
 
+/// Noise of RMS `sigma` counts about `mean`: white, or smoothed by a Gaussian of width `blur` [px];
+/// 8 bits.
+Image noise_frame(int width, int height, double mean, double sigma, double blur,
+                  std::uint64_t seed);
+
 /// A camera that knows nothing of tanh: area coverage of opaque discs with a reflecting rim,
 /// Gaussian blur, uneven light, shot and read noise, saturation, rounding.
 struct Camera {

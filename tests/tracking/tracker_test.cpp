@@ -7,44 +7,14 @@
 
 #include "core/errors.h"
 #include "tests/support/layer_frames.h"
+#include "tests/support/memory_frames.h"
 #include "tracking/score/position_score.h"
 
 namespace grainfield::tracking {
 namespace {
 
-/// Frames from memory.
-class MemoryFrames : public FrameSource {
- public:
-    /// Every `step`-th of a longer film.
-    explicit MemoryFrames(std::vector<Frame> frames, std::int64_t step = 1)
-        : frames_(std::move(frames)) {
-        for (std::size_t i = 0; i < frames_.size(); ++i) {
-            frames_[i].index = static_cast<std::int64_t>(i) * step;
-            frames_[i].time = static_cast<double>(i);
-        }
-    }
-    std::int64_t count() const override { return static_cast<std::int64_t>(frames_.size()); }
-    int width() const override { return frames_[0].image.width(); }
-    int height() const override { return frames_[0].image.height(); }
-    int bit_depth() const override { return 8; }
-    std::optional<double> frame_rate() const override { return std::nullopt; }
-    Frame read(std::int64_t index) override { return frames_.at(static_cast<std::size_t>(index)); }
-    std::string name() const override { return "memory"; }
-    const std::vector<std::string>& warnings() const override { return warnings_; }
-
- private:
-    std::vector<Frame> frames_;
-    std::vector<std::string> warnings_;
-};
-
-class Collect : public SnapshotSink {
- public:
-    void write(const Snapshot& snapshot) override {
-        require_consistent(snapshot);
-        snapshots.push_back(snapshot);
-    }
-    std::vector<Snapshot> snapshots;
-};
+using testing::Collect;
+using testing::MemoryFrames;
 
 struct Movie {
     std::vector<Frame> frames;

@@ -2,161 +2,31 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 
-#include "tracking/calibrate/coarse_size.h"
 #include "tracking/calibrate/edge_fit.h"
+#include "tracking/calibrate/first_guess.h"
 #include "tracking/refine/disc_kernel.h"
 
 namespace grainfield::tracking {
 namespace {
 
-/// An edge as sharp as a lens makes it, relative to D; the fit starts here.
-constexpr double kFirstEdgeWidth = 0.12;
-/// Contrast in units of the noise below which a frame is blank.
-constexpr double kBlank = 7;
+/// The fit starts from what the image says of its edges, at most from this [D]: noise, and edges
+/// that merge, make a rough width too large.
+constexpr double kWidestFirstEdge = 0.12;
+constexpr double kNarrowestFirstEdge = 0.1;  // [px]
+/// A first guess that explains this share of the image, noise left aside, needs no rival …
+constexpr double kGood = 0.95;
+/// … if it explains this share of all: the noise of small discs is not well known.
+constexpr double kGoodOfAll = 0.5;
+/// Discs of any size explain up to 0.73 of smooth random textures, those of sharp images over 0.9.
+constexpr double kLeastExplained = 0.8;
 constexpr int kRounds = 4;
 constexpr int kFrameRounds = 2;
 constexpr int kImageRounds = 6;
-
-struct Levels {
-    double low,
-        high;      ///< 0.5 % and 99.5 % quantiles; those of few spheres are the extremes [counts]
-    double noise;  ///< RMS of what varies from pixel to pixel [counts]
-};
-
-/// From every fourth row and third column: a percent of accuracy is plenty.
-Levels levels_of(const Image& counts) {
-    constexpr int kRowStep = 4;
-    constexpr int kColumnStep = 3;
-    std::vector<float> sample;
-    double sum = 0;
-    double n = 0;
-    float darkest = std::numeric_limits<float>::max();
-    float brightest = std::numeric_limits<float>::lowest();
-    for (int y = 1; y + 1 < counts.height(); y += kRowStep) {
-        const float* a = counts.row(y - 1);
-        const float* b = counts.row(y);
-        const float* c = counts.row(y + 1);
-        for (int x = 1; x + 1 < counts.width(); x += kColumnStep) {
-            sample.push_back(b[x]);
-            const float mean = (a[x - 1] + a[x] + a[x + 1] + b[x - 1] + b[x] + b[x + 1] + c[x - 1] +
-                                c[x] + c[x + 1]) /
-                               9;
-            darkest = std::min(darkest, mean);
-            brightest = std::max(brightest, mean);
-            // Second differences along both axes cancel smooth structure; for white noise their RMS
-            // is 6 σ.
-            const float d = a[x - 1] - 2 * a[x] + a[x + 1] - 2 * (b[x - 1] - 2 * b[x] + b[x + 1]) +
-                            c[x - 1] - 2 * c[x] + c[x + 1];
-            sum += static_cast<double>(d) * static_cast<double>(d);
-            n += 1;
-        }
-    }
-    if (sample.empty()) return {0, 0, 0};
-    const auto quantile = [&](double q) {
-        const auto rank = static_cast<std::ptrdiff_t>(q * static_cast<double>(sample.size() - 1));
-        std::nth_element(sample.begin(), sample.begin() + rank, sample.end());
-        return static_cast<double>(sample[static_cast<std::size_t>(rank)]);
-    };
-    const double noise = std::sqrt(sum / n) / 6;
-    const double low = quantile(0.005);
-    const double high = quantile(0.995);
-    // A few spheres cover less than the quantiles see. Means of nine pixels scatter by σ/3, those
-    // of pure noise span 3 σ in a million.
-    if (high - low < kBlank * noise) {
-        return {std::min(low, static_cast<double>(darkest)),
-                std::max(high, static_cast<double>(brightest)), noise};
-    }
-    return {low, high, noise};
-}
-
-std::string blank_reason(const Levels& levels) {
-    const double contrast = levels.high - levels.low;
-    if (!(contrast >= 2)) {
-        return fmt::format(
-            "no contrast: 99 % of the pixels lie between {:.0f} and {:.0f} counts "
-            "(black, saturated or empty frame)",
-            levels.low, levels.high);
-    }
-    // 99 % of white noise lies within ±2.6 σ: a contrast of 5.2 σ is what noise alone gives.
-    if (contrast < kBlank * levels.noise) {
-        return fmt::format("nothing above the noise: contrast {:.1f} counts, noise {:.1f} counts",
-                           contrast, levels.noise);
-    }
-    return {};
-}
-
-Image flipped(const Image& counts) {
-    Image image = counts;
-    for (float& v : image.pixels()) v = -v;
-    return image;
-}
-
-/// One polarity's first guess, on an image in which spheres are dark.
-struct FirstGuess {
-    BackgroundSurface background;
-    double dark_level = 0;
-    CoarseSize size;
-};
-
-FirstGuess first_guess(const Image& counts, double dark_level, double contrast, double tolerance) {
-    FirstGuess guess;
-    guess.background = upper_envelope(counts, contrast, tolerance);
-    guess.dark_level = dark_level;
-    Image mask(counts.width(), counts.height());
-    std::vector<float> background(static_cast<std::size_t>(counts.width()));
-    for (int y = 0; y < counts.height(); ++y) {
-        guess.background.row(y, counts.width(), background.data());
-        for (int x = 0; x < counts.width(); ++x) {
-            const float middle =
-                (background[static_cast<std::size_t>(x)] + static_cast<float>(dark_level)) / 2;
-            mask(x, y) = counts(x, y) < middle ? 1.0F : 0.0F;
-        }
-    }
-    guess.size = coarse_size(mask);
-    return guess;
-}
-
-struct Start {
-    Polarity polarity;
-    FirstGuess guess;
-};
-
-std::optional<Start> choose_polarity(const Image& counts, const Levels& levels,
-                                     const CalibrationOptions& options, RunPlan& plan) {
-    const double contrast = levels.high - levels.low;
-    std::optional<FirstGuess> dark;
-    std::optional<FirstGuess> bright;
-    if (options.polarity != PolarityChoice::bright) {
-        dark = first_guess(counts, levels.low, contrast, options.uniform_tolerance);
-    }
-    if (options.polarity != PolarityChoice::dark) {
-        bright = first_guess(flipped(counts), -levels.high, contrast, options.uniform_tolerance);
-    }
-    if (dark && bright) {
-        const bool is_dark = dark->size.coverage >= bright->size.coverage;
-        plan.run(
-            "polarity",
-            fmt::format("{} spheres: discs of one size cover {:.0f} % of the dark area, {:.0f} % "
-                        "of the bright area",
-                        is_dark ? "dark" : "bright", 100 * dark->size.coverage,
-                        100 * bright->size.coverage));
-        (is_dark ? bright : dark).reset();
-    } else {
-        plan.skip("polarity", "given", "one distance transform");
-    }
-    Start start{dark ? Polarity::dark : Polarity::bright, dark ? *dark : *bright};
-    if (!options.diameter && start.guess.size.radius <= 0) {
-        plan.warn("no disc-shaped objects found; give --diameter if there are spheres");
-        return std::nullopt;
-    }
-    return start;
-}
 
 struct Patch {
     Image image;
@@ -196,15 +66,40 @@ Patch clearest_patch(const Image& counts, const ImageModel& model) {
     return patch;
 }
 
+/// Share of the variance of an image that a model explains, 1 − misfit/variance; as it is, and
+/// after the white noise was taken from both.
+struct Explained {
+    double all = 0;
+    double signal = 0;
+};
+
+Explained explained_share(const Image& darkness, double residual_rms, double noise) {
+    double sum = 0;
+    double squares = 0;
+    for (const float v : darkness.pixels()) {
+        sum += static_cast<double>(v);
+        squares += static_cast<double>(v) * static_cast<double>(v);
+    }
+    const auto n = static_cast<double>(darkness.size());
+    const double variance = squares / n - (sum / n) * (sum / n);
+    const double misfit = residual_rms * residual_rms;
+    const double white = noise * noise;
+    Explained share;
+    if (variance > 0) share.all = 1 - misfit / variance;
+    if (variance > white) share.signal = 1 - std::max(0.0, misfit - white) / (variance - white);
+    return share;
+}
+
 /// Improves a model on an image, step by step.
 struct Fitter {
-    const CalibrationOptions& options;
+    CalibrationOptions options;
     DetectionOptions detection;
     RefinementOptions refinement;
     int threads;
-    double contrast;
+    Levels levels;
     std::vector<Vec2> positions = {};  ///< of the last update; the next one starts there
     EdgeFit edges = {};
+    Explained explained = {};  ///< by the positions of the last update
 
     /// Locates roughly, then refits disc, dark level and background. True once D and w rest.
     bool update(ImageModel& model, const Image& counts) {
@@ -219,6 +114,9 @@ struct Fitter {
         model.noise = scene.noise;
         model.residual_rms = scene.residual_rms;
         positions = std::move(scene.fitted);
+        const double clear = model.background(counts.width() / 2.0, counts.height() / 2.0);
+        const double noise = levels.noise / std::max(std::abs(clear - model.dark_level), 1e-6);
+        explained = explained_share(darkness, scene.residual_rms, noise);
         const DiscProfile before = model.disc;
         fit_image(model, counts);
         return std::abs(model.disc.diameter - before.diameter) < 0.03 &&
@@ -243,7 +141,7 @@ struct Fitter {
             for (const Vec2 p : positions) place_disc(transmission, p, model.disc);
             model.background =
                 background_between_spheres(counts, transmission, model.dark_level, model.background,
-                                           contrast, options.uniform_tolerance);
+                                           levels.high - levels.low, options.uniform_tolerance);
             if (std::abs(model.disc.diameter - before.diameter) < 0.01 &&
                 std::abs(model.disc.edge_width - before.edge_width) < 0.01) {
                 return;
@@ -251,6 +149,83 @@ struct Fitter {
         }
     }
 };
+
+/// One first guess, improved on the most dilute part of the frame.
+struct Trial {
+    Polarity polarity;
+    ImageModel model;  ///< of the image in which spheres are dark
+    Fitter fitter;
+    bool is_whole;  ///< the part was all of the frame
+};
+
+Trial try_guess(const Image& work, const FirstGuess& guess, Fitter fitter) {
+    ImageModel model;
+    model.background = guess.background;
+    model.dark_level = guess.dark_level;
+    model.disc.diameter = fitter.options.diameter.value_or(2 * guess.size.radius);
+    model.disc.edge_width = fitter.options.edge_width.value_or(
+        std::clamp(rough_edge_width(model.darkness(work)), kNarrowestFirstEdge,
+                   std::max(kNarrowestFirstEdge, kWidestFirstEdge * model.disc.diameter)));
+    const Patch patch = clearest_patch(work, model);
+    const bool is_whole = patch.image.size() == work.size();
+    // The background of a part is taken as part of the whole.
+    ImageModel local = model;
+    local.background = model.background.shifted(patch.x, patch.y);
+    for (int round = 0; round < (is_whole ? kFrameRounds : kRounds); ++round) {
+        const bool settled = fitter.update(local, patch.image);
+        if (settled) break;
+    }
+    if (is_whole) return {guess.polarity, local, fitter, true};
+    model.disc = local.disc;
+    model.dark_level = local.dark_level;
+    return {guess.polarity, model, fitter, false};
+}
+
+/// The first guess that explains the image, or else the one that explains most of it.
+std::optional<Trial> best_trial(const Image& counts, const CalibrationOptions& options,
+                                const Fitter& fitter, RunPlan& plan) {
+    const std::vector<FirstGuess> guesses =
+        first_guesses(counts, fitter.levels, options.polarity != PolarityChoice::bright,
+                      options.polarity != PolarityChoice::dark, options.uniform_tolerance);
+    std::optional<Trial> best;
+    std::optional<Polarity> tried_given;
+    int tried = 0;
+    for (const FirstGuess& guess : guesses) {
+        if (!options.diameter && guess.size.radius <= 0) continue;
+        // With a diameter given, guesses of one polarity are all alike.
+        if (options.diameter && tried_given == guess.polarity) continue;
+        tried_given = guess.polarity;
+        ++tried;
+        Trial trial = try_guess(guess.polarity == Polarity::bright ? turned_round(counts) : counts,
+                                guess, fitter);
+        if (!best || trial.fitter.explained.all > best->fitter.explained.all)
+            best = std::move(trial);
+        const Explained& explained = best->fitter.explained;
+        if (explained.signal > kGood && explained.all > kGoodOfAll) break;
+    }
+    if (!best) {
+        plan.warn("no disc-shaped objects found; give --diameter if there are spheres");
+        return std::nullopt;
+    }
+    const double percent = 100 * best->fitter.explained.signal;
+    if (!options.diameter && best->fitter.explained.signal < kLeastExplained) {
+        plan.warn(fmt::format(
+            "no spheres of one size: the best discs, D = {:.1f} px, explain {:.0f} % of the "
+            "image; give --diameter and --polarity if there are spheres",
+            best->model.disc.diameter, std::max(0.0, percent)));
+        return std::nullopt;
+    }
+    if (options.polarity == PolarityChoice::automatic) {
+        plan.run("polarity",
+                 fmt::format("{} spheres: discs of D = {:.1f} px explain {:.1f} % of the image; {} "
+                             "of {} first guesses tried",
+                             best->polarity == Polarity::dark ? "dark" : "bright",
+                             best->model.disc.diameter, percent, tried, guesses.size()));
+    } else {
+        plan.skip("polarity", "given", "one distance transform");
+    }
+    return best;
+}
 
 }  // namespace
 
@@ -277,40 +252,25 @@ std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptio
                                      const RefinementOptions& refinement, int threads,
                                      RunPlan& plan) {
     const Levels levels = levels_of(counts);
-    const double contrast = levels.high - levels.low;
     if (const std::string reason = blank_reason(levels); !reason.empty()) {
         plan.warn(reason);
         return std::nullopt;
     }
-    const std::optional<Start> start = choose_polarity(counts, levels, options, plan);
-    if (!start) return std::nullopt;
+    const std::optional<Trial> best =
+        best_trial(counts, options, {options, detection, refinement, threads, levels}, plan);
+    if (!best) return std::nullopt;
 
     // From here on in terms of dark spheres; the sign is undone at the end.
-    const bool bright = start->polarity == Polarity::bright;
-    const Image work = bright ? flipped(counts) : counts;
-    ImageModel model;
-    model.background = start->guess.background;
-    model.dark_level = start->guess.dark_level;
-    model.disc.diameter = options.diameter.value_or(2 * start->guess.size.radius);
-    model.disc.edge_width = options.edge_width.value_or(kFirstEdgeWidth * model.disc.diameter);
-
-    Fitter fitter{options, detection, refinement, threads, contrast};
-    const Patch patch = clearest_patch(work, model);
-    if (patch.image.size() < work.size()) {
-        // Size and edge from the most dilute part; its background is taken as part of the whole.
-        ImageModel local = model;
-        local.background = model.background.shifted(patch.x, patch.y);
-        for (int round = 0; round < kRounds; ++round) {
-            const bool settled = fitter.update(local, patch.image);
+    const bool bright = best->polarity == Polarity::bright;
+    const Image work = bright ? turned_round(counts) : counts;
+    ImageModel model = best->model;
+    Fitter fitter = best->fitter;
+    if (!best->is_whole) {
+        fitter.positions.clear();
+        for (int round = 0; round < kFrameRounds; ++round) {
+            const bool settled = fitter.update(model, work);
             if (settled) break;
         }
-        model.disc = local.disc;
-        model.dark_level = local.dark_level;
-        fitter.positions.clear();
-    }
-    for (int round = 0; round < kFrameRounds; ++round) {
-        const bool settled = fitter.update(model, work);
-        if (settled) break;
     }
     const EdgeFit& edges = fitter.edges;
     if (edges.pixels == 0) {

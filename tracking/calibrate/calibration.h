@@ -37,9 +37,12 @@ struct Calibration {
 /// edges of the most dilute patch, then the background on the clear pixels of the whole frame. What
 /// was estimated, given or skipped goes into the plan.
 ///
+/// The shape allows several guesses (first_guesses). They are tried on the patch until one explains
+/// 95 % of the variance of the darkness, white noise subtracted; else the best of them is taken.
+///
 /// Empty, with a warning in the plan, when the frame holds nothing to calibrate on: no contrast
-/// (all black or saturated), nothing above the noise, or no discs of one size and no diameter
-/// given.
+/// (all black or saturated), nothing above the noise, or, no diameter given, no discs of one size
+/// that explain 80 % of it.
 std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptions& options,
                                      const DetectionOptions& detection,
                                      const RefinementOptions& refinement, int threads,

@@ -53,15 +53,18 @@ class ParabolaEnvelope {
     std::vector<float> copy_;
 };
 
-/// Centre of the window of ±15 % (in log radius) that holds the most disc area.
-double most_frequent_radius(const std::vector<float>& radii) {
+constexpr double kSameSize = 0.15;
+
+/// Centre of the window of ±15 % (in log radius) that holds the most discs, each counted as its
+/// radius to the given power. 0 if there is none.
+double most_frequent_radius(const std::vector<float>& radii, int power) {
     constexpr double kStep = 0.02;
     const double lowest = std::log(1.4);
     std::vector<double> area(400, 0.0);
     for (const float r : radii) {
         const double bin = (std::log(static_cast<double>(r)) - lowest) / kStep;
         if (bin >= 0 && bin < static_cast<double>(area.size())) {
-            area[static_cast<std::size_t>(bin)] += static_cast<double>(r) * static_cast<double>(r);
+            area[static_cast<std::size_t>(bin)] += std::pow(static_cast<double>(r), power);
         }
     }
     constexpr int kHalf = 4;
@@ -103,23 +106,21 @@ Image squared_distance_transform(const Image& mask) {
     return distance;
 }
 
-CoarseSize coarse_size(const Image& mask) {
-    const Image distance = squared_distance_transform(mask);
-    const int w = mask.width();
-    const int h = mask.height();
-    struct Inscribed {
-        int x, y;
-        float radius;
-    };
+namespace {
+
+struct Inscribed {
+    int x, y;
+    float radius;
+};
+
+std::vector<Inscribed> inscribed_discs(const Image& distance) {
+    const int w = distance.width();
+    const int h = distance.height();
     std::vector<Inscribed> discs;
-    std::vector<float> radii;
-    double mask_area = 0;
-    for (int y = 0; y < h; ++y) {
-        for (int x = 0; x < w; ++x) {
+    for (int y = 1; y < h - 1; ++y) {
+        for (int x = 1; x < w - 1; ++x) {
             const float d = distance(x, y);
-            if (d <= 0) continue;
-            ++mask_area;
-            if (d < 2 || x == 0 || y == 0 || x == w - 1 || y == h - 1) continue;
+            if (d < 2) continue;
             bool highest = true;
             for (int dy = -1; dy <= 1 && highest; ++dy) {
                 for (int dx = -1; dx <= 1; ++dx) {
@@ -133,19 +134,24 @@ CoarseSize coarse_size(const Image& mask) {
                 }
             }
             // The nearest outside pixel centre lies half a pixel beyond the edge on average.
-            if (!highest) continue;
-            radii.push_back(std::sqrt(d) - 0.5F);
-            discs.push_back({x, y, radii.back()});
+            if (highest) discs.push_back({x, y, std::sqrt(d) - 0.5F});
         }
     }
+    return discs;
+}
+
+/// The area of the union of the discs of about that radius: in a wide gap the discs of many maxima
+/// lie on one another.
+CoarseSize size_at(double radius, const std::vector<Inscribed>& discs, const Image& mask,
+                   double mask_area) {
+    const int w = mask.width();
+    const int h = mask.height();
     CoarseSize size;
-    size.radius = most_frequent_radius(radii);
-    if (size.radius <= 0) return size;
-    // The area of their union: in a wide gap the discs of many maxima lie on one another.
+    size.radius = radius;
     Image painted(w, h);
     double area = 0;
     for (const Inscribed& disc : discs) {
-        if (std::abs(static_cast<double>(disc.radius) / size.radius - 1) > 0.15) continue;
+        if (std::abs(static_cast<double>(disc.radius) / radius - 1) > kSameSize) continue;
         ++size.discs;
         const float r = disc.radius + 0.5F;
         const int half = static_cast<int>(r);
@@ -161,6 +167,25 @@ CoarseSize coarse_size(const Image& mask) {
     }
     size.coverage = area / mask_area;
     return size;
+}
+
+}  // namespace
+
+std::vector<CoarseSize> coarse_sizes(const Image& mask) {
+    const std::vector<Inscribed> discs = inscribed_discs(squared_distance_transform(mask));
+    std::vector<float> radii;
+    for (const Inscribed& disc : discs) radii.push_back(disc.radius);
+    double mask_area = 0;
+    for (const float v : mask.pixels()) mask_area += v > 0.5F ? 1 : 0;
+    std::vector<CoarseSize> sizes;
+    for (const int power : {2, 1, 0}) {
+        const double radius = most_frequent_radius(radii, power);
+        const bool is_known = std::any_of(sizes.begin(), sizes.end(), [&](const CoarseSize& s) {
+            return std::abs(s.radius / radius - 1) < kSameSize;
+        });
+        if (radius > 0 && !is_known) sizes.push_back(size_at(radius, discs, mask, mask_area));
+    }
+    return sizes;
 }
 
 }  // namespace grainfield::tracking

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <Eigen/Dense>
 
@@ -60,6 +61,23 @@ std::vector<RadialBin> exposed_profile(const Image& darkness, const std::vector<
 }
 
 }  // namespace
+
+double rough_edge_width(const Image& darkness) {
+    double between = 0;
+    double crossings = 0;
+    for (int y = 0; y + 1 < darkness.height(); ++y) {
+        const float* row = darkness.row(y);
+        const float* below = darkness.row(y + 1);
+        for (int x = 0; x + 1 < darkness.width(); ++x) {
+            const bool inside = row[x] > 0.5F;
+            between += row[x] > 0.25F && row[x] < 0.75F ? 1 : 0;
+            crossings += inside != (row[x + 1] > 0.5F) ? 1 : 0;
+            crossings += inside != (below[x] > 0.5F) ? 1 : 0;
+        }
+    }
+    const double length = std::numbers::pi / 4 * crossings;
+    return length > 0 ? between / length / (2 * std::atanh(0.5)) : 0;
+}
 
 EdgeFit fit_exposed_edges(const Image& darkness, const std::vector<Vec2>& positions,
                           const DiscProfile& start) {

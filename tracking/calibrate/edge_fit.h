@@ -19,6 +19,12 @@ struct EdgeFit {
     bool converged = false;
 };
 
+/// A first value of w [px]: pixels with darkness between 1/4 and 3/4 make a band of width 2 w
+/// artanh(1/2) along all edges; the length of the edges is π/4 times the number of neighbours in
+/// rows and columns between which the darkness crosses 1/2 (Cauchy–Crofton). Too large where the
+/// noise exceeds 0.1 of the contrast or edges of neighbours merge; 0 without edges. O(pixels).
+double rough_edge_width(const Image& darkness);
+
 /// Least squares of o + A · P(r; D, w) over the pixels within reach of exactly one disc and where
 /// every other disc has P < 0.01. Fitting D inside dense patches would bias it (+0.1 … 2 px),
 /// because the model must explain darkness that belongs to hidden neighbours; exposed edges do not.

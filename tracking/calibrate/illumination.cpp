@@ -12,6 +12,8 @@ constexpr double kSample = 4e4;
 constexpr double kLeastShare = 0.01;
 // Ranks shift a little when spheres gather or leave; the fit settles what is smaller than this.
 constexpr double kRankAccuracy = 0.01;
+// Below this share of the first contrast a frame shows something else.
+constexpr double kDimmest = 0.2;
 constexpr float kClear = 0.995F;
 constexpr float kCore = 0.005F;
 
@@ -64,8 +66,8 @@ Illumination IlluminationFollower::expected(const Image& counts) {
         const double core_change = core > kLeastShare ? change(1 - core / 4) : 0;
         light.offset += clear_change;
         light.span += core_change - clear_change;
-        // No light at all is not a change of the light.
-        if (!(light.span > 0.02)) light = last_;
+        // Spheres that are all gone are not a change of the light.
+        if (!(light.span > kDimmest)) light = last_;
     }
     sample_ = std::move(now);
     return light;
@@ -95,7 +97,7 @@ Illumination IlluminationFollower::settled(const Image& counts, const Illuminati
     const double low = has_clear ? median(clear) - clear_reference_ : 0;
     const double high = has_core ? median(core) - core_reference_ : 0;
     const double span = 1 + (high - low) / (core_reference_ - clear_reference_);
-    if (span > 0.02) {
+    if (used.span * span > kDimmest) {
         last_.offset = used.offset + used.span * (low - clear_reference_ * (span - 1));
         last_.span = used.span * span;
     }

@@ -19,7 +19,8 @@ namespace grainfield::tracking {
 /// the levels, relative to those of the first frame. From about 40,000 pixels: standard error below
 /// 0.001 at 10 % noise. Light that changes by the same factor f everywhere: where the background
 /// varies by ΔB between clear and covered regions, span is wrong by (1 − f) ΔB I_dark/(B −
-/// I_dark)², a few percent of the change. O(pixels of the sample).
+/// I_dark)², a few percent of the change. A span below 0.2 is not followed: the spheres have left.
+/// O(pixels of the sample).
 class IlluminationFollower {
  public:
     explicit IlluminationFollower(const ImageModel& model) : model_(model) {}

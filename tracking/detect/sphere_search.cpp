@@ -15,6 +15,7 @@ namespace {
 constexpr int kLastRounds = 4;
 constexpr double kCandidateShare = 0.1;
 constexpr double kUnusual = 2;
+constexpr double kSurely = 0.5;
 constexpr double kSameAgain = 0.25;  // [D]
 constexpr double kHalfSplit = 0.3;   // [D]
 
@@ -94,18 +95,12 @@ double seconds_since(Clock::time_point start) {
 
 OptionTable describe(DetectionOptions& options) {
     OptionTable table("detect");
-    table.number("cutoff", options.cutoff, "-", {1, 1000},
-                 "first candidates need 1/chi-squared above this");
     table.number("separation", options.separation, "D", {0.05, 2},
                  "two centres nearer than this are one sphere");
     table.number("evidence", options.evidence, "-", {0, 1},
                  "share of an isolated sphere's misfit that each sphere must explain");
     table.number("border", options.border, "D", {0, 10},
                  "centres nearer to the image border than this are not reported");
-    table.number("significance", options.significance, "sigma", {0, 1000},
-                 "evidence for a sphere in standard deviations of the noise");
-    table.integer("max-passes", options.max_passes, "-", {1, 1000},
-                  "most rounds of adding and removing spheres");
     return table;
 }
 
@@ -224,10 +219,12 @@ bool SphereSearch::may_be_missing(float least_gain) const {
 
 std::int64_t SphereSearch::add_missing() {
     // Where the model is not perfect, as on every real image, small gains are to be had anywhere.
+    // Where most spheres are missing the residual is large everywhere, and a gain of half a sphere
+    // is a candidate all the same.
     const double rms = fit_.residual_rms();
     const double usual = rms * rms * std::numbers::pi * disc_.reach() * disc_.reach();
-    const auto least_gain =
-        static_cast<float>(std::max(kCandidateShare * threshold_, kUnusual * usual));
+    const double unusual = std::min(kUnusual * usual, kSurely * correlation_.full_gain());
+    const auto least_gain = static_cast<float>(std::max(kCandidateShare * threshold_, unusual));
     if (!may_be_missing(least_gain)) {
         ++summary_.maps_skipped;
         return 0;

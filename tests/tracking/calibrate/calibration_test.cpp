@@ -1,5 +1,7 @@
 #include "tracking/calibrate/calibration.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "core/random.h"
@@ -73,6 +75,38 @@ TEST(Calibration, TenSpheresOfALargeFrameAreNotBlank) {
     ASSERT_TRUE(result);
     EXPECT_EQ(result->model.polarity, Polarity::dark);
     EXPECT_NEAR(result->model.disc.diameter, 16, 0.3);
+}
+
+TEST(Calibration, FindsTheSpheresAroundADensePatch) {
+    // The holes of such a patch are darker than half the contrast or all but closed: in the
+    // thresholded image it is one dark area of a third of the frame.
+    for (const double spacing : {0.72, 0.75, 0.78}) {
+        for (const double diameter : {8.0, 16.0}) {
+            testing::CrystalPatch patch;
+            patch.radius = 0.3;
+            patch.spacing = spacing;
+            patch.clearance = 1;
+            const int side = static_cast<int>(40 * diameter);
+            const auto scene = testing::crystal_in_liquid(side, side, diameter, 0.72, patch, 1);
+            const Image frame = testing::tanh_frame(scene, diameter, 0.075 * diameter, 0.02, 1);
+            RunPlan plan;
+            const auto result = calibrated(frame, plan);
+            ASSERT_TRUE(result) << spacing << ' ' << diameter;
+            EXPECT_EQ(result->model.polarity, Polarity::dark);
+            EXPECT_NEAR(result->model.disc.diameter, diameter, 0.02) << spacing;
+            EXPECT_NEAR(result->model.disc.edge_width, 0.075 * diameter, 0.02) << spacing;
+        }
+    }
+}
+
+TEST(Calibration, ATextureIsNoLayerOfSpheres) {
+    // Blobs of one size on average, but no discs.
+    for (const double blur : {1.0, 2.0, 4.0}) {
+        const Image frame = testing::noise_frame(200, 200, 120, 20, blur, 7);
+        RunPlan plan;
+        EXPECT_FALSE(calibrated(frame, plan)) << blur;
+        ASSERT_EQ(plan.warnings().size(), 1U);
+    }
 }
 
 TEST(Calibration, GivenValuesAreKept) {

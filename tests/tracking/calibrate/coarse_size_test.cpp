@@ -45,14 +45,14 @@ TEST(CoarseSize, FindsTheRadiusOfDiscsAndCoversThem) {
             mask.pixels()[i] = frame.pixels()[i] < 115 ? 1.0F : 0.0F;
             gaps.pixels()[i] = 1 - mask.pixels()[i];
         }
-        const CoarseSize size = coarse_size(mask);
+        const CoarseSize size = coarse_sizes(mask).at(0);
         EXPECT_NEAR(size.radius, diameter / 2, 0.08 * diameter + 0.5) << diameter;
-        EXPECT_GT(size.coverage, 1.5 * coarse_size(gaps).coverage) << diameter;
+        EXPECT_GT(size.coverage, 1.5 * coarse_sizes(gaps).at(0).coverage) << diameter;
     }
 }
 
 TEST(CoarseSize, OfAnEmptyMaskIsNothing) {
-    EXPECT_EQ(coarse_size(Image(20, 20)).radius, 0);
+    EXPECT_TRUE(coarse_sizes(Image(20, 20)).empty());
 }
 
 }  // namespace
