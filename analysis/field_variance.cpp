@@ -85,6 +85,7 @@ ObservableResult FieldVariance::result() const {
         for (const auto& block : sums_) sum += block[s + 1];
         std::vector<double> left;
         for (const auto& block : sums_) {
+            if (block[0] <= 0) continue;  // of a run that was cut short
             left.push_back(frames > block[0] ? (sum - block[s + 1]) / (frames - block[0])
                                              : std::numeric_limits<double>::quiet_NaN());
         }

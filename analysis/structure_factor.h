@@ -51,6 +51,11 @@ OptionTable describe(StructureFactorOptions& options);
 /// number. In a walled box plane waves on the π/L grid are correlated and leak (docs/analysis.md):
 /// use `sk_neumann` for the limit k → 0.
 ///
+/// No error, and a reason, where blocks next to each other are more alike than blocks in general
+/// (von Neumann's ratio of the block means below a half, `vonneumann1941`): such modes change more
+/// slowly than the run is long, and no average over it can tell their spread; the connected S is
+/// too low there.
+///
 /// Error: jackknife over K ≤ 16 blocks of time, times sqrt((K − 1)/(K − 3)), the spread of
 /// Student's t: (S − true S)/error has variance one for small K too. Below eight frames the frames
 /// are taken as independent, which is said, and S as the mean of ν exponentially distributed
@@ -141,6 +146,8 @@ class StructureFactor {
     Shells shells(Estimator estimator) const;
     double mode_value(const Block& sums, Estimator estimator, std::size_t mode) const;
     std::vector<double> samples(const Shells& shells, Estimator estimator) const;
+    std::vector<bool> is_slow(const Shells& shells, Estimator estimator) const;
+    std::size_t filled_blocks() const;
     std::vector<double> independent_modes(const Shells& shells, Estimator estimator) const;
     std::vector<double> few_frames_error(const Shells& shells, Estimator estimator,
                                          const std::vector<double>& s) const;

@@ -147,6 +147,55 @@ std::vector<double> StructureFactor::samples(const Shells& shells, Estimator est
     return samples;
 }
 
+// Blocks that no frame came to are those of a run that was cut short.
+std::size_t StructureFactor::filled_blocks() const {
+    return static_cast<std::size_t>(
+        std::ranges::count_if(blocks_, [](const Block& block) { return block.frames > 0; }));
+}
+
+// Whether the block means of a mode drift: half the mean square of their steps, which is their
+// variance if they are independent, is below half of their variance. Shells within a fifth in k are
+// taken together.
+std::vector<bool> StructureFactor::is_slow(const Shells& shells, Estimator estimator) const {
+    std::vector<bool> slow(shells.k.size(), false);
+    const std::size_t filled = filled_blocks();
+    if (filled < least_blocks) return slow;
+    std::vector<double> of_steps(slow.size(), 0.0);
+    std::vector<double> of_blocks(slow.size(), 0.0);
+    const auto add = [&](std::size_t shell, auto&& mean_of) {
+        auto mean = mean_of(blocks_[0]);
+        for (std::size_t b = 1; b < filled; ++b) mean += mean_of(blocks_[b]);
+        mean /= static_cast<double>(filled);
+        for (std::size_t b = 0; b < filled; ++b) {
+            of_blocks[shell] += std::norm(mean_of(blocks_[b]) - mean);
+            if (b > 0) of_steps[shell] += std::norm(mean_of(blocks_[b]) - mean_of(blocks_[b - 1]));
+        }
+    };
+    for (std::size_t s = 0; s < slow.size(); ++s) {
+        for (const std::size_t m : shells.members[s]) {
+            if (estimator == Estimator::neumann) {
+                const std::size_t c = neumann_index_[m];
+                add(s, [c](const Block& block) { return block.cosine[c] / block.frames; });
+                continue;
+            }
+            for (std::size_t c = m; c < blocks_[0].rho.size(); c += grid_.modes().size()) {
+                add(s, [c](const Block& block) { return block.rho[c] / block.frames; });
+            }
+        }
+    }
+    for (std::size_t i = 0; i < slow.size(); ++i) {
+        double steps = 0;
+        double variance = 0;
+        for (std::size_t j = 0; j < slow.size(); ++j) {
+            if (std::abs(std::log(shells.k[j] / shells.k[i])) > 0.2) continue;
+            steps += of_steps[j];
+            variance += of_blocks[j];
+        }
+        slow[i] = steps < variance;  // ½ Σ steps/(K − 1) < ½ Σ squares/(K − 1)
+    }
+    return slow;
+}
+
 // How many independent modes a shell is worth: plane waves that do not fit between the walls
 // overlap.
 std::vector<double> StructureFactor::independent_modes(const Shells& shells,
@@ -239,17 +288,19 @@ Curve StructureFactor::curve(const char* name, const char* title, Estimator esti
     const Block sums = total(std::nullopt);
     const std::vector<double> s = averages(shells, sums, estimator, samples);
     std::vector<double> error(s.size(), undefined);
-    if (const std::size_t k = blocks_.size(); k >= least_blocks) {
+    if (blocks_.size() >= least_blocks) {
+        const std::size_t k = filled_blocks();
         std::vector<std::vector<double>> left(s.size());
-        for (std::size_t b = 0; b < k; ++b) {
+        for (std::size_t b = 0; k >= least_blocks && b < k; ++b) {
             const std::vector<double> part = averages(shells, total(b), estimator, samples);
             for (std::size_t i = 0; i < s.size(); ++i) left[i].push_back(part[i]);
         }
         const double student =
             std::sqrt((static_cast<double>(k) - 1) / (static_cast<double>(k) - 3));
+        const std::vector<bool> slow = is_slow(shells, estimator);
         for (std::size_t i = 0; i < s.size(); ++i) {
             const auto spread = jackknife_error(left[i], least_blocks);
-            if (spread) error[i] = student * *spread;
+            if (spread && !slow[i]) error[i] = student * *spread;
         }
     } else {
         error = few_frames_error(shells, estimator, s);
@@ -279,6 +330,7 @@ Spectrum StructureFactor::spectrum(Estimator estimator, std::span<const int> tim
     spectrum.s = averages(shells, sums, estimator, samples);
     const auto frames = static_cast<double>(added_);
     const double block = frames / static_cast<double>(blocks_.size());
+    const std::vector<bool> slow = is_slow(shells, estimator);
     for (std::size_t i = 0; i < shells.k.size(); ++i) {
         // T/M from few blocks is noisy: the mean over shells within a fifth or so in k.
         double sum = 0;
@@ -295,6 +347,8 @@ Spectrum StructureFactor::spectrum(Estimator estimator, std::span<const int> tim
         double nu = modes[i] * frames * (1 - r * r) / (1 + r * r);
         if (estimator != Estimator::raw) nu *= std::max(0.0, 1 - 1 / (frames * kept));
         if (estimator == Estimator::neumann) nu *= 0.5;
+        // Too slow for the run: one look, and nothing at all where the mean had to be subtracted.
+        if (slow[i]) nu = estimator == Estimator::raw ? modes[i] : 0;
         spectrum.dof.push_back(nu);
         spectrum.error.push_back(spectrum.s[i] / std::sqrt(nu));
     }
@@ -335,7 +389,9 @@ void StructureFactor::add_measurements(ObservableResult& result, Estimator best,
             }
         } else {
             also(error == 0 ? "the same in every frame: no error"
-                            : "too few frames and modes for an error");
+                 : is_slow(shells, estimator).front()
+                     ? "changes more slowly than the run is long: no error"
+                     : "too few frames and modes for an error");
         }
         result.measurements.push_back(m);
     };

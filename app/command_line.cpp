@@ -97,7 +97,7 @@ class HelpFormatter : public CLI::Formatter {
 class BoundCommand {
  public:
     BoundCommand(CLI::App& app, std::unique_ptr<Command> command)
-        : command_(std::move(command)), options_(last_word(command_->name()), tables()) {
+        : command_(std::move(command)), options_(command_->name(), tables()) {
         parser_ = place(app, command_->name())->add_subcommand(last_word(command_->name()));
         parser_->description(command_->purpose());
         parser_->allow_extras();  // refused below, with a suggestion

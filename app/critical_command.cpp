@@ -41,6 +41,19 @@ std::optional<double> recorded_value(const Results& results, const std::string& 
     return std::nullopt;
 }
 
+// The recorded option that ends in the same word, or else the nearest name.
+std::string did_you_mean(const Results& results, const std::string& option) {
+    std::vector<std::string> names;
+    for (const RunRecord& record : results.sources) {
+        for (const auto& [name, text] : record.configuration) {
+            if (number_in(text)) names.push_back(name);
+            if (name.ends_with("." + option)) return fmt::format("did you mean {}?", name);
+        }
+    }
+    const std::string nearest = nearest_name(option, names);
+    return nearest.empty() ? "give --values instead" : fmt::format("did you mean {}?", nearest);
+}
+
 // The spectrum that the fit of a run took: of the modes between walls where there are any.
 analysis::Spectrum spectrum_of(const Results& results) {
     analysis::Spectrum spectrum;
@@ -58,6 +71,9 @@ analysis::Spectrum spectrum_of(const Results& results) {
     return spectrum.dof.size() == spectrum.k.size() ? spectrum : analysis::Spectrum{};
 }
 
+// S0/S1 means something only where S grows with k.
+constexpr const char* no_rise = "S does not grow with k in its range: S1 is not positive";
+
 struct Gathered {
     std::vector<analysis::CriticalPoint> points;
     std::optional<Measurement> alpha;
@@ -70,12 +86,16 @@ Gathered as_fitted(const std::vector<Results>& results, const std::vector<double
     for (std::size_t i = 0; i < results.size(); ++i) {
         const ObservableResult* fit = results[i].find("fit");
         const Measurement* m = fit == nullptr ? nullptr : fit->find_measurement("s0_over_s1");
-        if (m != nullptr && m->value && m->error) {
+        const Measurement* s1 = fit == nullptr ? nullptr : fit->find_measurement("s1");
+        const bool falls = s1 != nullptr && s1->value && *s1->value <= 0;
+        if (m != nullptr && m->value && m->error && !falls) {
             gathered.points.push_back({x[i], *m->value, *m->error});
             continue;
         }
-        const std::string why = fit == nullptr             ? "it has no fit; analyse it again"
-                                : !fit->reason.empty()     ? fit->reason
+        const std::string why = falls                  ? no_rise
+                                : fit == nullptr       ? "it has no fit; analyse it again (density "
+                                                         "fields have none)"
+                                : !fit->reason.empty() ? fit->reason
                                 : m != nullptr && m->value ? "S0/S1 has no error"
                                                            : "it has no S0/S1";
         plan.warn(fmt::format("'{}' is left out: {}", results[i].label, why));
@@ -99,6 +119,10 @@ Gathered with_shared_exponent(const std::vector<Results>& results, const std::ve
     for (std::size_t i = 0; i < fits.size(); ++i) {
         if (!fits[i].ok()) {
             plan.warn(fmt::format("'{}' is left out: {}", results[i].label, fits[i].reason));
+            continue;
+        }
+        if (!(fits[i].s1 > 0)) {
+            plan.warn(fmt::format("'{}' is left out: {}", results[i].label, no_rise));
             continue;
         }
         gathered.points.push_back({x[i], fits[i].ratio(), fits[i].ratio_error()});
@@ -158,20 +182,21 @@ std::vector<double> CriticalCommand::control_values(const Session& session,
     std::vector<double> values;
     if (values_.empty()) {
         if (parameter_.empty()) {
-            throw OptionError({.problem = "the control parameter of the inputs is not known",
-                               .actual = "neither --values nor --parameter",
-                               .expected = "one of them",
-                               .suggestion = "--values 4.5,4.8,… or --parameter field.nu"});
+            throw OptionError(
+                {.problem = "the control parameter of the inputs is not known",
+                 .actual = "neither --values nor --parameter",
+                 .expected = "one of them",
+                 .suggestion = "--values 4.5,4.8,… or --parameter vibration.amplitude"});
         }
         for (std::size_t i = 0; i < results.size(); ++i) {
             const auto value = recorded_value(results[i], parameter_);
             if (!value) {
-                throw OptionError(
-                    {.problem = fmt::format("'{}' records no number '{}'",
-                                            session.inputs[i].string(), parameter_),
-                     .actual = {},
-                     .expected = "the name of an option of the run, as 'grainfield info' shows it",
-                     .suggestion = "give --values instead"});
+                throw OptionError({.problem = fmt::format("'{}' records no number '{}'",
+                                                          session.inputs[i].string(), parameter_),
+                                   .actual = {},
+                                   .expected = "an option of the run with its section, such as "
+                                               "vibration.amplitude or model.nu",
+                                   .suggestion = did_you_mean(results[i], parameter_)});
             }
             values.push_back(*value);
         }
@@ -215,6 +240,12 @@ Summary CriticalCommand::work(Session& session) const {
     const Gathered gathered = exponent_ == Exponent::shared
                                   ? with_shared_exponent(results, x, session.plan)
                                   : as_fitted(results, x, session.plan);
+    if (gathered.points.empty()) {
+        throw InputError({.problem = "none of the inputs has an S0/S1",
+                          .actual = counted(static_cast<std::int64_t>(results.size()), "input"),
+                          .expected = "results with a fit of S0 + S1 (ka)^alpha, S1 positive",
+                          .suggestion = "see the warnings; 'analyze --fit-k-max' sets the range"});
+    }
     const std::string parameter = parameter_.empty() ? "control parameter" : parameter_;
     Results out;
     out.label = "critical point";

@@ -8,6 +8,29 @@
 
 namespace grainfield::app {
 
+namespace {
+
+// Estimators speak of the particle diameter a; the lengths of a field are in its own unit l.
+std::string in_l(std::string text) {
+    if (text == "a") return "l";
+    if (text.starts_with("1/a")) text[2] = 'l';
+    return text;
+}
+
+void name_lengths(std::vector<ObservableResult>& observables) {
+    for (ObservableResult& observable : observables) {
+        for (Measurement& m : observable.measurements) m.unit = in_l(m.unit);
+        for (Curve& curve : observable.curves) {
+            for (Column& column : curve.columns) {
+                column.unit = in_l(column.unit);
+                if (column.meaning == "Wavevector k a") column.meaning = "Wavevector k";
+            }
+        }
+    }
+}
+
+}  // namespace
+
 Results field_results(const std::filesystem::path& path, bool from_fields,
                       const analysis::StructureFactorOptions& options, Session& session) {
     io::FieldFile file(path);
@@ -29,10 +52,12 @@ Results field_results(const std::filesystem::path& path, bool from_fields,
     if (!file.record().command.empty()) results.sources = {file.record()};
     if (accumulated) {
         results.observables = file.statistics();
+        name_lengths(results.observables);
         return results;
     }
     Progress progress("analysing", file.count(), "fields", session.common.verbosity());
     results.observables = analysis::analyze_fields(file, options, progress);
+    name_lengths(results.observables);
     return results;
 }
 

@@ -7,7 +7,7 @@
 namespace grainfield::app {
 
 OptionSet::OptionSet(std::string command, const std::vector<OptionTable>& tables)
-    : command_(std::move(command)) {
+    : command_(std::move(command)), own_section_(command_.substr(command_.rfind(' ') + 1)) {
     std::map<std::string, int> uses;
     for (const OptionTable& table : tables) {
         for (const Option& row : table.rows()) ++uses[row.name];
@@ -42,7 +42,7 @@ bool OptionSet::has_section(std::string_view section) const {
 }
 
 std::vector<std::string> OptionSet::sections() const {
-    std::vector<std::string> names{command_};
+    std::vector<std::string> names{own_section_};
     for (const Entry& entry : entries_) {
         if (!entry.section.empty() && std::ranges::find(names, entry.section) == names.end()) {
             names.push_back(entry.section);
@@ -67,7 +67,7 @@ const OptionSet::Entry* OptionSet::find(std::string_view section, std::string_vi
 }
 
 bool OptionSet::belongs(const Entry& entry, std::string_view section) const {
-    return entry.section == section || (entry.section.empty() && section == command_);
+    return entry.section == section || (entry.section.empty() && section == own_section_);
 }
 
 std::vector<std::pair<std::string, std::string>> OptionSet::configuration() const {

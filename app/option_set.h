@@ -23,6 +23,7 @@ class OptionSet {
         Option option;
     };
 
+    /// `command`: all of its words, "simulate md"; its section in a file is the last one.
     OptionSet(std::string command, const std::vector<OptionTable>& tables);
 
     const std::string& command() const { return command_; }
@@ -43,6 +44,7 @@ class OptionSet {
     bool belongs(const Entry& entry, std::string_view section) const;
 
     std::string command_;
+    std::string own_section_;  ///< last word of the command
     std::vector<Entry> entries_;
 };
 

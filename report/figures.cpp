@@ -146,11 +146,25 @@ void entitle(Figure& figure, const std::string& title) {
     }
 }
 
+// The unit of a column, if the runs that have it agree: lengths are in a, those of fields in l.
+std::string common_unit(const Runs& runs, const Source& source, const std::string& otherwise) {
+    std::string unit;
+    for (const Results& run : runs) {
+        const Curve* curve = find_curve(run, source);
+        if (curve == nullptr) continue;
+        const std::string& own = curve->find(source.x)->unit;
+        if (!unit.empty() && own != unit) return unit + " or " + own;
+        unit = own;
+    }
+    return unit.empty() ? otherwise : unit;
+}
+
 Figure structure_factor(const Runs& runs, const std::vector<std::string>& labels) {
-    Figure figure = empty_figure(labels, "sk", "Structure factor",
-                                 {"k", "Wavevector k", "1/a", Scale::log, true},
-                                 {"s", "S(k)", "", Scale::log, true});
     const Source sk{"sk", "sk", "k", "s", "s_err"};
+    Figure figure =
+        empty_figure(labels, "sk", "Structure factor",
+                     {"k", "Wavevector k", common_unit(runs, sk, "1/a"), Scale::log, true},
+                     {"s", "S(k)", "", Scale::log, true});
     add_kind(figure, runs, {"S(k)", Mark::line, true}, sk, true);
     add_kind(figure, runs, {"raw, ⟨|ρ|²⟩/N", Mark::line, false},
              {"sk", "sk_raw", "k", "s", "s_err"}, false);
@@ -177,10 +191,11 @@ Figure order_structure_factor(const Runs& runs, const std::vector<std::string>& 
 }
 
 Figure number_variance(const Runs& runs, const std::vector<std::string>& labels) {
-    Figure figure = empty_figure(labels, "variance", "Number variance",
-                                 {"l", "Window side ℓ", "a", Scale::log, false},
-                                 {"variance", "σ²(ℓ)", "", Scale::log, false});
     const Source source{"variance", "variance", "l", "variance", "err"};
+    Figure figure =
+        empty_figure(labels, "variance", "Number variance",
+                     {"l", "Window side ℓ", common_unit(runs, source, "a"), Scale::log, false},
+                     {"variance", "σ²(ℓ)", "", Scale::log, false});
     add_kind(figure, runs, {"σ²(ℓ)", Mark::line, true}, source, true);
     add_kind(figure, runs, {"pooled over positions and frames", Mark::line, false},
              {"variance", "variance_pooled", "l", "variance", "err"}, false);
@@ -318,6 +333,17 @@ Figure collisions(const Runs& runs, const std::vector<std::string>& labels) {
                        {"high_plate", "with the high plate"}});
 }
 
+Figure order_of_run(const Runs& runs, const std::vector<std::string>& labels) {
+    Figure figure = empty_figure(
+        labels, "order", "Order of the snapshots", {"t", "Time t", "periods", Scale::linear, true},
+        {"value", "Mean |Q₄|, share of solid grains", "", Scale::linear, true});
+    add_kind(figure, runs, {"mean |Q₄|", Mark::line, true}, {"series", "order", "t", "q4_mean", ""},
+             true);
+    add_kind(figure, runs, {"|Q₄| ≥ 0.7", Mark::line, true},
+             {"series", "order", "t", "solid_share", ""}, false);
+    return figure;
+}
+
 bool any_has(const Runs& runs, const char* observable) {
     return std::ranges::any_of(runs,
                                [&](const Results& run) { return run.find(observable) != nullptr; });
@@ -356,6 +382,8 @@ std::vector<Figure> make_figures(const std::vector<Results>& runs,
     if (any_has(runs, "series")) {
         figures.push_back(energies(runs, labels));
         figures.push_back(collisions(runs, labels));
+        const Figure order = order_of_run(runs, labels);
+        if (order.has_data()) figures.push_back(order);
     }
     return figures;
 }

@@ -70,6 +70,7 @@ const std::map<std::string, std::string>& quantity_titles() {
         {"impulse_low", "Mean force of the low plate per grain"},
         {"impulse_high", "Mean force of the high plate per grain"},
         {"pressure", "Pressure"},
+        {"solid_share", "Share of solid grains, |Q₄| ≥ 0.7 in a snapshot"},
         {"critical_value", "Critical value of the control parameter"},
         {"critical_low", "Critical value, lower end"},
         {"critical_high", "Critical value, upper end"},

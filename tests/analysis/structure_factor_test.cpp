@@ -178,5 +178,45 @@ TEST(StructureFactor, OfFewerThanFourFramesSaysThatItTakesThemAsIndependent) {
     EXPECT_FALSE(m->reason.empty());
 }
 
+// Particles that have moved by half a diameter at the end: the modes at small k are those of the
+// first frame.
+TEST(StructureFactor, OfAFilmTooShortForItsModesHasNoErrorAtSmallK) {
+    for (const Boundary boundary : {Boundary::periodic, Boundary::walls}) {
+        RandomStream random(10, "slow");
+        const Box box = square_box(60, boundary);
+        const std::vector<Vec2> first = poisson_points(2000, box, random);
+        std::vector<Vec2> velocity;
+        for (std::size_t j = 0; j < first.size(); ++j) {
+            velocity.push_back({random.normal(), random.normal()});
+        }
+        constexpr int frames = 64;
+        StructureFactor sk({}, box, frames);
+        for (int f = 0; f < frames; ++f) {
+            std::vector<Vec2> now;
+            for (std::size_t j = 0; j < first.size(); ++j) {
+                now.push_back(first[j] + velocity[j] * (0.5 * f / frames));
+            }
+            sk.add(sk.measure(pattern(now, box, f)));
+        }
+        const ObservableResult result = sk.result();
+        EXPECT_TRUE(std::isnan(column(result, "sk", "s_err").front()));
+        const Measurement* m = result.find_measurement("s_lowest_k");
+        EXPECT_TRUE(m->value.has_value());
+        EXPECT_FALSE(m->error.has_value());
+        EXPECT_NE(m->reason.find("slowly"), std::string::npos) << m->reason;
+    }
+}
+
+// Of a run that was cut short most blocks are empty: they are no copies of one estimate.
+TEST(StructureFactor, BlocksThatNoFrameCameToGiveNoError) {
+    RandomStream random(11, "cut");
+    const Box box = square_box(30);
+    StructureFactor sk({}, box, 1600);
+    for (int f = 0; f < 150; ++f) {
+        sk.add(sk.measure(pattern(poisson_points(300, box, random), box, f)));
+    }
+    EXPECT_TRUE(std::isnan(column(sk.result(), "sk", "s_err").front()));
+}
+
 }  // namespace
 }  // namespace grainfield::analysis
