@@ -12,6 +12,7 @@
 #include "core/progress.h"
 #include "io/open_snapshots.h"
 #include "simulate/render/grain_motion.h"
+#include "simulate/render/lasting_ids.h"
 
 namespace grainfield::app {
 
@@ -93,6 +94,7 @@ RenderCommand::Tally RenderCommand::render_all(Session& session, SnapshotSource&
                                                io::TrajectoryWriter* truth) const {
     const bool video = io::is_video_name(output_);
     Tally tally;
+    simulate::LastingIds ids;
     Progress progress("rendering", static_cast<std::int64_t>(chosen.size()), "frames",
                       session.common.verbosity());
     if (render_.optics == simulate::OpticsKind::raytrace) progress.announce();
@@ -123,6 +125,7 @@ RenderCommand::Tally RenderCommand::render_all(Session& session, SnapshotSource&
         rendered.frame.index = place;
         rendered.truth.frame = place;
         writer.write(rendered.frame);
+        ids.renumber(rendered.truth);
         if (truth != nullptr) truth->write(rendered.truth);
         tally.write_seconds += seconds_since(start_writing);
         tally.spheres += static_cast<double>(rendered.truth.size());

@@ -25,6 +25,8 @@ void RenderedFrames::render(std::int64_t index) {
     last_ = std::move(rendered.frame);
     last_.index = index;
     rendered.truth.frame = index;
+    if (truth_.contains(index)) return;  // rendered again
+    ids_.renumber(rendered.truth);
     truth_[index] = std::move(rendered.truth);
 }
 

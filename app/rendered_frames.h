@@ -9,6 +9,7 @@
 #include "core/frame_source.h"
 #include "core/run_plan.h"
 #include "core/trajectory.h"
+#include "simulate/render/lasting_ids.h"
 #include "simulate/render/renderer.h"
 #include "simulate/render/sampling_check.h"
 
@@ -54,6 +55,7 @@ class RenderedFrames : public FrameSource {
     Frame last_;
     std::int64_t rendered_ = 0;
     std::map<std::int64_t, Snapshot> truth_;
+    simulate::LastingIds ids_;
 };
 
 /// The truth of rendered frames as a source.

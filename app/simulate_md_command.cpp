@@ -143,7 +143,8 @@ void SimulateMdCommand::run_to_end(Session& session, MdSimulation& simulation,
 }
 
 Summary SimulateMdCommand::run(Session& session) {
-    if (!order_) session.plan.skip("order parameters", "not asked for (--order)", "|Q4| of every snapshot");
+    if (!order_)
+        session.plan.skip("order parameters", "not asked for (--order)", "|Q4| of every snapshot");
     if (session.common.explain) {
         const MdSimulation planned(md_, {}, 1, session.plan);
         return explanation(session.plan);

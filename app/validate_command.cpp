@@ -186,12 +186,17 @@ ValidateCommand::Scene ValidateCommand::given_scene(Session& session) const {
     TrajectoryInfo hints;
     hints.length_unit = LengthUnit::pixel;
     scene.truth = io::open_snapshots(truth_, frame, hints);
+    // Images do not say how fast they were taken; the truth may.
+    const TrajectoryInfo& known = scene.truth->info();
+    if (!scene.frames->frame_rate() && known.frame_rate && known.time_unit == TimeUnit::second) {
+        scene.frames = io::open_frames(session.inputs, {.fps = known.frame_rate});
+    }
     session.inputs.emplace_back(truth_);
     if (scene.truth->count() != scene.frames->count()) {
         throw InputError({.problem = fmt::format("'{}' does not belong to these frames", truth_),
                           .actual = fmt::format("{} snapshots", scene.truth->count()),
                           .expected = fmt::format("{}, one a frame", scene.frames->count()),
-                          .suggestion = {}});
+                          .suggestion = "give all frames that the truth was written with"});
     }
     if (scene.truth->count() > 0 && scene.truth->read(0).id.empty()) {
         throw InputError({.problem = fmt::format("'{}' has no identities", truth_),
