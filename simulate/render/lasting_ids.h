@@ -9,8 +9,8 @@ namespace grainfield::simulate {
 
 /// Gives the true positions of successive frames identities that hold for as long as one can follow
 /// a grain: one that crosses a periodic boundary is seen to leave on one side and another to come
-/// in on the other, and so it gets a new identity (else its displacement would be the box). The
-/// sign is a step of more than half of the frame on an axis since it was last seen.
+/// in on the other, and so it gets a new identity, 2^40 more (else its displacement would be the
+/// box). The sign is a step of more than half of the frame on an axis since it was last seen.
 class LastingIds {
  public:
     /// Renumbers `truth.id`; frames in the order of time. Does nothing without ids.
@@ -22,7 +22,6 @@ class LastingIds {
         Vec2 position;
     };
     std::unordered_map<std::int64_t, Seen> last_;  // by the identity of the grain
-    std::int64_t next_ = 0;
 };
 
 }  // namespace grainfield::simulate

@@ -8,6 +8,8 @@ namespace {
 
 using ::testing::ElementsAre;
 
+constexpr std::int64_t far = std::int64_t{1} << 40;
+
 Snapshot frame_of(std::vector<std::int64_t> id, std::vector<Vec2> position) {
     Snapshot truth;
     truth.box = {{-0.5, -0.5}, {100, 80}, {Boundary::walls, Boundary::walls}, 0};
@@ -24,9 +26,9 @@ TEST(LastingIds, HoldUntilAGrainCrossesABoundary) {
     ids.renumber(one);
     ids.renumber(two);
     ids.renumber(three);
-    EXPECT_THAT(one.id, ElementsAre(0, 1));
-    EXPECT_THAT(two.id, ElementsAre(1, 0));
-    EXPECT_THAT(three.id, ElementsAre(2, 3)) << "in from the other side";
+    EXPECT_THAT(one.id, ElementsAre(7, 3));
+    EXPECT_THAT(two.id, ElementsAre(3, 7));
+    EXPECT_THAT(three.id, ElementsAre(far + 7, far + 3)) << "in from the other side";
 }
 
 TEST(LastingIds, KnowAGrainThatWasOutOfViewForAWhileOnOneSideOnly) {
@@ -39,8 +41,8 @@ TEST(LastingIds, KnowAGrainThatWasOutOfViewForAWhileOnOneSideOnly) {
     ids.renumber(away);
     ids.renumber(same_side);
     ids.renumber(other_side);
-    EXPECT_THAT(same_side.id, ElementsAre(0));
-    EXPECT_THAT(other_side.id, ElementsAre(1));
+    EXPECT_THAT(same_side.id, ElementsAre(5));
+    EXPECT_THAT(other_side.id, ElementsAre(far + 5));
 }
 
 TEST(LastingIds, LeavePositionsWithoutIdentityAlone) {
