@@ -11,7 +11,7 @@ namespace grainfield::simulate {
 namespace {
 
 constexpr int patch = 64;  // [px]
-constexpr int reference_samples = 16;
+constexpr int reference_samples = 32;
 
 /// The middle of the frame by an even, noiseless camera of 16 bits.
 RenderOptions patch_options(const RenderOptions& options, const View& view) {

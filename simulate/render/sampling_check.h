@@ -15,9 +15,9 @@ struct SamplingCheck {
     double noise = 0;       ///< RMS noise of the camera on that patch
 };
 
-/// Ray-traces the middle of the frame twice, as `options` say and with 16 samples in every pixel
+/// Ray-traces the middle of the frame twice, as `options` say and with 32 samples in every pixel
 /// and no adaptive sampling, both after blur and without noise, and compares the two. `view`: of
-/// the whole frame. `next`: for motion along chords; may be null. About a second. Nothing for
+/// the whole frame. `next`: for motion along chords; may be null. A second or two. Nothing for
 /// silhouettes, which are exact.
 SamplingCheck check_sampling(const RenderOptions& options, const View& view,
                              const TrajectoryInfo& info, const Snapshot& snapshot,

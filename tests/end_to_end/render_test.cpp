@@ -38,10 +38,11 @@ class Render : public ::testing::Test {
         ASSERT_EQ(outcome.code, 0) << outcome.err;
     }
 
-    std::vector<std::string> call(const std::string& output,
-                                  std::vector<std::string> more = {}) const {
-        std::vector<std::string> words{"render", layer_,          "-o",  output,    "--width",
-                                       "120",    "--view-height", "120", "--scale", "12"};
+    std::vector<std::string> call(const std::string& output, std::vector<std::string> more = {},
+                                  int side = 120) const {
+        const std::string pixels = fmt::format("{}", side);
+        std::vector<std::string> words{"render", layer_,     "-o",   output,    "--width",
+                                       pixels,   "--height", pixels, "--scale", "12"};
         words.insert(words.end(), more.begin(), more.end());
         return words;
     }
@@ -71,16 +72,18 @@ TEST_F(Render, ThreadsDoNotChangeAByte) {
         std::vector<std::string> truths;
         for (const char* threads : {"1", "2"}) {
             const std::string name = std::string(optics) + threads;
-            const Outcome outcome = run_grainfield(
-                call(folder_ / name, {"--optics", optics, "--threads", threads, "--most-frames",
-                                      "2", "--truth", folder_ / (name + ".h5")}));
+            const Outcome outcome =
+                run_grainfield(call(folder_ / name,
+                                    {"--optics", optics, "--threads", threads, "--most-frames", "2",
+                                     "--truth", folder_ / (name + ".h5")},
+                                    60));
             ASSERT_EQ(outcome.code, 0) << outcome.err;
             frames.push_back(bytes_in(folder_ / name));
             truths.push_back(as_csv(folder_, folder_ / (name + ".h5")));
         }
         EXPECT_EQ(frames[0], frames[1]) << optics;
         EXPECT_EQ(truths[0], truths[1]) << optics;
-        EXPECT_GT(frames[0].size(), 2 * 120U * 120U);
+        EXPECT_GT(frames[0].size(), 2 * 60U * 60U);
     }
 }
 
@@ -127,18 +130,18 @@ TEST_F(Render, ABadValueEndsWithTwoAndNamesWhatIsAllowed) {
 TEST_F(Render, WithoutHeightsAndLayersItWarnsAndGoesOn) {
     const auto frames = testing::write_disc_sequence(folder_, 2);
     ASSERT_EQ(run_grainfield({"track", frames[0], frames[1], "-o", folder_ / "flat.h5"}).code, 0);
-    const Outcome outcome = run_grainfield({"render", folder_ / "flat.h5", "-o", folder_ / "f",
-                                            "--width", "100", "--view-height", "80"});
+    const Outcome outcome = run_grainfield(
+        {"render", folder_ / "flat.h5", "-o", folder_ / "f", "--width", "100", "--height", "80"});
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_THAT(outcome.err, HasSubstr("neither heights nor layers"));
     EXPECT_THAT(outcome.err, HasSubstr("no clock"));
 }
 
 TEST_F(Render, AnEmptyTrajectoryEndsWithThree) {
-    simulate("1");  // all of it discarded
+    simulate("0.5");  // all of it discarded
     const Outcome outcome = run_grainfield(call(folder_ / "f"));
     EXPECT_EQ(outcome.code, 3) << outcome.err;
-    EXPECT_THAT(outcome.err, AllOf(HasSubstr(layer_), HasSubstr("no frames")));
+    EXPECT_THAT(outcome.err, AllOf(HasSubstr(layer_), HasSubstr("holds no frames")));
     EXPECT_FALSE(std::filesystem::exists(folder_ / "f"));
 }
 
@@ -150,8 +153,8 @@ TEST_F(Render, FramesWithoutAnySphereAreMadeWithAWarning) {
                   .code,
               0);
     const Outcome empty = run_grainfield({"render", walls, "-o", folder_ / "g", "--width", "64",
-                                          "--view-height", "64", "--scale", "8", "--centre-x",
-                                          "100", "--truth", folder_ / "t.h5", "--json"});
+                                          "--height", "64", "--scale", "8", "--centre-x", "100",
+                                          "--truth", folder_ / "t.h5", "--json"});
     EXPECT_EQ(empty.code, 0) << empty.err;
     const json summary = json::parse(empty.out);
     EXPECT_EQ(summary["particles_mean"], 0);
@@ -178,7 +181,7 @@ TEST_F(Render, AFullDiskOrAPlaceThatCannotBeWrittenEndsWithFour) {
 
 TEST_F(Render, CtrlCKeepsTheFramesDone) {
     simulate("200");
-    auto words = call(folder_ / "f", {"--truth", folder_ / "t.h5", "--optics", "raytrace"});
+    auto words = call(folder_ / "f", {"--truth", folder_ / "t.h5", "--optics", "raytrace"}, 60);
     words.insert(words.begin(), GRAINFIELD_PROGRAM);
     const testing::Process process(words);
     process.let_work(std::chrono::seconds(3), SIGINT);
