@@ -29,4 +29,8 @@ struct DiscProfile {
     static constexpr double kReachInWidths = 3.5;
 };
 
+/// How the edges of several discs make one image: each disc dims what the others let pass, or the
+/// lens blurs the union of opaque discs (refine/edge_meeting.h).
+enum class EdgeMeeting { product, blurred_union };
+
 }  // namespace grainfield::tracking

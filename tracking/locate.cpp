@@ -6,6 +6,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "tracking/refine/edge_meeting.h"
 #include "tracking/refine/joint_covariance.h"
 
 namespace grainfield::tracking {
@@ -54,8 +55,9 @@ RefinementOptions rough_version(const RefinementOptions& refinement) {
 
 }  // namespace
 
-Locator::Locator(int width, int height, const DiscProfile& disc, int threads)
+Locator::Locator(int width, int height, const DiscProfile& disc, int threads, EdgeMeeting meeting)
     : disc_(disc),
+      meeting_(meeting),
       factor_(DiscCorrelation::suitable_factor(disc)),
       threads_(threads),
       correlation_(width, height, disc, factor_),
@@ -107,6 +109,15 @@ Located Locator::locate(const Image& darkness, const DetectionOptions& detection
     }
     search.run(rough_version(refinement));
     search.finish(refinement);
+    if (meeting_ == EdgeMeeting::blurred_union) {
+        const auto begin = Clock::now();
+        const std::vector<Vec2> places = fit.positions();
+        const Image product = as_product(darkness, fit.transmission(), places, disc_, threads_);
+        fit.restart(product);
+        fit.add_all(places);
+        found.refine_seconds += seconds_since(begin);
+        search.finish(refinement);
+    }
 
     const SphereSearch::Summary& summary = search.summary();
     found.passes += summary.passes;

@@ -34,11 +34,14 @@ struct Located {
 
 /// Finds every sphere of a darkness image (SphereSearch) and its uncertainty. Large discs are
 /// searched for on an image of blocks first, as large as leave seven to a diameter; positions are
-/// then refined, and what is missing or too much is looked for again, at full resolution. Pixels
-/// outside the image do not count.
+/// then refined, and what is missing or too much is looked for again, at full resolution. Where
+/// edges meet as those of a blurred union (EdgeMeeting) the last refinement is repeated on the
+/// image that the product model should see there (as_product). Pixels outside the image do not
+/// count.
 class Locator {
  public:
-    Locator(int width, int height, const DiscProfile& disc, int threads);
+    Locator(int width, int height, const DiscProfile& disc, int threads,
+            EdgeMeeting meeting = EdgeMeeting::product);
     Located locate(const Image& darkness, const DetectionOptions& detection,
                    const RefinementOptions& refinement, const std::vector<Vec2>& start = {});
     const DiscProfile& disc() const { return disc_; }
@@ -50,6 +53,7 @@ class Locator {
                          const RefinementOptions& refinement, SphereSearch& fine, Located& found);
 
     DiscProfile disc_;
+    EdgeMeeting meeting_;
     int factor_;
     int threads_;
     DiscCorrelation correlation_;

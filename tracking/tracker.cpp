@@ -66,10 +66,13 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
                         source.name(), tries));
         return;
     }
-    locator_ = std::make_unique<Locator>(source.width(), source.height(), model().disc, threads_);
+    locator_ = std::make_unique<Locator>(source.width(), source.height(), model().disc, threads_,
+                                         model().meeting);
     illumination_ = std::make_unique<IlluminationFollower>(model());
     plan.run("detect", "χ² map, then likelihood gain of the residual until nothing changes");
-    plan.run("refine", "joint least squares on the product of transmissions");
+    plan.run("refine", model().meeting == EdgeMeeting::product
+                           ? "joint least squares on the product of transmissions"
+                           : "joint least squares on the blurred union of discs");
     if (count < 2) {
         plan.skip("link", "one frame", "identities");
     } else {

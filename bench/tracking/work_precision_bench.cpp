@@ -63,7 +63,7 @@ class Run {
         }
         if (!calibration_) return;
         locator_.emplace(frame.counts.width(), frame.counts.height(), calibration_->model.disc,
-                         options_.threads);
+                         options_.threads, calibration_->model.meeting);
         if (setting_.value == "warm") start_ = locate(frame.before).fitted;
     }
 
@@ -212,6 +212,7 @@ std::vector<Setting> option_settings() {
         {"significance", {"0", "3", "12", "25"}},
         {"uniform-tolerance", {"0", "0.03", "1"}},
         {"size", {"given"}},
+        {"meeting-edges", {"product", "blurred-union"}},
         {"start", {"warm"}},
         {"threads", {"2"}}};
     std::vector<Setting> settings;

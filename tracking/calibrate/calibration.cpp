@@ -66,6 +66,27 @@ Patch clearest_patch(const Image& counts, const ImageModel& model) {
     return patch;
 }
 
+/// Whichever kind leaves the smaller residual once the spheres are at rest.
+EdgeMeeting meeting_of(const Image& counts, const ImageModel& model,
+                       const std::vector<Vec2>& positions, const DetectionOptions& detection,
+                       const RefinementOptions& refinement, int threads, RunPlan& plan) {
+    DetectionOptions quick = detection;
+    quick.max_passes = 1;
+    const Image darkness = model.darkness(counts);
+    const auto residual = [&](EdgeMeeting meeting) {
+        Locator locator(counts.width(), counts.height(), model.disc, threads, meeting);
+        return locator.locate(darkness, quick, refinement, positions).residual_rms;
+    };
+    const double product = residual(EdgeMeeting::product);
+    const double blurred = residual(EdgeMeeting::blurred_union);
+    plan.run(
+        "meeting edges",
+        fmt::format("{}: RMS residual {:.4f} of the contrast if transmissions multiply, {:.4f} "
+                    "if the union of discs is blurred",
+                    blurred < product ? "blurred union" : "product", product, blurred));
+    return blurred < product ? EdgeMeeting::blurred_union : EdgeMeeting::product;
+}
+
 /// Share of the variance of an image that a model explains, 1 − misfit/variance; as it is, and
 /// after the white noise was taken from both.
 struct Explained {
@@ -238,6 +259,11 @@ OptionTable describe(CalibrationOptions& options) {
                   {"dark", PolarityChoice::dark},
                   {"bright", PolarityChoice::bright}},
                  "spheres darker or brighter than the background");
+    table.choice("meeting-edges", options.meeting_edges,
+                 {{"auto", EdgeChoice::automatic},
+                  {"product", EdgeChoice::product},
+                  {"blurred-union", EdgeChoice::blurred_union}},
+                 "image of edges that meet: transmissions multiply, or a lens blurs their union");
     table.number("uniform-tolerance", options.uniform_tolerance, "-", {0, 1},
                  "variation of the background, relative to the contrast, that is ignored");
     return table;
@@ -293,6 +319,15 @@ std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptio
                   "one polynomial a pixel");
     } else {
         plan.run("background surface", "illumination is uneven");
+    }
+    if (options.meeting_edges == EdgeChoice::automatic) {
+        model.meeting =
+            meeting_of(work, model, fitter.positions, detection, refinement, threads, plan);
+    } else {
+        plan.skip("meeting edges", "given", "two fits of one frame");
+        if (options.meeting_edges == EdgeChoice::blurred_union) {
+            model.meeting = EdgeMeeting::blurred_union;
+        }
     }
     if (bright) {
         model.background = model.background.negated();

@@ -13,11 +13,13 @@
 namespace grainfield::tracking {
 
 enum class PolarityChoice { automatic, dark, bright };
+enum class EdgeChoice { automatic, product, blurred_union };
 
 struct CalibrationOptions {
     std::optional<double> diameter;    ///< apparent diameter D [px]; empty: estimated
     std::optional<double> edge_width;  ///< w [px]; empty: estimated
     PolarityChoice polarity = PolarityChoice::automatic;
+    EdgeChoice meeting_edges = EdgeChoice::automatic;  ///< which kind leaves the smaller residual
     double uniform_tolerance = 0.003;  ///< background counts as uniform below this variation [-]
 };
 

@@ -1,0 +1,96 @@
+#include "tracking/refine/edge_meeting.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/parallel.h"
+
+namespace grainfield::tracking {
+namespace {
+
+constexpr float kFirstOrder = 3.5F;
+constexpr float kLeast = 1e-3F;
+constexpr int kBand = 64;
+
+/// The sums over discs of P n, P n and P² for rows [first, last).
+struct Sums {
+    int first, last;
+    Image along_x, along_y, squares;
+
+    Sums(int width, int from, int to)
+        : first(from),
+          last(to),
+          along_x(width, to - from),
+          along_y(width, to - from),
+          squares(width, to - from) {}
+
+    void add(Vec2 p, const DiscProfile& disc) {
+        const auto radius = static_cast<float>(disc.radius());
+        const auto steepness = static_cast<float>(2 / disc.edge_width);
+        const auto outer = static_cast<float>(disc.reach());
+        // In the core nothing passes whatever the others do.
+        const float inner = std::max(0.0F, 2 * radius - outer);
+        const auto cx = static_cast<float>(p.x);
+        const auto cy = static_cast<float>(p.y);
+        const int y0 = std::max(first, static_cast<int>(std::ceil(cy - outer)));
+        const int y1 = std::min(last - 1, static_cast<int>(std::floor(cy + outer)));
+        const int x0 = std::max(0, static_cast<int>(std::ceil(cx - outer)));
+        const int x1 = std::min(squares.width() - 1, static_cast<int>(std::floor(cx + outer)));
+        for (int y = y0; y <= y1; ++y) {
+            const float dy = static_cast<float>(y) - cy;
+            float* sum_x = along_x.row(y - first);
+            float* sum_y = along_y.row(y - first);
+            float* sum_squares = squares.row(y - first);
+            for (int x = x0; x <= x1; ++x) {
+                const float dx = static_cast<float>(x) - cx;
+                const float r2 = dx * dx + dy * dy;
+                if (r2 > outer * outer || r2 < inner * inner) continue;
+                const float r = std::sqrt(r2);
+                const float dark = 1 / (1 + std::exp(steepness * (r - radius)));
+                const float share = dark / std::max(r, kLeast);
+                sum_x[x] += share * dx;
+                sum_y[x] += share * dy;
+                sum_squares[x] += dark * dark;
+            }
+        }
+    }
+};
+
+}  // namespace
+
+Image as_product(const Image& darkness, const PaddedImage& transmission,
+                 const std::vector<Vec2>& positions, const DiscProfile& disc, int threads) {
+    Image result = darkness;
+    const int bands = (darkness.height() + kBand - 1) / kBand;
+    // In order of index within each band, whoever computes it.
+    std::vector<std::vector<std::size_t>> members(static_cast<std::size_t>(bands));
+    for (std::size_t j = 0; j < positions.size(); ++j) {
+        const double y = positions[j].y;
+        const int low = static_cast<int>(std::floor((y - disc.reach()) / kBand));
+        const int high = static_cast<int>(std::floor((y + disc.reach()) / kBand));
+        for (int b = std::max(0, low); b <= std::min(bands - 1, high); ++b) {
+            members[static_cast<std::size_t>(b)].push_back(j);
+        }
+    }
+    parallel_for(bands, threads, [&](std::int64_t band) {
+        const int first = static_cast<int>(band) * kBand;
+        Sums sums(darkness.width(), first, std::min(darkness.height(), first + kBand));
+        for (const std::size_t j : members[static_cast<std::size_t>(band)]) {
+            sums.add(positions[j], disc);
+        }
+        for (int y = first; y < sums.last; ++y) {
+            const float* vx = sums.along_x.row(y - first);
+            const float* vy = sums.along_y.row(y - first);
+            const float* squares = sums.squares.row(y - first);
+            for (int x = 0; x < darkness.width(); ++x) {
+                const float c = kFirstOrder / 2 * (vx[x] * vx[x] + vy[x] * vy[x] - squares[x]);
+                result(x, y) += std::clamp(c, -1.0F, 2.0F) * transmission(x, y);
+            }
+        }
+    });
+    return result;
+}
+
+}  // namespace grainfield::tracking
