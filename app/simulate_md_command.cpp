@@ -101,7 +101,7 @@ simulate::GrainState SimulateMdCommand::initial_state(const Session& session) co
                            .expected = fmt::format("0 … {}", source->count() - 1),
                            .suggestion = {}});
     }
-    return simulate::state_of(source->read(frame), md_, seed);
+    return simulate::state_of(source->read(frame), source->info(), md_, seed);
 }
 
 std::vector<std::pair<std::string, std::string>> SimulateMdCommand::physics(
@@ -143,7 +143,8 @@ void SimulateMdCommand::run_to_end(Session& session, MdSimulation& simulation,
 }
 
 Summary SimulateMdCommand::run(Session& session) {
-    if (!order_) session.plan.skip("order parameters", "not asked for (--order)", "|Q4| of every snapshot");
+    if (!order_)
+        session.plan.skip("order parameters", "not asked for (--order)", "|Q4| of every snapshot");
     if (session.common.explain) {
         const MdSimulation planned(md_, {}, 1, session.plan);
         return explanation(session.plan);

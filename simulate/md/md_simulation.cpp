@@ -129,10 +129,10 @@ void MdSimulation::run_window(SnapshotSink& sink) {
     if (window_ % windows_between_sorts == 0) sort_in_space(state_);
     engine_->load(state_, (last - first) * period);
     max_overlap_ = std::max(max_overlap_, engine_->max_overlap());
-    if (engine_->max_overlap() > 1e-9) {
+    if (engine_->max_overlap() > permitted_overlap) {
         throw PhysicsError({.problem = fmt::format("spheres overlap at period {:g}", first),
                             .actual = fmt::format("{:g} a", engine_->max_overlap()),
-                            .expected = "less than 1e-9 a",
+                            .expected = fmt::format("less than {:g} a", permitted_overlap),
                             .suggestion = "report this run with its configuration and seed"});
     }
     const auto snapshot_at = [&run](std::int64_t k) {
