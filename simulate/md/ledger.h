@@ -2,20 +2,48 @@
 
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 namespace grainfield::simulate {
 
-/// A sum that does not depend on the order of its terms: fixed point, quantum 2^-40 = 9e-13, so
-/// that tiles and threads give the same bits. Range ±8e6 in a window.
+__extension__ typedef __int128 WideInteger;
+
+/// A sum that does not depend on the order of its terms, so that tiles and threads give the same
+/// bits: fixed point in two words, quanta 2^-10 and 2^-72 = 2e-22.
+///
+/// A term must be below 2^52 = 4.5e15 in size: all permitted amplitudes, frequencies and
+/// temperatures stay a factor 10 below. Beyond, or not finite, the sum is NaN from then on. 1e18
+/// such terms fit.
 class ExactSum {
  public:
-    void add(double term) { quanta_ += static_cast<std::uint64_t>(std::llrint(term * scale)); }
-    void add(const ExactSum& other) { quanta_ += other.quanta_; }
-    double value() const { return static_cast<double>(static_cast<std::int64_t>(quanta_)) / scale; }
+    void add(double term) {
+        if (!(std::abs(term) < most)) {
+            is_lost_ = true;
+            return;
+        }
+        const auto coarse = static_cast<std::int64_t>(term * coarse_scale);
+        const double rest = term - static_cast<double>(coarse) / coarse_scale;  // exact
+        coarse_ += coarse;
+        fine_ += static_cast<std::int64_t>(rest * fine_scale);
+    }
+    void add(const ExactSum& other) {
+        coarse_ += other.coarse_;
+        fine_ += other.fine_;
+        is_lost_ = is_lost_ || other.is_lost_;
+    }
+    double value() const {
+        if (is_lost_) return std::numeric_limits<double>::quiet_NaN();
+        return static_cast<double>(coarse_) / coarse_scale +
+               static_cast<double>(fine_) / fine_scale;
+    }
 
  private:
-    static constexpr double scale = 1099511627776.0;
-    std::uint64_t quanta_ = 0;
+    static constexpr double most = 0x1p52;
+    static constexpr double coarse_scale = 0x1p10;
+    static constexpr double fine_scale = 0x1p72;
+    WideInteger coarse_ = 0;
+    WideInteger fine_ = 0;
+    bool is_lost_ = false;
 };
 
 /// What happened in a window: events by kind, energy that came and went, momentum handed over.

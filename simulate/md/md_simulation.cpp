@@ -79,7 +79,15 @@ double MdSimulation::periods_done() const {
 
 std::vector<double> MdSimulation::present_sums() const {
     std::vector<double> sums = sums_of(engine_->ledger());
-    for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += sums_[i];
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+        if (!std::isfinite(sums[i])) {
+            throw PhysicsError({.problem = "an event exchanged more energy than can be summed",
+                                .actual = "more than 4.5e15 m g a",
+                                .expected = {},
+                                .suggestion = "lower the amplitude, frequency or temperature"});
+        }
+        sums[i] += sums_[i];
+    }
     return sums;
 }
 
