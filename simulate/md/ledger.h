@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -54,6 +55,7 @@ struct Ledger {
     std::int64_t wall = 0;
     std::int64_t sliding = 0;       ///< contacts that slid, of all that have friction
     std::int64_t contact_time = 0;  ///< collisions that the TC model made elastic
+    std::int64_t resting = 0;       ///< rebounds from plates raised to the least speed (TC model)
     std::int64_t crossing = 0;      ///< into another cell
     std::int64_t outdated = 0;      ///< predictions that had to be made again
 
@@ -64,6 +66,9 @@ struct Ledger {
     ExactSum high_impulse;  ///< on the grains, downwards
     ExactSum pair_virial;   ///< Σ r·J over pair collisions [m a sqrt(g a)]
 
+    double deepest_pair = 0;   ///< greatest 1 − r² of two grains at their contact [a²]
+    double deepest_plate = 0;  ///< greatest depth in a plate or wall at a contact [a]
+
     std::int64_t real_events() const { return pair + low_plate + high_plate + wall; }
 
     void add(const Ledger& other) {
@@ -73,6 +78,7 @@ struct Ledger {
         wall += other.wall;
         sliding += other.sliding;
         contact_time += other.contact_time;
+        resting += other.resting;
         crossing += other.crossing;
         outdated += other.outdated;
         pair_loss.add(other.pair_loss);
@@ -81,6 +87,8 @@ struct Ledger {
         low_impulse.add(other.low_impulse);
         high_impulse.add(other.high_impulse);
         pair_virial.add(other.pair_virial);
+        deepest_pair = std::max(deepest_pair, other.deepest_pair);
+        deepest_plate = std::max(deepest_plate, other.deepest_plate);
     }
 };
 
