@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "core/interrupt.h"
 #include "core/random.h"
 
 namespace grainfield::simulate {
@@ -258,10 +259,14 @@ void melt(GrainState& state, MdSystem system, double collisions_per_grain, std::
     const double wanted = 0.5 * collisions_per_grain * static_cast<double>(state.size());
     constexpr double window = 0.5;
     constexpr int most_windows = 10000;
+    constexpr int slices = 8;  // a large gas takes seconds for a window; pauses do not matter
     double done = 0;
     for (int i = 0; i < most_windows && done < wanted; ++i) {
         engine->load(state, window);
-        engine->advance(window);
+        for (int k = 1; k <= slices; ++k) {
+            throw_if_interrupted("melting the initial state");
+            engine->advance(window * k / slices);
+        }
         done += static_cast<double>(engine->ledger().pair);
         engine->store(window, state);
     }

@@ -18,7 +18,7 @@ namespace grainfield::simulate {
 /// a square bilayer patch in the middle, liquid around it. Velocities are Maxwellian, without
 /// total momentum on periodic axes; spins are zero.
 /// Depends on options and seed only. Throws OptionError, before anything is run, if so many grains
-/// do not fit (with the number that does).
+/// do not fit (with the number that does); Interrupted if a signal comes while it melts.
 GrainState make_initial_state(const MdOptions& options, std::uint64_t seed);
 
 /// Deepest overlap [a] of grains, or of grain and plate, that a window may begin with. Rounding
