@@ -26,6 +26,10 @@ using nlohmann::ordered_json;
 using simulate::MdSimulation;
 using Clock = std::chrono::steady_clock;
 
+std::string quoted(const std::filesystem::path& path) {
+    return "'" + path.string() + "'";
+}
+
 ordered_json facts(const MdSimulation& simulation, std::int64_t events, double seconds) {
     const auto& series = simulation.series();
     ordered_json facts;
@@ -41,6 +45,8 @@ ordered_json facts(const MdSimulation& simulation, std::int64_t events, double s
     facts["pressure"] = series.late_mean("pressure");
     facts["energy_audit_relative_error"] = simulation.energy_audit();
     facts["max_overlap"] = simulation.max_overlap();
+    facts["max_penetration"] = simulation.max_penetration();
+    facts["fallbacks"] = simulation.fallbacks();
     facts["outdated_per_event"] = simulation.outdated_per_event();
     facts["memory_mb"] = static_cast<double>(simulation.bytes()) / 1e6;
     facts["engine"] = simulation.policies();
@@ -61,9 +67,10 @@ std::string words(const std::string& output, const ordered_json& facts, double s
         fmt::format("  energy per grain                   xy {:.4f}, z {:.4f}, rotation {:.4f}\n",
                     facts["energy_xy"].get<double>(), facts["energy_z"].get<double>(),
                     facts["energy_rotation"].get<double>());
-    text += fmt::format("  energy audit {:.1e}, largest overlap {:.1e} a, memory {:.0f} MB\n",
-                        facts["energy_audit_relative_error"].get<double>(),
-                        facts["max_overlap"].get<double>(), facts["memory_mb"].get<double>());
+    text += fmt::format(
+        "  energy audit {:.1e}, deepest overlap {:.1e} a, in plates {:.1e} a, memory {:.0f} MB\n",
+        facts["energy_audit_relative_error"].get<double>(), facts["max_overlap"].get<double>(),
+        facts["max_penetration"].get<double>(), facts["memory_mb"].get<double>());
     return text;
 }
 
@@ -101,7 +108,7 @@ simulate::GrainState SimulateMdCommand::initial_state(const Session& session) co
                            .expected = fmt::format("0 … {}", source->count() - 1),
                            .suggestion = {}});
     }
-    return simulate::state_of(source->read(frame), md_, seed);
+    return simulate::state_of(source->read(frame), source->info(), md_, seed);
 }
 
 std::vector<std::pair<std::string, std::string>> SimulateMdCommand::physics(
@@ -142,9 +149,52 @@ void SimulateMdCommand::run_to_end(Session& session, MdSimulation& simulation,
     }
 }
 
+std::optional<Checkpoint> SimulateMdCommand::load_checkpoint(const Session& session) const {
+    if (!resume_) return std::nullopt;
+    Checkpoint checkpoint = io::read_checkpoint(checkpoint_path());
+    if (checkpoint.kind != "md") {
+        throw InputError({.problem = fmt::format("cannot go on from {}", quoted(checkpoint_path())),
+                          .actual = fmt::format("a checkpoint of kind '{}'", checkpoint.kind),
+                          .expected = "md",
+                          .suggestion = {}});
+    }
+    io::require_same_configuration(checkpoint, physics(session), checkpoint_path());
+    return checkpoint;
+}
+
+std::int64_t SimulateMdCommand::segments_of(const Checkpoint& checkpoint) const {
+    const auto found = checkpoint.integers.find("segments");
+    if (found == checkpoint.integers.end() || found->second.size() != 1 ||
+        found->second.front() < 0) {
+        throw InputError({.problem = fmt::format("cannot go on from {}", quoted(checkpoint_path())),
+                          .actual = "it has no number of 'segments'",
+                          .expected = {},
+                          .suggestion = "start again without --resume"});
+    }
+    return found->second.front();
+}
+
+void SimulateMdCommand::finish(Session& session, const MdSimulation& simulation,
+                               SnapshotSegments& segments, io::TrajectoryWriter& writer) const {
+    if (order_) {
+        OrderSeries order(writer, simulation.period(), simulation.info().diameter);
+        segments.merge_into(order);
+        writer.add_curve(order.curve());
+    } else {
+        segments.merge_into(writer);
+    }
+    writer.add_curve(simulation.series().curve());
+    writer.finish(session.record());
+    segments.remove();
+    std::error_code ignored;
+    std::filesystem::remove(checkpoint_path(), ignored);
+    session.outputs.push_back(output_);
+}
+
 Summary SimulateMdCommand::run(Session& session) {
-    if (!order_)
+    if (!order_) {
         session.plan.skip("order parameters", "not asked for (--order)", "|Q4| of every snapshot");
+    }
     if (session.common.explain) {
         const MdSimulation planned(md_, {}, 1, session.plan);
         return explanation(session.plan);
@@ -160,54 +210,49 @@ Summary SimulateMdCommand::run(Session& session) {
                            .expected = {},
                            .suggestion = "go on with --resume, or start anew with --force"});
     }
-    std::optional<Checkpoint> checkpoint;
-    if (resume_) {
-        checkpoint = io::read_checkpoint(checkpoint_path());
-        if (checkpoint->kind != "md") {
-            throw InputError(
-                {.problem = fmt::format("cannot go on from '{}'", checkpoint_path().string()),
-                 .actual = fmt::format("a checkpoint of kind '{}'", checkpoint->kind),
-                 .expected = "md",
-                 .suggestion = {}});
-        }
-        io::require_same_configuration(*checkpoint, physics(session), checkpoint_path());
-    }
+    const std::optional<Checkpoint> checkpoint = load_checkpoint(session);
     simulate::GrainState initial;
     if (!checkpoint) initial = initial_state(session);
     MdSimulation simulation(md_, std::move(initial), session.threads(), session.plan);
-    if (checkpoint) simulation.restore(*checkpoint);
-    const std::int64_t segment_count = checkpoint ? checkpoint->integers["segments"].at(0) : 0;
+    if (checkpoint) simulation.restore(*checkpoint, quoted(checkpoint_path()));
 
     const auto overwrite = session.common.force ? io::Overwrite::force : io::Overwrite::refuse;
     io::TrajectoryWriter writer(output_, simulation.info(), overwrite);
-    SnapshotSegments segments(output_, simulation.info(), segment_count);
+    SnapshotSegments segments(output_, simulation.info(),
+                              checkpoint ? segments_of(*checkpoint) : 0);
     const auto start = Clock::now();
     const std::int64_t events_before = simulation.events();
-    run_to_end(session, simulation, segments);
+    std::string failure;
+    try {
+        run_to_end(session, simulation, segments);
+    } catch (const PhysicsError& error) {
+        failure = error.what();
+        session.plan.warn(
+            fmt::format("incomplete: what was sampled before it failed, in or after "
+                        "period {:g} of {:g}: {}",
+                        simulation.periods_done(), md_.run.periods, failure));
+    }
     const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
     const ordered_json result = facts(simulation, simulation.events() - events_before, seconds);
 
     Summary summary{.text = words(output_, result, seconds), .facts = result};
-    if (!simulation.is_done()) {
+    summary.failure = failure;
+    bool is_complete = simulation.is_done() || !failure.empty();
+    if (is_complete) {
+        try {
+            finish(session, simulation, segments, writer);
+        } catch (const Interrupted&) {
+            if (!failure.empty()) return summary;
+            is_complete = false;
+        }
+    }
+    if (!is_complete) {
         save(session, simulation, segments);
         session.outputs.push_back(checkpoint_path());
         session.plan.warn(fmt::format("interrupted after {:g} of {:g} periods; go on with --resume",
                                       simulation.periods_done(), md_.run.periods));
         summary.signal = caught_signal();
-        return summary;
     }
-    if (order_) {
-        OrderSeries order(writer, simulation.period(), simulation.info().diameter);
-        segments.merge_into(order);
-        writer.add_curve(order.curve());
-    } else {
-        segments.merge_into(writer);
-    }
-    writer.add_curve(simulation.series().curve());
-    writer.finish(session.record());
-    segments.remove();
-    std::filesystem::remove(checkpoint_path(), ignored);
-    session.outputs.push_back(output_);
     return summary;
 }
 

@@ -2,16 +2,22 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "app/command.h"
+#include "core/checkpoint.h"
 #include "simulate/md/grain_state.h"
 #include "simulate/md/md_options.h"
 
 namespace grainfield::simulate {
 class MdSimulation;
+}
+
+namespace grainfield::io {
+class TrajectoryWriter;
 }
 
 namespace grainfield::app {
@@ -35,6 +41,13 @@ class SimulateMdCommand : public Command {
                     SnapshotSegments& segments) const;
     void save(const Session& session, const simulate::MdSimulation& simulation,
               SnapshotSegments& segments) const;
+    /// The checkpoint of this very run; nothing without --resume.
+    std::optional<Checkpoint> load_checkpoint(const Session& session) const;
+    std::int64_t segments_of(const Checkpoint& checkpoint) const;
+    /// Joins snapshots and time series to the output file; throws Interrupted, leaving the
+    /// segments.
+    void finish(Session& session, const simulate::MdSimulation& simulation,
+                SnapshotSegments& segments, io::TrajectoryWriter& writer) const;
     std::filesystem::path checkpoint_path() const { return output_ + ".checkpoint"; }
 
     std::string output_;

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/interrupt.h"
+
 namespace grainfield::app {
 
 SnapshotSegments::SnapshotSegments(std::filesystem::path output, TrajectoryInfo info,
@@ -43,6 +45,7 @@ void SnapshotSegments::merge_into(SnapshotSink& sink) {
         io::TrajectoryFile file(path(i));
         for (std::int64_t s = 0; s < file.count(); ++s) {
             const Snapshot snapshot = file.read(s);
+            throw_if_interrupted("joining the snapshots");
             if (snapshot.frame < first[static_cast<std::size_t>(i) + 1]) sink.write(snapshot);
         }
     }

@@ -21,7 +21,8 @@ class SnapshotSegments : public SnapshotSink {
     void close();
     std::int64_t count() const { return count_; }
 
-    /// All snapshots in order. A frame that two segments have is taken from the later one.
+    /// All snapshots in order. A frame that two segments have is taken from the later one. Throws
+    /// Interrupted once a signal was caught; the segments stay.
     void merge_into(SnapshotSink& sink);
     /// Removes all segments of this output.
     void remove();

@@ -58,6 +58,19 @@ inline Impulse impulse_of(const Vec3& n, const Vec3& u, double m_eff, double res
     return result;
 }
 
+/// Raises the speed at which body 1 leaves, u_n + J_n/m_eff with m_eff = 1, to `least`; the energy
+/// for it counts as negative loss. A receding body gets no other impulse. Whether it had to.
+inline bool raise_rebound(Impulse& impulse, const Vec3& n, double un, double least) {
+    if (!(impulse.normal > 0)) impulse = {};
+    const double rebound = un + impulse.normal;
+    const double more = least - rebound;
+    if (!(more > 0)) return false;
+    impulse.normal += more;
+    impulse.j += more * n;
+    impulse.loss -= more * (rebound + 0.5 * more);
+    return true;
+}
+
 /// Contact velocity u = v1 − v2 − ½(ω1 + ω2) × n of two grains, a = 1.
 inline Vec3 contact_velocity(const Vec3& v1, const Vec3& v2, const Vec3& spin1, const Vec3& spin2,
                              const Vec3& n) {

@@ -56,6 +56,9 @@ class Engine {
     /// Deepest overlap of two grains, or of grain and plate, in the loaded state [a]; 0 if none.
     virtual double max_overlap() const = 0;
 
+    /// Windows so far that several strips had to do again with one queue; same results.
+    virtual std::int64_t fallbacks() const = 0;
+
     virtual std::size_t bytes() const = 0;
     virtual std::string policies() const = 0;  ///< "coulomb, gravity, vibrating plates"
 };

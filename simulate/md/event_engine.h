@@ -77,6 +77,7 @@ class EventEngine final : public Engine {
     Energies energies(double time) const override;
     const Ledger& ledger() const override { return total_; }
     double max_overlap() const override { return max_overlap_; }
+    std::int64_t fallbacks() const override { return fallbacks_; }
     std::size_t bytes() const override;
     std::string policies() const override;
 

@@ -27,7 +27,9 @@ void EventEngine<tangential, has_gravity, plates>::collide_pair(Tile& tile, std:
     if (cells_.periodic[0]) n.x = nearest(n.x, cells_.length[0]);
     if (cells_.periodic[1]) n.y = nearest(n.y, cells_.length[1]);
     if (cells_.periodic[2]) n.z = nearest(n.z, cells_.length[2]);
-    n = (1 / std::sqrt(squared_norm(n))) * n;
+    const double square = squared_norm(n);
+    tile.ledger.deepest_pair = std::max(tile.ledger.deepest_pair, 1 - square);
+    n = (1 / std::sqrt(square)) * n;
     Vec3 u = g1.v - g2.v;
     if constexpr (has_spin) u = contact_velocity(g1.v, g2.v, spin_[a], spin_[b], n);
     const double e = restitution_of(system_.grain, tile, i, plan_[a].partner, time);
@@ -64,12 +66,20 @@ void EventEngine<tangential, has_gravity, plates>::collide_plate(Tile& tile, std
     grain.t = time;
     const Vec3 n{0, 0, is_high ? -1.0 : 1.0};
     Vec3 u = grain.v;
-    double speed = 0;
-    if constexpr (plates == Plates::vibrating) speed = plate_solver_.plate_velocity(time);
+    PlateSolver::Motion plate;
+    if constexpr (plates == Plates::vibrating) plate = plate_solver_.plate_motion(time);
+    const double speed = plate.velocity;
+    const double gap = is_high ? plate_solver_.height - 0.5 - grain.r.z + plate.shift
+                               : grain.r.z - 0.5 - plate.shift;
+    tile.ledger.deepest_plate = std::max(tile.ledger.deepest_plate, -gap);
     u.z -= speed;
     if constexpr (has_spin) u -= 0.5 * cross(spin_[a], n);
     const double e = restitution_of(system_.plate, tile, i, i, time);
-    const Impulse impulse = impulse_of<tangential>(n, u, 1, e, system_.plate);
+    Impulse impulse = impulse_of<tangential>(n, u, 1, e, system_.plate);
+    if (!last_contact_.empty()) {
+        const double least = plate_solver_.least_rebound(is_high);
+        tile.ledger.resting += raise_rebound(impulse, n, n.z * u.z, least);
+    }
     if (impulse.normal > 0) {
         grain.v += impulse.j;
         if constexpr (has_spin) spin_[a] += spin_change(n, impulse.j);
@@ -92,19 +102,25 @@ void EventEngine<tangential, has_gravity, plates>::collide_wall(Tile& tile, std:
     fly(grain.r, grain.v, time - grain.t, has_gravity ? system_.gravity : 0);
     grain.t = time;
     Vec3 n{};
+    double gap = 0;
     switch (plan_[a].partner) {
         case wall_x_low:
             n.x = 1;
+            gap = grain.r.x - 0.5;
             break;
         case wall_x_high:
             n.x = -1;
+            gap = cells_.length[0] - 0.5 - grain.r.x;
             break;
         case wall_y_low:
             n.y = 1;
+            gap = grain.r.y - 0.5;
             break;
         default:
             n.y = -1;
+            gap = cells_.length[1] - 0.5 - grain.r.y;
     }
+    tile.ledger.deepest_plate = std::max(tile.ledger.deepest_plate, -gap);
     Vec3 u = grain.v;
     if constexpr (plates == Plates::vibrating) u.z -= plate_solver_.plate_velocity(time);
     const double speed = grain.v.z - u.z;
@@ -209,7 +225,12 @@ void EventEngine<tangential, has_gravity, plates>::report_collapse(std::int32_t 
          .actual = fmt::format("more than {:.0f} events by time {:.17g} of the window",
                                options_.event_limit, time),
          .expected = {},
-         .suggestion = "set run.contact-time (TC model), e.g. 1e-6, or a larger restitution"});
+         .suggestion =
+             system_.contact_time > 0
+                 ? fmt::format("run.contact-time (TC model) is {:g}: make it longer, or raise "
+                               "run.event-limit if a grain at rest may hop so often",
+                               system_.contact_time)
+                 : "set run.contact-time (TC model), e.g. 1e-4, or a larger restitution"});
 }
 
 }  // namespace grainfield::simulate

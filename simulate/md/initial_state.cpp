@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "core/interrupt.h"
 #include "core/random.h"
 
 namespace grainfield::simulate {
@@ -258,10 +259,14 @@ void melt(GrainState& state, MdSystem system, double collisions_per_grain, std::
     const double wanted = 0.5 * collisions_per_grain * static_cast<double>(state.size());
     constexpr double window = 0.5;
     constexpr int most_windows = 10000;
+    constexpr int slices = 8;  // a large gas takes seconds for a window; pauses do not matter
     double done = 0;
     for (int i = 0; i < most_windows && done < wanted; ++i) {
         engine->load(state, window);
-        engine->advance(window);
+        for (int k = 1; k <= slices; ++k) {
+            throw_if_interrupted("melting the initial state");
+            engine->advance(window * k / slices);
+        }
         done += static_cast<double>(engine->ledger().pair);
         engine->store(window, state);
     }
@@ -288,6 +293,53 @@ void permute(std::vector<T>& column, const std::vector<std::uint32_t>& order) {
     column.swap(sorted);
 }
 
+void require_same(bool is_same, const std::string& option, const std::string& in_options,
+                  const std::string& in_snapshot) {
+    if (is_same) return;
+    throw OptionError(
+        {.problem = option + " differs from the snapshot to start from",
+         .actual = in_options,
+         .expected = in_snapshot + ", as in the snapshot",
+         .suggestion = "give the cell of the run that the snapshot comes from (its -c file)"});
+}
+
+// Lengths come back from files as they were written; 1e-9 leaves room for other programs.
+void require_same_cell(const Snapshot& snapshot, const MdOptions& options) {
+    const CellOptions& cell = options.cell;
+    const Box& box = snapshot.box;
+    const auto length = [](const char* option, double here, double there) {
+        require_same(std::abs(here - there) <= 1e-9 * here, option, fmt::format("{:.10g} a", here),
+                     fmt::format("{:.10g} a", there));
+    };
+    const auto side = [](const char* option, Side here, Boundary there) {
+        const auto name = [](bool walls) { return walls ? "walls" : "periodic"; };
+        const bool walls = here == Side::walls;
+        const bool has_walls = there == Boundary::walls;
+        require_same(walls == has_walls, option, name(walls), name(has_walls));
+    };
+    length("cell.length-x", cell.length_x, box.length.x);
+    length("cell.length-y", cell.length_y, box.length.y);
+    if (box.height > 0) length("cell.height", cell.height, box.height);
+    side("cell.sides-x", cell.sides_x, box.boundary[0]);
+    side("cell.sides-y", cell.sides_y, box.boundary[1]);
+    require_same(cell.grains == static_cast<std::int64_t>(snapshot.size()), "cell.grains",
+                 std::to_string(cell.grains), std::to_string(snapshot.size()));
+}
+
+// A run begins with the plates passing their mean position upwards.
+void require_phase_zero(const Snapshot& snapshot, const TrajectoryInfo& source) {
+    if (!source.vibration_frequency) return;
+    const double periods = snapshot.time * *source.vibration_frequency;
+    const double phase = periods - std::round(periods);
+    if (std::abs(phase) < 1e-6) return;
+    throw OptionError(
+        {.problem = fmt::format("start-frame: frame {} was not taken at phase 0 of the vibration",
+                                snapshot.frame),
+         .actual = fmt::format("phase {:.6g}", phase < 0 ? phase + 1 : phase),
+         .expected = "0, where the plates pass their mean position upwards",
+         .suggestion = "choose another start-frame, or write one with run.snapshot-phase = 0"});
+}
+
 }  // namespace
 
 GrainState make_initial_state(const MdOptions& options, std::uint64_t seed) {
@@ -305,7 +357,8 @@ GrainState make_initial_state(const MdOptions& options, std::uint64_t seed) {
     return state;
 }
 
-GrainState state_of(const Snapshot& snapshot, const MdOptions& options, std::uint64_t seed) {
+GrainState state_of(const Snapshot& snapshot, const TrajectoryInfo& source,
+                    const MdOptions& options, std::uint64_t seed) {
     const MdSystem system = options.system();
     require_consistent(snapshot);
     const auto fail = [&snapshot](const std::string& what, const std::string& suggestion) {
@@ -315,6 +368,8 @@ GrainState state_of(const Snapshot& snapshot, const MdOptions& options, std::uin
                           .suggestion = suggestion});
     };
     if (snapshot.z.empty()) fail("no heights", "start from the output of 'simulate md'");
+    require_same_cell(snapshot, options);
+    require_phase_zero(snapshot, source);
     GrainState state;
     state.resize(snapshot.size());
     for (std::size_t i = 0; i < snapshot.size(); ++i) {
@@ -337,9 +392,9 @@ GrainState state_of(const Snapshot& snapshot, const MdOptions& options, std::uin
     if (system.contact_time > 0) state.last_contact.assign(state.size(), -1e300);
     const auto engine = make_engine(system, {});
     engine->load(state, 0);
-    if (engine->max_overlap() > 1e-6) {
+    if (engine->max_overlap() > permitted_overlap) {
         fail(fmt::format("spheres overlap by {:g} a", engine->max_overlap()),
-             "start from a frame at phase 0 of a run with spheres of diameter a in this cell");
+             "start from a frame of a run with spheres of diameter a in this cell");
     }
     return state;
 }

@@ -1,21 +1,50 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 namespace grainfield::simulate {
 
-/// A sum that does not depend on the order of its terms: fixed point, quantum 2^-40 = 9e-13, so
-/// that tiles and threads give the same bits. Range ±8e6 in a window.
+__extension__ typedef __int128 WideInteger;
+
+/// A sum that does not depend on the order of its terms, so that tiles and threads give the same
+/// bits: fixed point in two words, quanta 2^-10 and 2^-72 = 2e-22.
+///
+/// A term must be below 2^52 = 4.5e15 in size: all permitted amplitudes, frequencies and
+/// temperatures stay a factor 10 below. Beyond, or not finite, the sum is NaN from then on. 1e18
+/// such terms fit.
 class ExactSum {
  public:
-    void add(double term) { quanta_ += static_cast<std::uint64_t>(std::llrint(term * scale)); }
-    void add(const ExactSum& other) { quanta_ += other.quanta_; }
-    double value() const { return static_cast<double>(static_cast<std::int64_t>(quanta_)) / scale; }
+    void add(double term) {
+        if (!(std::abs(term) < most)) {
+            is_lost_ = true;
+            return;
+        }
+        const auto coarse = static_cast<std::int64_t>(term * coarse_scale);
+        const double rest = term - static_cast<double>(coarse) / coarse_scale;  // exact
+        coarse_ += coarse;
+        fine_ += static_cast<std::int64_t>(rest * fine_scale);
+    }
+    void add(const ExactSum& other) {
+        coarse_ += other.coarse_;
+        fine_ += other.fine_;
+        is_lost_ = is_lost_ || other.is_lost_;
+    }
+    double value() const {
+        if (is_lost_) return std::numeric_limits<double>::quiet_NaN();
+        return static_cast<double>(coarse_) / coarse_scale +
+               static_cast<double>(fine_) / fine_scale;
+    }
 
  private:
-    static constexpr double scale = 1099511627776.0;
-    std::uint64_t quanta_ = 0;
+    static constexpr double most = 0x1p52;
+    static constexpr double coarse_scale = 0x1p10;
+    static constexpr double fine_scale = 0x1p72;
+    WideInteger coarse_ = 0;
+    WideInteger fine_ = 0;
+    bool is_lost_ = false;
 };
 
 /// What happened in a window: events by kind, energy that came and went, momentum handed over.
@@ -26,6 +55,7 @@ struct Ledger {
     std::int64_t wall = 0;
     std::int64_t sliding = 0;       ///< contacts that slid, of all that have friction
     std::int64_t contact_time = 0;  ///< collisions that the TC model made elastic
+    std::int64_t resting = 0;       ///< rebounds from plates raised to the least speed (TC model)
     std::int64_t crossing = 0;      ///< into another cell
     std::int64_t outdated = 0;      ///< predictions that had to be made again
 
@@ -36,6 +66,9 @@ struct Ledger {
     ExactSum high_impulse;  ///< on the grains, downwards
     ExactSum pair_virial;   ///< Σ r·J over pair collisions [m a sqrt(g a)]
 
+    double deepest_pair = 0;   ///< greatest 1 − r² of two grains at their contact [a²]
+    double deepest_plate = 0;  ///< greatest depth in a plate or wall at a contact [a]
+
     std::int64_t real_events() const { return pair + low_plate + high_plate + wall; }
 
     void add(const Ledger& other) {
@@ -45,6 +78,7 @@ struct Ledger {
         wall += other.wall;
         sliding += other.sliding;
         contact_time += other.contact_time;
+        resting += other.resting;
         crossing += other.crossing;
         outdated += other.outdated;
         pair_loss.add(other.pair_loss);
@@ -53,6 +87,8 @@ struct Ledger {
         low_impulse.add(other.low_impulse);
         high_impulse.add(other.high_impulse);
         pair_virial.add(other.pair_virial);
+        deepest_pair = std::max(deepest_pair, other.deepest_pair);
+        deepest_plate = std::max(deepest_plate, other.deepest_plate);
     }
 };
 

@@ -13,6 +13,7 @@ std::vector<double> sums_of(const Ledger& ledger) {
     sums[sum_wall] = static_cast<double>(ledger.wall);
     sums[sum_sliding] = static_cast<double>(ledger.sliding);
     sums[sum_contact_time] = static_cast<double>(ledger.contact_time);
+    sums[sum_resting] = static_cast<double>(ledger.resting);
     sums[sum_pair_loss] = ledger.pair_loss.value();
     sums[sum_plate_loss] = ledger.plate_loss.value();
     sums[sum_work] = ledger.work.value();
@@ -31,33 +32,34 @@ MdSeries::MdSeries(const MdSystem& system, std::int64_t grains)
         curve_.columns.push_back({.name = name, .unit = unit, .meaning = meaning, .values = {}});
     };
     column("t", "periods", "time");
-    column("energy_xy", "m g a", "horizontal kinetic energy per grain");
-    column("energy_z", "m g a", "vertical kinetic energy per grain");
-    column("energy_rotation", "m g a", "rotational energy per grain");
-    column("energy_potential", "m g a", "potential energy per grain");
+    column("energy_xy", "m g a", "horizontal kinetic energy per grain, at phase 0");
+    column("energy_z", "m g a", "vertical kinetic energy per grain, at phase 0");
+    column("energy_rotation", "m g a", "rotational energy per grain, at phase 0");
+    column("energy_potential", "m g a", "potential energy per grain, at phase 0");
     column("pair", "1/period", "pair collisions over N");
     column("low_plate", "1/period", "low plate collisions over N");
     column("high_plate", "1/period", "high plate collisions over N");
     column("wall", "1/period", "side wall collisions over N");
     column("sliding", "-", "share of collisions that slid");
     column("contact_time", "1/period", "collisions over N that the TC model made elastic");
+    column("resting", "1/period", "rebounds over N raised to the least speed (TC model)");
     column("work", "m g a", "energy put in by the plates per grain and period");
     column("loss_pair", "m g a", "energy lost between grains per grain and period");
     column("loss_plate", "m g a", "energy lost at plates and walls per grain and period");
     column("impulse_low", "m g", "mean force of the low plate per grain");
     column("impulse_high", "m g", "mean force of the high plate per grain");
-    column("pressure", "m g/a^2", "kinetic and collisional pressure");
+    column("pressure", "m g/a^2", "kinetic and collisional pressure, mean since the last sample");
     column("audit", "m g a", "energy change + losses − work per grain, since the start");
 }
 
-void MdSeries::add(double periods, const Energies& energies, const std::vector<double>& sums) {
+void MdSeries::add(double periods, const Energies& energies, const std::vector<double>& sums,
+                   double kinetic) {
     const double span = periods - last_periods_;
     const double per = span > 0 ? 1 / (span * grains_) : 0;
     const auto delta = [&](SumIndex i) { return sums[i] - last_sums_[i]; };
     const double time = span * system_.period();
     const double volume = system_.length.x * system_.length.y * system_.length.z;
     const double contacts = delta(sum_pair) + delta(sum_low) + delta(sum_high) + delta(sum_wall);
-    const double kinetic = energies.horizontal + energies.vertical;
     const double pressure =
         (2 * kinetic / 3 + (time > 0 ? delta(sum_virial) / (3 * time) : 0)) / volume;
     const double balance =
@@ -75,6 +77,7 @@ void MdSeries::add(double periods, const Energies& energies, const std::vector<d
                              delta(sum_wall) * per,
                              contacts > 0 ? delta(sum_sliding) / contacts : 0,
                              delta(sum_contact_time) * per,
+                             delta(sum_resting) * per,
                              delta(sum_work) * per,
                              delta(sum_pair_loss) * per,
                              delta(sum_plate_loss) * per,

@@ -15,10 +15,13 @@ class MdSeries {
  public:
     explicit MdSeries(const MdSystem& system, std::int64_t grains);
 
-    /// `periods`: time of the sample; `sums`: everything since the run began.
-    void add(double periods, const Energies& energies, const std::vector<double>& sums);
+    /// `periods`: time of the sample, `energies` at it; `sums`: everything since the run began;
+    /// `kinetic`: translational energy, mean over the phases since the last sample.
+    void add(double periods, const Energies& energies, const std::vector<double>& sums,
+             double kinetic);
 
     std::size_t size() const { return rows_; }
+    std::size_t columns() const { return curve_.columns.size(); }
     /// Curve "md" with columns t, events per grain, energies [m g a per grain], impulses …
     const Curve& curve() const { return curve_; }
 
@@ -50,6 +53,7 @@ enum SumIndex : std::size_t {
     sum_wall,
     sum_sliding,
     sum_contact_time,
+    sum_resting,
     sum_pair_loss,
     sum_plate_loss,
     sum_work,

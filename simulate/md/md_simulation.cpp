@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -15,7 +17,7 @@ namespace grainfield::simulate {
 namespace {
 
 constexpr std::int64_t windows_between_sorts = 4;
-constexpr double slices_per_period = 16;  // how often signals are asked for
+constexpr double slices_per_period = 16;  // signals are asked for and the pressure is averaged
 
 // About a million events: long enough that planning all grains anew costs little.
 std::int64_t window_length(std::size_t grains) {
@@ -54,6 +56,53 @@ void explain(const MdSystem& system, RunPlan& plan) {
     }
 }
 
+/// Takes arrays out of a checkpoint, or refuses it with the reason.
+struct CheckpointReader {
+    const Checkpoint& checkpoint;
+    const std::string& file;
+
+    [[noreturn]] void refuse(const char* name, const std::string& actual,
+                             const std::string& expected) const {
+        throw InputError({.problem = fmt::format("cannot go on from {}", file),
+                          .actual = fmt::format("'{}': {}", name, actual),
+                          .expected = expected,
+                          .suggestion = "start again without --resume"});
+    }
+    template <class T>
+    const std::vector<T>& find(const std::map<std::string, std::vector<T>>& arrays,
+                               const char* name, std::optional<std::size_t> count) const {
+        const auto found = arrays.find(name);
+        if (found == arrays.end()) refuse(name, "not there", {});
+        if (count && found->second.size() != *count) {
+            refuse(name, fmt::format("{} numbers", found->second.size()),
+                   fmt::format("{}", *count));
+        }
+        return found->second;
+    }
+    const std::vector<std::int64_t>& integers(const char* name,
+                                              std::optional<std::size_t> count = {}) const {
+        return find(checkpoint.integers, name, count);
+    }
+    const std::vector<double>& reals(const char* name,
+                                     std::optional<std::size_t> count = {}) const {
+        const std::vector<double>& numbers = find(checkpoint.reals, name, count);
+        for (std::size_t i = 0; i < numbers.size(); ++i) {
+            if (!std::isfinite(numbers[i])) {
+                refuse(name, fmt::format("{} at position {}", numbers[i], i), "finite numbers");
+            }
+        }
+        return numbers;
+    }
+    std::vector<Vec3> vectors(const char* name, std::size_t count) const {
+        const std::vector<double>& numbers = reals(name, 3 * count);
+        std::vector<Vec3> values(count);
+        for (std::size_t i = 0; i < count; ++i) {
+            values[i] = {numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]};
+        }
+        return values;
+    }
+};
+
 }  // namespace
 
 MdSimulation::MdSimulation(const MdOptions& options, GrainState initial, int threads, RunPlan& plan)
@@ -79,7 +128,15 @@ double MdSimulation::periods_done() const {
 
 std::vector<double> MdSimulation::present_sums() const {
     std::vector<double> sums = sums_of(engine_->ledger());
-    for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += sums_[i];
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+        if (!std::isfinite(sums[i])) {
+            throw PhysicsError({.problem = "an event exchanged more energy than can be summed",
+                                .actual = "more than 4.5e15 m g a",
+                                .expected = {},
+                                .suggestion = "lower the amplitude, frequency or temperature"});
+        }
+        sums[i] += sums_[i];
+    }
     return sums;
 }
 
@@ -88,9 +145,18 @@ void MdSimulation::sample(double time) {
     const Energies energies = engine_->energies(time);
     energy_now_ = energies.total();
     if (series_.size() == 0) energy_start_ = energy_now_;
+    const double kinetic = kinetic_.slices > 0 ? kinetic_.sum / kinetic_.slices
+                                               : energies.horizontal + energies.vertical;
     series_.add(static_cast<double>(window_ * window_periods_) + time / system_.period(), energies,
-                sums);
+                sums, kinetic);
     last_sample_sums_ = sums;
+    kinetic_ = {};
+}
+
+void MdSimulation::add_slice(double time) {
+    const Energies energies = engine_->energies(time);
+    kinetic_.sum += energies.horizontal + energies.vertical;
+    kinetic_.slices += 1;
 }
 
 Snapshot MdSimulation::snapshot(double time, std::int64_t frame) const {
@@ -129,10 +195,10 @@ void MdSimulation::run_window(SnapshotSink& sink) {
     if (window_ % windows_between_sorts == 0) sort_in_space(state_);
     engine_->load(state_, (last - first) * period);
     max_overlap_ = std::max(max_overlap_, engine_->max_overlap());
-    if (engine_->max_overlap() > 1e-9) {
+    if (engine_->max_overlap() > permitted_overlap) {
         throw PhysicsError({.problem = fmt::format("spheres overlap at period {:g}", first),
                             .actual = fmt::format("{:g} a", engine_->max_overlap()),
-                            .expected = "less than 1e-9 a",
+                            .expected = fmt::format("less than {:g} a", permitted_overlap),
                             .suggestion = "report this run with its configuration and seed"});
     }
     const auto snapshot_at = [&run](std::int64_t k) {
@@ -144,6 +210,11 @@ void MdSimulation::run_window(SnapshotSink& sink) {
         const double stop = std::min({snapshot_at(next_snapshot_), sample_at, slice, last});
         const double time = (stop - first) * period;
         engine_->advance(time);
+        // The border itself was the last slice of the window before.
+        if (stop == slice) {
+            if (stop > first) add_slice(time);
+            slice += 1 / slices_per_period;
+        }
         if (stop == sample_at) {
             sample(time);
             ++next_sample_;
@@ -152,11 +223,7 @@ void MdSimulation::run_window(SnapshotSink& sink) {
             sink.write(snapshot(time, next_snapshot_));
             ++next_snapshot_;
         }
-        if (stop == slice) slice += 1 / slices_per_period;
-        if (caught_signal() != 0) {
-            interrupted_ = true;
-            return;
-        }
+        if (caught_signal() != 0) return;
         if (stop >= last) break;
     }
     settle();
@@ -168,11 +235,14 @@ void MdSimulation::settle() {
         std::min(first + static_cast<double>(window_periods_), options_.run.periods);
     engine_->store((last - first) * system_.period(), state_);
     outdated_ += static_cast<double>(engine_->ledger().outdated);
+    deepest_pair_ = std::max(deepest_pair_, engine_->ledger().deepest_pair);
+    deepest_plate_ = std::max(deepest_plate_, engine_->ledger().deepest_plate);
     sums_ = present_sums();
     ++window_;
     settled_snapshots_ = next_snapshot_;
     settled_rows_ = series_.size();
     settled_last_ = last_sample_sums_;
+    settled_kinetic_ = kinetic_;
 }
 
 Checkpoint MdSimulation::checkpoint() const {
@@ -195,7 +265,9 @@ Checkpoint MdSimulation::checkpoint() const {
     c.reals["sums"] = sums_;
     c.reals["sums_at_last_sample"] = settled_last_;
     c.reals["series"] = series_.numbers(settled_rows_);
-    c.reals["energy"] = {energy_start_, energy_now_, max_overlap_, outdated_};
+    c.reals["energy"] = {energy_start_, energy_now_};
+    c.reals["kinetic"] = {settled_kinetic_.sum, settled_kinetic_.slices};
+    c.reals["counts"] = {max_overlap_, deepest_pair_, deepest_plate_, outdated_};
     c.integers["id"].assign(state_.id.begin(), state_.id.end());
     // Samples on the window's border belong to the window that ends there.
     const std::int64_t samples = static_cast<std::int64_t>(settled_rows_);
@@ -203,51 +275,52 @@ Checkpoint MdSimulation::checkpoint() const {
     return c;
 }
 
-void MdSimulation::restore(const Checkpoint& c) {
-    const auto damaged = [](const char* name) -> InputError {
-        return InputError(fmt::format("the checkpoint has no valid '{}'.", name));
-    };
-    const auto reals = [&](const char* name) -> const std::vector<double>& {
-        const auto found = c.reals.find(name);
-        if (found == c.reals.end()) throw damaged(name);
-        return found->second;
-    };
-    const auto integers = [&](const char* name) -> const std::vector<std::int64_t>& {
-        const auto found = c.integers.find(name);
-        if (found == c.integers.end()) throw damaged(name);
-        return found->second;
-    };
-    const auto& id = integers("id");
-    const auto& progress = integers("progress");
-    const auto column = [&](const char* name, std::vector<Vec3>& values) {
-        const std::vector<double>& numbers = reals(name);
-        if (numbers.size() != 3 * id.size()) throw damaged(name);
-        values.resize(id.size());
-        for (std::size_t i = 0; i < values.size(); ++i) {
-            values[i] = {numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]};
+void MdSimulation::restore(const Checkpoint& c, const std::string& file) {
+    const CheckpointReader from{c, file};
+    const auto& id = from.integers("id");
+    const std::size_t n = id.size();
+    if (static_cast<std::int64_t>(n) != options_.cell.grains) {
+        from.refuse("id", fmt::format("{} grains", n), fmt::format("{}", options_.cell.grains));
+    }
+    std::vector<bool> seen(n, false);
+    for (const std::int64_t i : id) {
+        if (i < 0 || i >= static_cast<std::int64_t>(n) || seen[static_cast<std::size_t>(i)]) {
+            from.refuse("id", fmt::format("{} twice or out of range", i), "each of 0 … N − 1 once");
         }
-    };
-    column("position", state_.position);
-    column("velocity", state_.velocity);
-    column("spin", state_.spin);
-    state_.id.resize(id.size());
-    for (std::size_t i = 0; i < id.size(); ++i) state_.id[i] = static_cast<std::int32_t>(id[i]);
-    state_.last_contact = reals("last_contact");
-    const bool has_contacts = system_.contact_time > 0;
-    if (state_.last_contact.size() != (has_contacts ? id.size() : 0)) throw damaged("last_contact");
-    if (progress.size() != 3) throw damaged("progress");
-    if (reals("sums").size() != sum_count) throw damaged("sums");
-    if (reals("sums_at_last_sample").size() != sum_count) throw damaged("sums_at_last_sample");
-    if (reals("energy").size() != 4) throw damaged("energy");
-    if (reals("series").empty()) throw damaged("series");
-    sums_ = reals("sums");
-    settled_last_ = last_sample_sums_ = reals("sums_at_last_sample");
-    series_ = MdSeries(system_, static_cast<std::int64_t>(id.size()));
-    series_.restore(reals("series"), settled_last_);
-    energy_start_ = reals("energy")[0];
-    energy_now_ = reals("energy")[1];
-    max_overlap_ = reals("energy")[2];
-    outdated_ = reals("energy")[3];
+        seen[static_cast<std::size_t>(i)] = true;
+    }
+    const auto& progress = from.integers("progress", 3);
+    for (const std::int64_t p : progress) {
+        if (p < 0) from.refuse("progress", std::to_string(p), "≥ 0");
+    }
+    const auto& series = from.reals("series");
+    MdSeries restored(system_, static_cast<std::int64_t>(n));
+    const std::size_t rows = static_cast<std::size_t>(progress[2]);
+    if (series.size() != 1 + rows * restored.columns()) {
+        from.refuse("series", fmt::format("{} numbers", series.size()),
+                    fmt::format("{}", 1 + rows * restored.columns()));
+    }
+    const auto& sums = from.reals("sums", sum_count);
+    const auto& last = from.reals("sums_at_last_sample", sum_count);
+    const auto& energy = from.reals("energy", 2);
+    const auto& kinetic = from.reals("kinetic", 2);
+    const auto& counts = from.reals("counts", 4);
+    state_.position = from.vectors("position", n);
+    state_.velocity = from.vectors("velocity", n);
+    state_.spin = from.vectors("spin", n);
+    state_.last_contact = from.reals("last_contact", system_.contact_time > 0 ? n : 0);
+    state_.id.assign(id.begin(), id.end());
+    sums_ = sums;
+    settled_last_ = last_sample_sums_ = last;
+    series_ = std::move(restored);
+    series_.restore(series, settled_last_);
+    energy_start_ = energy[0];
+    energy_now_ = energy[1];
+    kinetic_ = settled_kinetic_ = {kinetic[0], kinetic[1]};
+    max_overlap_ = counts[0];
+    deepest_pair_ = counts[1];
+    deepest_plate_ = counts[2];
+    outdated_ = counts[3];
     window_ = progress[0];
     next_snapshot_ = settled_snapshots_ = progress[1];
     next_sample_ = progress[2];
@@ -268,6 +341,10 @@ TrajectoryInfo MdSimulation::info() const {
 
 std::int64_t MdSimulation::events() const {
     return std::llround(sums_[sum_pair] + sums_[sum_low] + sums_[sum_high] + sums_[sum_wall]);
+}
+
+double MdSimulation::max_overlap() const {
+    return std::max(max_overlap_, 1 - std::sqrt(1 - deepest_pair_));
 }
 
 double MdSimulation::energy_audit() const {

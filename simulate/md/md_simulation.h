@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "core/checkpoint.h"
@@ -23,8 +24,10 @@ class MdSimulation {
     /// Throws OptionError or InputError if it cannot be run. Says in the plan what is skipped.
     MdSimulation(const MdOptions& options, GrainState initial, int threads, RunPlan& plan);
 
-    /// Goes on where the checkpoint was made, bit by bit as if nothing had happened.
-    void restore(const Checkpoint& checkpoint);
+    /// Goes on where the checkpoint was made, bit by bit as if nothing had happened. Throws
+    /// InputError, naming `file`, if an array is missing, of the wrong length, not finite or not
+    /// what it must be.
+    void restore(const Checkpoint& checkpoint, const std::string& file = "the checkpoint");
 
     /// Runs one window; snapshots that fall into it go to the sink. Returns early, with the window
     /// unfinished, once a signal was caught. Throws PhysicsError on inelastic collapse or overlap.
@@ -40,7 +43,12 @@ class MdSimulation {
     const MdSeries& series() const { return series_; }
     double period() const { return system_.period(); }
     std::int64_t events() const;
-    double max_overlap() const { return max_overlap_; }
+    /// Deepest overlap of two grains, and of a grain with plates and walls [a], at all contacts so
+    /// far and at the borders of windows.
+    double max_overlap() const;
+    double max_penetration() const { return deepest_plate_; }
+    /// Windows of this process that several threads had to leave to one.
+    std::int64_t fallbacks() const { return engine_->fallbacks(); }
     /// |energy change + losses − work| over the energy turned over.
     double energy_audit() const;
     double outdated_per_event() const;
@@ -50,6 +58,7 @@ class MdSimulation {
  private:
     Snapshot snapshot(double time, std::int64_t frame) const;
     void sample(double time);
+    void add_slice(double time);
     void settle();
     std::vector<double> present_sums() const;
 
@@ -69,9 +78,17 @@ class MdSimulation {
     std::vector<double> last_sample_sums_;
     double energy_start_ = 0;
     double energy_now_ = 0;
-    double max_overlap_ = 0;
+    double max_overlap_ = 0;  ///< at the borders of windows
+    double deepest_pair_ = 0;
+    double deepest_plate_ = 0;
     double outdated_ = 0;
-    bool interrupted_ = false;
+    /// Translational energy over the phases since the last sample, for the pressure.
+    struct Kinetic {
+        double sum = 0;
+        double slices = 0;
+    };
+    Kinetic kinetic_;
+    Kinetic settled_kinetic_;
 };
 
 }  // namespace grainfield::simulate

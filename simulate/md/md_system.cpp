@@ -15,6 +15,9 @@ namespace grainfield::simulate {
 
 namespace {
 
+// The cell grid needs two cells on a periodic axis, each a hair wider than a diameter.
+constexpr double least_periodic = 2 + 1e-6;
+
 void require(bool holds, const char* name, double value, const char* expected,
              const char* suggestion = "") {
     if (holds && std::isfinite(value)) return;
@@ -48,14 +51,15 @@ void require_valid(const MdSystem& system) {
     for (const auto& [name, value, walls] :
          {std::tuple{"cell.length-x", system.length.x, system.walls_x},
           std::tuple{"cell.length-y", system.length.y, system.walls_y}}) {
-        require(value >= (walls ? 1 : 2) && value <= 60000, name, value,
-                walls ? "1 … 60000 a between walls" : "2 … 60000 a with periodic boundaries",
+        require(value >= (walls ? 1 : least_periodic) && value <= 60000, name, value,
+                walls ? "1 … 60000 a between walls" : "2.000001 … 60000 a with periodic boundaries",
                 "make the box larger");
     }
     const bool periodic_z = system.vertical == Vertical::periodic;
-    require(system.length.z >= (periodic_z ? 2 : 1) && system.length.z <= 60000, "cell.height",
-            system.length.z, periodic_z ? "2 … 60000 a with periodic boundaries" : "1 … 60000 a",
-            "a sphere must fit between the plates");
+    require(system.length.z >= (periodic_z ? least_periodic : 1) && system.length.z <= 60000,
+            "cell.height", system.length.z,
+            periodic_z ? "2.000001 … 60000 a with periodic boundaries" : "1 … 60000 a",
+            periodic_z ? "make the box larger" : "a sphere must fit between the plates");
     require(system.gravity >= 0, "cell.gravity", system.gravity, "≥ 0");
     require(!periodic_z || system.gravity == 0, "cell.gravity", system.gravity,
             "0 where the vertical direction is periodic", "set vertical = \"plates\"");

@@ -15,6 +15,8 @@ PlateSolver::PlateSolver(const MdSystem& system)
     const double least = std::max(1e-3 * (gravity + acceleration), 1e-12);
     low_curvature = std::max(gravity + acceleration, least);
     high_curvature = std::max(acceleration - gravity, least);
+    low_rebound = 0.5 * low_curvature * system.contact_time;
+    high_rebound = 0.5 * high_curvature * system.contact_time;
 }
 
 }  // namespace grainfield::simulate

@@ -31,6 +31,8 @@ struct PlateSolver {
     double speed_bound = 0;     ///< Aω
     double low_curvature = 1;   ///< M of the low plate
     double high_curvature = 1;  ///< M of the high plate
+    double low_rebound = 0;     ///< least speed off the low plate, see least_rebound()
+    double high_rebound = 0;    ///< least speed off the high plate
 
     explicit PlateSolver(const MdSystem& system);
 
@@ -48,6 +50,22 @@ struct PlateSolver {
 
     /// Velocity of both plates at time t.
     double plate_velocity(double t) const { return speed_bound * sine_cosine(omega * t).cosine; }
+
+    struct Motion {
+        double shift = 0;  ///< A sin ωt [a]
+        double velocity = 0;
+    };
+    Motion plate_motion(double t) const {
+        const SineCosine plate = sine_cosine(omega * t);
+        return {amplitude * plate.sine, speed_bound * plate.cosine};
+    }
+
+    /// With the TC model, the least speed at which a grain leaves a plate, v = ½ M t_c; 0 without.
+    ///
+    /// A grain at rest on a plate (gap 0, rate 0) has no next contact that an event could be. It
+    /// hops instead, for a contact time or longer and no higher than v²/2(g + z̈), as long as the
+    /// plate carries it, and flies off when the plate's acceleration falls below −g.
+    double least_rebound(bool is_high) const { return is_high ? high_rebound : low_rebound; }
 
  private:
     /// Longest τ that surely ends before contact for gap f, its rate and curvature bound m.

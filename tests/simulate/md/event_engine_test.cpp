@@ -221,6 +221,30 @@ TEST(EventEngine, NoneOneAndTwoGrains) {
     }
 }
 
+// The grid needs two cells on each periodic axis.
+TEST(EventEngine, RefusesPeriodicBoxesOfTwoDiameters) {
+    for (const auto member : {&CellOptions::length_x, &CellOptions::length_y}) {
+        MdOptions options = layer(2, 5, 5);
+        options.cell.*member = 2;
+        try {
+            options.system();
+            FAIL() << "one cell on a periodic axis";
+        } catch (const OptionError& error) {
+            EXPECT_THAT(error.what(), testing::HasSubstr("2.000001"));
+        }
+        options.cell.*member = 2.00001;
+        GrainState state = make_initial_state(options, 1);
+        EngineOptions o;
+        o.threads = o.tiles = 2;
+        run(*make_engine(options.system(), o), state, options.system().period(), 5);
+    }
+    MdOptions gas = layer(2, 5, 5);
+    gas.cell.vertical = Vertical::periodic;
+    gas.cell.gravity = gas.vibration.amplitude = 0;
+    gas.cell.height = 2;
+    EXPECT_THROW(gas.system(), OptionError);
+}
+
 TEST(EventEngine, TouchingGrainsAtRestStayAtRest) {
     MdOptions options = layer(2, 5, 5);
     options.cell.gravity = 0;

@@ -91,12 +91,51 @@ TEST(InitialState, RestartsFromASnapshotButNotFromOverlaps) {
         snapshot.z.push_back(r.z);
     }
     snapshot.velocity = state.velocity;
-    EXPECT_EQ(state_of(snapshot, options, 1).position, state.position);
-    EXPECT_EQ(state_of(snapshot, options, 1).velocity, state.velocity);
+    EXPECT_EQ(state_of(snapshot, {}, options, 1).position, state.position);
+    EXPECT_EQ(state_of(snapshot, {}, options, 1).velocity, state.velocity);
     snapshot.position[1] = snapshot.position[0];
-    EXPECT_THROW(state_of(snapshot, options, 1), InputError);
+    EXPECT_THROW(state_of(snapshot, {}, options, 1), InputError);
     snapshot.z.clear();
-    EXPECT_THROW(state_of(snapshot, options, 1), InputError);
+    EXPECT_THROW(state_of(snapshot, {}, options, 1), InputError);
+}
+
+TEST(InitialState, RefusesASnapshotOfAnotherCellOrPhase) {
+    const MdOptions options = cell(0.5, 20, 1.84);
+    const GrainState state = make_initial_state(options, 1);
+    Snapshot snapshot;
+    snapshot.box = {{0, 0}, {20, 20}, {Boundary::periodic, Boundary::periodic}, 1.84};
+    for (const Vec3& r : state.position) {
+        snapshot.position.push_back({r.x, r.y});
+        snapshot.z.push_back(r.z);
+    }
+    TrajectoryInfo source;
+    source.vibration_frequency = 1 / options.system().period();
+    snapshot.time = 1e6 * options.system().period();
+    EXPECT_NO_THROW(state_of(snapshot, source, options, 1));
+    const auto refusal = [&](const MdOptions& o, const Snapshot& s) {
+        try {
+            state_of(s, source, o, 1);
+        } catch (const OptionError& error) {
+            return std::string(error.what());
+        }
+        return std::string("accepted");
+    };
+    MdOptions other = options;
+    other.cell.length_x = 100;
+    EXPECT_THAT(refusal(other, snapshot), testing::HasSubstr("cell.length-x"));
+    EXPECT_THAT(refusal(other, snapshot), testing::HasSubstr("20 a, as in the snapshot"));
+    other = options;
+    other.cell.height = 1.9;
+    EXPECT_THAT(refusal(other, snapshot), testing::HasSubstr("cell.height"));
+    other = options;
+    other.cell.sides_y = Side::walls;
+    EXPECT_THAT(refusal(other, snapshot), testing::HasSubstr("cell.sides-y"));
+    other = options;
+    ++other.cell.grains;
+    EXPECT_THAT(refusal(other, snapshot), testing::HasSubstr("cell.grains"));
+    Snapshot shifted = snapshot;
+    shifted.time += 0.25 * options.system().period();
+    EXPECT_THAT(refusal(options, shifted), testing::HasSubstr("phase 0.25"));
 }
 
 }  // namespace grainfield::simulate

@@ -1,5 +1,8 @@
 #include "simulate/md/md_simulation.h"
 
+#include <cmath>
+
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/errors.h"
@@ -90,6 +93,103 @@ TEST(MdSimulation, RefusesACheckpointThatLacksSomething) {
     Checkpoint checkpoint = simulation.checkpoint();
     checkpoint.reals.erase("velocity");
     EXPECT_THROW(simulation.restore(checkpoint), InputError);
+}
+
+TEST(MdSimulation, RefusesACheckpointWithNonsenseAndNamesTheFile) {
+    MdOptions options = small();
+    options.run.contact_time = 1e-6;
+    RunPlan plan;
+    MdSimulation simulation = make(options, plan);
+    Collector sink;
+    simulation.run_window(sink);
+    const Checkpoint good = simulation.checkpoint();
+    EXPECT_NO_THROW(simulation.restore(good, "'a.checkpoint'"));
+    const auto refusal = [&](auto&& damage) {
+        Checkpoint bad = good;
+        damage(bad);
+        try {
+            simulation.restore(bad, "'a.checkpoint'");
+        } catch (const InputError& error) {
+            return std::string(error.what());
+        }
+        return std::string("accepted");
+    };
+    for (const auto& [name, numbers] : good.reals) {
+        const std::string text =
+            refusal([&key = name](Checkpoint& c) { c.reals[key].front() = NAN; });
+        EXPECT_THAT(text, testing::HasSubstr("'a.checkpoint': '" + name + "'"));
+        const std::string shorter =
+            refusal([&key = name](Checkpoint& c) { c.reals[key].pop_back(); });
+        EXPECT_THAT(shorter, testing::HasSubstr("'" + name + "'"));
+    }
+    EXPECT_THAT(refusal([](Checkpoint& c) { c.integers["id"][3] = 4; }),
+                testing::HasSubstr("4 twice"));
+    EXPECT_THAT(refusal([](Checkpoint& c) { c.integers["id"][3] = -1; }),
+                testing::HasSubstr("'id'"));
+    EXPECT_THAT(refusal([](Checkpoint& c) { c.integers["id"].pop_back(); }),
+                testing::HasSubstr("'id'"));
+    EXPECT_THAT(refusal([](Checkpoint& c) { ++c.integers["progress"][2]; }),
+                testing::HasSubstr("'series'"));
+    EXPECT_THAT(refusal([](Checkpoint& c) { c.integers["progress"][0] = -1; }),
+                testing::HasSubstr("'progress'"));
+}
+
+// Kinetic part over 16 phases, collisional part over the same period.
+TEST(MdSimulation, ThePressureIsTheMeanOfThePeriod) {
+    MdOptions options = small();
+    options.run.periods = 3;
+    RunPlan plan;
+    MdSimulation simulation = make(options, plan);
+    Collector sink;
+    while (!simulation.is_done()) simulation.run_window(sink);
+    const MdSystem system = options.system();
+    const GrainState state = make_initial_state(options, 1);
+    const auto engine = make_engine(system, {});
+    engine->load(state, 3 * system.period());
+    const auto& measured = simulation.series().curve().find("pressure")->values;
+    double virial = 0;
+    for (std::size_t period = 0; period < 3; ++period) {
+        double kinetic = 0;
+        for (int k = 1; k <= 16; ++k) {
+            const double time = (static_cast<double>(period) + k / 16.0) * system.period();
+            engine->advance(time);
+            const Energies e = engine->energies(time);
+            kinetic += (e.horizontal + e.vertical) / 16;
+        }
+        const double exchanged = engine->ledger().pair_virial.value() - virial;
+        virial += exchanged;
+        const double expected =
+            (2 * kinetic + exchanged / system.period()) / (3 * 20.5 * 20.5 * options.cell.height);
+        EXPECT_NEAR(measured.at(period + 1) / expected, 1, 1e-9);
+    }
+}
+
+// Carnahan–Starling at φ = 0.45; 300 grains, some 1e4 collisions and more: 5 % are five standard
+// errors. A period of the hot gas adds a virial of 2e7.
+TEST(MdSimulation, ThePressureHoldsAtAnyTemperature) {
+    for (const double temperature : {1e-4, 1.0, 3e3}) {
+        MdOptions options;
+        options.cell.grains = 300;
+        options.cell.length_x = options.cell.length_y = options.cell.height =
+            std::cbrt(300 * 3.14159265358979 / (6 * 0.45));
+        options.cell.vertical = Vertical::periodic;
+        options.cell.gravity = options.vibration.amplitude = 0;
+        options.grain = options.plate = {1, -1, 0, 0};
+        options.initial.temperature = temperature;
+        options.run.periods = temperature < 1 ? 400 : (temperature > 1 ? 1 : 20);
+        RunPlan plan;
+        MdSimulation simulation = make(options, plan);
+        Collector sink;
+        while (!simulation.is_done()) simulation.run_window(sink);
+        const double eta = 0.45;
+        const double z = (1 + eta + eta * eta - eta * eta * eta) / std::pow(1 - eta, 3);
+        const double kinetic =
+            simulation.series().late_mean("energy_xy") + simulation.series().late_mean("energy_z");
+        const double density = 6 * eta / 3.14159265358979;
+        EXPECT_NEAR(simulation.series().late_mean("pressure") / (density * kinetic * 2 / 3 * z), 1,
+                    0.05)
+            << temperature;
+    }
 }
 
 TEST(MdSimulation, SaysWhatItSkips) {
