@@ -24,6 +24,8 @@ constexpr double kGood = 0.95;
 constexpr double kGoodOfAll = 0.5;
 /// Discs of any size explain up to 0.73 of smooth random textures, those of sharp images over 0.9.
 constexpr double kLeastExplained = 0.8;
+/// Where no edges meet both kinds are the same, and the product is faster.
+constexpr double kBetter = 0.99;
 constexpr int kRounds = 4;
 constexpr int kFrameRounds = 2;
 constexpr int kImageRounds = 6;
@@ -79,12 +81,13 @@ EdgeMeeting meeting_of(const Image& counts, const ImageModel& model,
     };
     const double product = residual(EdgeMeeting::product);
     const double blurred = residual(EdgeMeeting::blurred_union);
+    const bool is_blurred = blurred < kBetter * product;
     plan.run(
         "meeting edges",
         fmt::format("{}: RMS residual {:.4f} of the contrast if transmissions multiply, {:.4f} "
                     "if the union of discs is blurred",
-                    blurred < product ? "blurred union" : "product", product, blurred));
-    return blurred < product ? EdgeMeeting::blurred_union : EdgeMeeting::product;
+                    is_blurred ? "blurred union" : "product", product, blurred));
+    return is_blurred ? EdgeMeeting::blurred_union : EdgeMeeting::product;
 }
 
 /// Share of the variance of an image that a model explains, 1 − misfit/variance; as it is, and
