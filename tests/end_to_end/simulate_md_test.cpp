@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <map>
 #include <string>
 #include <thread>
@@ -51,9 +53,10 @@ TEST(SimulateMd, KeepsTheContractForScripts) {
     const Outcome outcome = testing::run_grainfield(small_run(folder / "a.h5"));
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     const json summary = json::parse(outcome.out);
-    for (const char* key : {"events", "events_per_second", "pair_per_grain_period",
-                            "low_plate_per_grain_period", "high_plate_per_grain_period",
-                            "energy_audit_relative_error", "max_overlap", "memory_mb"}) {
+    for (const char* key :
+         {"events", "events_per_second", "pair_per_grain_period", "low_plate_per_grain_period",
+          "high_plate_per_grain_period", "energy_audit_relative_error", "max_overlap",
+          "max_penetration", "fallbacks", "memory_mb"}) {
         EXPECT_TRUE(summary[key].is_number()) << key;
     }
     EXPECT_LT(summary["energy_audit_relative_error"], 1e-10);
@@ -169,6 +172,94 @@ TEST(SimulateMd, ReportsInelasticCollapseWithExitCodeFive) {
                                           "--grain-restitution", "0.5", "--event-limit", "20000"}));
     EXPECT_EQ(outcome.code, 5);
     EXPECT_THAT(outcome.err, HasSubstr("inelastic collapse: grain"));
+}
+
+TEST(SimulateMd, KeepsWhatWasSampledBeforeACollapse) {
+    const ScratchFolder folder;
+    const Outcome outcome = testing::run_grainfield({"simulate",
+                                                     "md",
+                                                     "-o",
+                                                     folder / "a.h5",
+                                                     "--grains",
+                                                     "200",
+                                                     "--length-x",
+                                                     "20.5",
+                                                     "--length-y",
+                                                     "20.5",
+                                                     "--periods",
+                                                     "400",
+                                                     "--snapshot-every",
+                                                     "0.5",
+                                                     "--amplitude",
+                                                     "0",
+                                                     "--plate-restitution",
+                                                     "0.5",
+                                                     "--grain-restitution",
+                                                     "0.9",
+                                                     "--event-limit",
+                                                     "20000"});
+    EXPECT_EQ(outcome.code, 5);
+    EXPECT_THAT(outcome.err, HasSubstr("inelastic collapse: grain"));
+    EXPECT_EQ(folder.entries(), 1U) << "no segments, no checkpoint";
+    const Outcome info = testing::run_grainfield({"info", folder / "a.h5"});
+    EXPECT_EQ(info.code, 0) << info.err;
+    EXPECT_THAT(info.out, HasSubstr("incomplete"));
+    const std::string text = content(folder, "a");
+    EXPECT_THAT(text, HasSubstr("energy_xy"));
+    EXPECT_GT(std::count(text.begin(), text.end(), '\n'), 400) << "two snapshots and more";
+}
+
+TEST(SimulateMd, StopsWhileItMeltsTheLattice) {
+    const ScratchFolder folder;
+    const Process process(
+        program({"simulate", "md", "-o", folder / "a.h5", "--grains", "20000", "--length-x", "30",
+                 "--length-y", "30", "--height", "40", "--melt", "1000000"}));
+    process.let_work(std::chrono::milliseconds(500), SIGINT);
+    const auto start = std::chrono::steady_clock::now();
+    process.send(SIGINT);
+    const Outcome outcome = process.wait();
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
+    EXPECT_EQ(outcome.code, 130) << outcome.err;
+    EXPECT_EQ(folder.entries(), 0U);
+}
+
+// The last segment gets its name when the run is done and the snapshots are joined.
+TEST(SimulateMd, StopsWhileItJoinsTheSnapshots) {
+    const ScratchFolder folder;
+    const std::vector<std::string> run{"simulate",         "md",    "-o",         folder / "a.h5",
+                                       "--grains",         "400",   "--length-x", "20.5",
+                                       "--length-y",       "20.5",  "--periods",  "2",
+                                       "--snapshot-every", "0.001", "--order"};
+    const Process process(program(run));
+    for (int i = 0; i < 12000 && !std::filesystem::exists(folder / "a.h5.segment-0"); ++i) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    const auto start = std::chrono::steady_clock::now();
+    process.send(SIGINT);
+    const Outcome outcome = process.wait();
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
+    ASSERT_EQ(outcome.code, 130) << outcome.err;
+    EXPECT_TRUE(std::filesystem::exists(folder / "a.h5.checkpoint"));
+    EXPECT_FALSE(std::filesystem::exists(folder / "a.h5"));
+    const Outcome resumed = testing::run_grainfield(with(run, {"--resume"}));
+    ASSERT_EQ(resumed.code, 0) << resumed.err;
+    EXPECT_EQ(folder.entries(), 1U);
+}
+
+TEST(SimulateMd, StartsOnlyFromTheSameCell) {
+    const ScratchFolder folder;
+    const std::vector<std::string> cell{"--grains",   "400",  "--length-x", "20.5",
+                                        "--length-y", "20.5", "--periods",  "20"};
+    const Outcome first = testing::run_grainfield(
+        with({"simulate", "md", "-o", folder / "a.h5", "--snapshot-every", "10"}, cell));
+    ASSERT_EQ(first.code, 0) << first.err;
+    const std::vector<std::string> again{"simulate",      "md",      "-o",
+                                         folder / "b.h5", "--start", folder / "a.h5"};
+    const Outcome other = testing::run_grainfield(again);
+    EXPECT_EQ(other.code, 2);
+    EXPECT_THAT(other.err, HasSubstr("cell.length-x"));
+    const Outcome same = testing::run_grainfield(with(again, cell));
+    EXPECT_EQ(same.code, 0) << same.err;
 }
 
 TEST(SimulateMd, RefusesWhatCannotFitBeforeItStarts) {
