@@ -131,6 +131,25 @@ TEST(ValidateScene, GoesFromMolecularDynamicsToScores) {
     EXPECT_TRUE(std::filesystem::exists(folder / "a_files/downstream.csv"));
 }
 
+TEST(ValidateScene, RayTracedShowsItsProgressAndItsPrice) {
+    const ScratchFolder folder;
+    std::vector<std::string> words = small_scene(folder / "a.html");
+    for (std::string& word : words) {
+        if (word == "300") word = "130";  // px
+        if (word == "2.8") word = "2.1";  // two frames
+    }
+    words.insert(words.end(), {"--json", "--optics", "raytrace", "--no-figures"});
+    const Outcome outcome = run_grainfield(words);
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("rendering, tracking and scoring 0/2 frames"));
+    const json summary = json::parse(outcome.out);
+    EXPECT_EQ(summary["frames"], 2);
+    EXPECT_GT(summary["recall"], 0.9);
+    EXPECT_GT(summary["rays_per_pixel"], 5);
+    EXPECT_GT(summary["rays_saved"], 0.1);
+    EXPECT_LT(summary["sampling_difference"], 1.5 * summary["camera_noise"].get<double>());
+}
+
 TEST(ValidateScene, GivesTheSameScoresForAnyNumberOfThreads) {
     const ScratchFolder folder;
     std::vector<std::string> scores;
