@@ -15,9 +15,9 @@
 #include <fmt/format.h>
 
 #include "analysis/field_statistics.h"
-#include "bench/field/plain_adjoint.h"
 #include "simulate/field/adjoint.h"
 #include "simulate/field/field_run.h"
+#include "tests/simulate/field/plain_adjoint.h"
 
 using namespace grainfield;
 using namespace grainfield::simulate;
@@ -108,7 +108,7 @@ std::vector<double> spectrum_of_other(const Settings& settings, const Case& c) {
     // The density of this integrator is not looked at: it carries psi.
     Case carrier{FieldScheme::lod, c.dt * c.hold, c.k_cut, 1};
     const auto path = make_integrator(setup_of(settings, carrier), 1);
-    std::vector<bench::PlainAdjoint> waves;
+    std::vector<testing::PlainAdjoint> waves;
     for (const LatticeWave wave : waves_of(settings)) {
         waves.emplace_back(settings.cells, spacing, wave.nx, wave.ny);
     }
@@ -122,7 +122,7 @@ std::vector<double> spectrum_of_other(const Settings& settings, const Case& c) {
         if (c.scheme == FieldScheme::explicit_lm) {
             for (std::size_t j = 0; j < used.size(); ++j) used[j] = (d[j] + next[j]) / 2;
         }
-        for (bench::PlainAdjoint& wave : waves) {
+        for (testing::PlainAdjoint& wave : waves) {
             for (int h = 0; h < c.hold; ++h) {
                 if (c.scheme == FieldScheme::explicit_lm) {
                     wave.leimkuhler_matthews(used, c.dt, 1);

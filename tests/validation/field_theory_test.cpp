@@ -1,6 +1,6 @@
 // The field model against its closed forms (castillo2019; docs/field.md) and against reference
 // values of S(k), 2D, b = 4, D0 = 1, dx = 0.65. Statistical: errors from blocks of time; limits of
-// 5.5 standard errors and more, false alarms below 1e-6 for the file, seeds fixed.
+// 5 to 8 standard errors of 16 blocks (Student's t: some 1e-4 to 1e-6 a comparison), seeds fixed.
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -117,7 +117,11 @@ TEST(FieldTheory, StructureFactorOfTheReferenceTable) {
         const ObservableResult& sk = named(results, "sk");
         EXPECT_NEAR(shells(sk, 0.26, 0.36).value / row.low, 1, 0.08) << row.nu;
         EXPECT_NEAR(shells(sk, 1.24, 1.34).value / row.high, 1, 0.08) << row.nu;
-        for (const double s : sk.curves.front().columns[1].values) EXPECT_GT(s, 0.4) << row.nu;
+        // S ≥ C1/2D0 whatever ψ does.
+        const Curve& curve = sk.curves.front();
+        for (std::size_t i = 0; i < curve.columns[0].values.size(); ++i) {
+            EXPECT_GT(curve.columns[1].values[i], 0.5 - 4 * curve.columns[2].values[i]) << row.nu;
+        }
     }
 }
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-namespace grainfield::bench {
+namespace grainfield::testing {
 
 /// S(k) of a scheme on one path of ψ without any noise of the density, for schemes whose step is
 /// linear, ρ ← Mρ + Nw: the transposed step, plain loops in double precision. Time is reversed,
@@ -19,7 +19,9 @@ class PlainAdjoint {
     using Field = std::vector<std::complex<double>>;
 
     PlainAdjoint(int cells, double spacing, int n_x, int n_y)
-        : cells_(cells), spacing_(spacing), phi_(at(cells, cells)) {
+        : cells_(cells),
+          spacing_(spacing),
+          phi_(static_cast<std::size_t>(cells) * static_cast<std::size_t>(cells)) {
         const double size = 1 / (cells * spacing);
         for (int y = 0; y < cells; ++y) {
             for (int x = 0; x < cells; ++x) {
@@ -155,4 +157,4 @@ class PlainAdjoint {
     double sum_ = 0;
 };
 
-}  // namespace grainfield::bench
+}  // namespace grainfield::testing
