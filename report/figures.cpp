@@ -153,7 +153,7 @@ std::string common_unit(const Runs& runs, const Source& source, const std::strin
         const Curve* curve = find_curve(run, source);
         if (curve == nullptr) continue;
         const std::string& own = curve->find(source.x)->unit;
-        if (!unit.empty() && own != unit) return unit + " or " + own;
+        if (!unit.empty() && own != unit) return unit.append(" or ").append(own);
         unit = own;
     }
     return unit.empty() ? otherwise : unit;
