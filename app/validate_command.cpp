@@ -198,12 +198,6 @@ ValidateCommand::Scene ValidateCommand::given_scene(Session& session) const {
                           .expected = fmt::format("{}, one a frame", scene.frames->count()),
                           .suggestion = "give all frames that the truth was written with"});
     }
-    if (scene.truth->count() > 0 && scene.truth->read(0).id.empty()) {
-        throw InputError({.problem = fmt::format("'{}' has no identities", truth_),
-                          .actual = {},
-                          .expected = "a particle number that stays the same from frame to frame",
-                          .suggestion = {}});
-    }
     return scene;
 }
 

@@ -17,6 +17,16 @@ namespace {
 
 using tracking::Tracker;
 
+/// Tracks are scored against particles that one can tell apart.
+void require_identities(const Snapshot& truth) {
+    if (truth.id.size() == truth.size()) return;
+    throw InputError(
+        {.problem = fmt::format("the truth of frame {} has no identities", truth.frame),
+         .actual = {},
+         .expected = "a particle number that stays the same from frame to frame",
+         .suggestion = "write it with ids, as 'grainfield simulate md' does"});
+}
+
 /// The part of the truth that the tracker could report, in the box of the frame.
 Snapshot visible(const Snapshot& truth, const ScoredView& view) {
     Snapshot out;
@@ -88,6 +98,7 @@ class ScoringSink : public SnapshotSink {
     void add(const Snapshot& found) {
         Snapshot truth = truth_.read(next_);
         truth.frame = next_;
+        require_identities(truth);
         scores_.add(truth, found);
         if (found.size() > 0) {
             Snapshot seen = visible(truth, scores_.view());

@@ -27,6 +27,7 @@ void fill_buffer(RTCGeometry spheres, unsigned slot, const SphereScene& scene) {
     auto* data = static_cast<float*>(rtcSetNewGeometryBuffer(spheres, RTC_BUFFER_TYPE_VERTEX, slot,
                                                              RTC_FORMAT_FLOAT4, 4 * sizeof(float),
                                                              scene.centre.size()));
+    if (data == nullptr) throw Error("Embree has no memory for the spheres of a frame.");
     for (const Vec3 p : scene.centre) {
         *data++ = static_cast<float>(p.x);
         *data++ = static_cast<float>(p.y);

@@ -30,7 +30,8 @@ OptionTable describe(ViewOptions& o) {
 OptionTable describe(ExposureOptions& o) {
     OptionTable t("exposure");
     t.number("time-ms", o.time_ms, "ms", {0, 1e5}, "shutter time, centred on the snapshot");
-    t.integer("sub-frames", o.sub_frames, "-", {1, 1000}, "instants averaged, at most");
+    // Embree interpolates between at most 129 time steps.
+    t.integer("sub-frames", o.sub_frames, "-", {1, 129}, "instants averaged, at most");
     t.number("frame-rate", o.frame_rate, "1/s", {1e-6, 1e9},
              "frames per second; auto: one frame a snapshot");
     t.number("drop-rate", o.drop_rate, "-", {0, 1}, "share of frames that the camera loses");

@@ -100,6 +100,13 @@ TEST_F(GivenFrames, MustComeWithATruthThatBelongsToThem) {
                                           *folder_ / "truth.csv", "-o", *folder_ / "d.html"});
     EXPECT_EQ(other.code, 3);
     EXPECT_THAT(other.err, HasSubstr("4 snapshots; expected 2, one a frame"));
+    std::ofstream(*folder_ / "anonymous.csv") << "frame,x,y\n0,20,20\n1,20,20\n2,20,20\n3,20,20\n";
+    std::vector<std::string> words{"validate", "--truth", *folder_ / "anonymous.csv", "-o",
+                                   *folder_ / "d.html"};
+    words.insert(words.end(), frames_.begin(), frames_.end());
+    const Outcome anonymous = run_grainfield(words);
+    EXPECT_EQ(anonymous.code, 3);
+    EXPECT_THAT(anonymous.err, HasSubstr("the truth of frame 0 has no identities"));
     EXPECT_FALSE(std::filesystem::exists(*folder_ / "d.html"));
 }
 

@@ -64,6 +64,8 @@ Value shells(const ObservableResult& result, double low, double high) {
     for (std::size_t i = 0; i < curve.columns[0].values.size(); ++i) {
         const double k = curve.columns[0].values[i];
         if (k < low || k >= high) continue;
+        // Modes slower than the run have no error (structure_factor.h) and are left out.
+        if (!std::isfinite(curve.columns[2].values[i])) continue;
         const double n = curve.columns[3].values[i];
         mean.value += n * curve.columns[1].values[i];
         mean.error += n * curve.columns[2].values[i];
