@@ -11,10 +11,6 @@
 namespace grainfield::analysis {
 namespace {
 
-StructureFactorOptions of_modes(const OrderStructureFactorOptions& options) {
-    return {.k_max = options.k_max, .grid = options.grid, .shell_width = options.shell_width};
-}
-
 // The texts of S(k) say density.
 Curve of_order(Curve curve, const char* name) {
     curve.name = name;
@@ -42,14 +38,7 @@ Curve drawn(const OrnsteinZernikeFit& fit, double k_first) {
 }  // namespace
 
 OptionTable describe(OrderStructureFactorOptions& options) {
-    OptionTable table("s4");
-    table.number("k-max", options.k_max, "1/a", {1e-9, 1e9}, "largest wavevector");
-    table.choice(
-        "grid", options.grid,
-        {{"auto", WaveGrid::automatic}, {"two-pi", WaveGrid::two_pi}, {"pi", WaveGrid::pi}},
-        "wavevectors 2 pi n/L or pi n/L; auto: by boundary");
-    table.number("shell-width", options.shell_width, "1/a", {1e-12, 1e9},
-                 "width of the isotropic average; auto: distinct |k| first, then the grid step");
+    OptionTable table = describe(options.modes, "s4");
     table.number("fit-k-max", options.fit_k_max, "1/a", {1e-9, 1e9},
                  "end of the Ornstein-Zernike fit");
     return table;
@@ -57,7 +46,7 @@ OptionTable describe(OrderStructureFactorOptions& options) {
 
 OrderStructureFactor::OrderStructureFactor(const OrderStructureFactorOptions& options,
                                            const Box& box, std::int64_t frames)
-    : options_(options), modes_(StructureFactor::of_order(of_modes(options), box, frames)) {}
+    : options_(options), modes_(StructureFactor::of_order(options.modes, box, frames)) {}
 
 ObservableResult OrderStructureFactor::result() const {
     const ObservableResult modes = modes_.result();

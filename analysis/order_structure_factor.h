@@ -2,7 +2,6 @@
 
 #include <complex>
 #include <cstdint>
-#include <optional>
 #include <span>
 
 #include "analysis/accumulator.h"
@@ -11,10 +10,8 @@
 namespace grainfield::analysis {
 
 struct OrderStructureFactorOptions {
-    double k_max = 1;                     ///< largest |k| [1/a]
-    WaveGrid grid = WaveGrid::automatic;  ///< as of S(k)
-    std::optional<double> shell_width{};  ///< width of the isotropic average [1/a]
-    double fit_k_max = 0.5;               ///< end of the Ornstein–Zernike fit [1/a]
+    StructureFactorOptions modes{.k_max = 1};  ///< wavevectors, as of S(k)
+    double fit_k_max = 0.5;                    ///< end of the Ornstein–Zernike fit [1/a]
 };
 
 OptionTable describe(OrderStructureFactorOptions& options);

@@ -46,8 +46,8 @@ bool same_length(double a, double b) {
 
 }  // namespace
 
-OptionTable describe(StructureFactorOptions& options) {
-    OptionTable table("sk");
+OptionTable describe(StructureFactorOptions& options, const std::string& section) {
+    OptionTable table(section);
     table.number("k-max", options.k_max, "1/a", {1e-9, 1e9}, "largest wavevector");
     table.choice(
         "grid", options.grid,

@@ -31,7 +31,7 @@ struct StructureFactorOptions {
     std::optional<double> shell_width{};  ///< width of the isotropic average [1/a]; auto: below
 };
 
-OptionTable describe(StructureFactorOptions& options);
+OptionTable describe(StructureFactorOptions& options, const std::string& section = "sk");
 
 /// The observable "sk": static structure factor at small wavevectors, from density modes ρ_k of
 /// particles or fields (`castillo2019`; docs/analysis.md).

@@ -37,7 +37,7 @@ TEST(OrderStructureFactor, IsTheSumOverAllParticles) {
     const Pattern p = pattern(poisson_points(300, box, random), box);
     Order order;
     for (std::size_t j = 0; j < p.size(); ++j) order.push_back({random.normal(), random.normal()});
-    OrderStructureFactor s4({.k_max = 1}, box, 1);
+    OrderStructureFactor s4({.modes = {.k_max = 1}}, box, 1);
     s4.add(s4.measure(p, order));
     const ObservableResult result = s4.result();
     const double dk = 2 * std::numbers::pi / 20;
@@ -66,7 +66,7 @@ TEST(OrderStructureFactor, OfIndependentOrderIsItsVariance) {
     for (const Boundary boundary : {Boundary::periodic, Boundary::walls}) {
         RandomStream random(2, "order");
         const Box box = square_box(30, boundary);
-        OrderStructureFactor s4({.k_max = 0.8}, box, 64);
+        OrderStructureFactor s4({.modes = {.k_max = 0.8}}, box, 64);
         for (int frame = 0; frame < 64; ++frame) {
             const Pattern p = pattern(poisson_points(400, box, random), box, frame);
             Order order;
@@ -94,7 +94,7 @@ TEST(OrderStructureFactor, FindsTheCorrelationLengthOfAnOrnsteinZernikeField) {
     std::vector<Vec2> lattice = square_lattice(side, 1, 0, random);
     const double dk = 2 * std::numbers::pi / side;
     constexpr int most = 8;
-    OrderStructureFactor s4({.k_max = 1.2, .fit_k_max = 1.2}, box, frames);
+    OrderStructureFactor s4({.modes = {.k_max = 1.2}, .fit_k_max = 1.2}, box, frames);
     for (int frame = 0; frame < frames; ++frame) {
         const Pattern p = pattern(lattice, box, frame);
         Order order(p.size());
@@ -127,7 +127,8 @@ TEST(OrderStructureFactor, IgnoresParticlesWithoutOrderAndStaticOrder) {
     const Box box = square_box(20, Boundary::walls);
     const Pattern p = pattern(poisson_points(200, box, random), box);
     const double nan = std::numeric_limits<double>::quiet_NaN();
-    OrderStructureFactor all({.k_max = 1}, box, 4), some({.k_max = 1}, box, 4);
+    OrderStructureFactor all({.modes = {.k_max = 1}}, box, 4),
+        some({.modes = {.k_max = 1}}, box, 4);
     for (int frame = 0; frame < 4; ++frame) {
         Order order(p.size(), 1);
         all.add(all.measure(p, order));

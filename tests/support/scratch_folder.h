@@ -12,7 +12,7 @@ namespace grainfield::testing {
 /// An empty folder that is removed with everything in it at the end of its scope.
 class ScratchFolder {
  public:
-    ScratchFolder() : path_(::testing::TempDir() + "grainfield-XXXXXX") {
+    ScratchFolder() : path_(::testing::TempDir() + "grainfield-" + std::string(6, 'X')) {
         std::string name = path_.string();
         if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
         path_ = name;

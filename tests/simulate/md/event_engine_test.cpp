@@ -490,9 +490,6 @@ TEST(EventEngine, TheDepthOfContactsIsThatOfRounding) {
     EXPECT_GT(engine->ledger().deepest_pair, 0) << "contacts are rounded";
     EXPECT_LT(engine->ledger().deepest_pair, 1e-13);
     EXPECT_LT(engine->ledger().deepest_plate, 1e-14);
-    MdOptions early = options;
-    early.run.plate_tolerance = 1e-3;  // touches early, never deep
-    run(*make_engine(early.system(), {}), state, options.system().period(), 1);
     state.position[1] = state.position[0];
     state.position[1].x += 0.9;
     state.velocity[0].x = 5;

@@ -6,18 +6,12 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
+#include "tests/support/memory_frames.h"
 
 namespace grainfield::tracking {
 namespace {
 
-class Collect : public SnapshotSink {
- public:
-    void write(const Snapshot& snapshot) override {
-        require_consistent(snapshot);
-        snapshots.push_back(snapshot);
-    }
-    std::vector<Snapshot> snapshots;
-};
+using grainfield::testing::Collect;
 
 Snapshot with_ids(std::int64_t frame, const std::vector<std::int64_t>& ids) {
     Snapshot s;
