@@ -196,7 +196,14 @@ Summary SimulateMdCommand::run(Session& session) {
         session.plan.skip("order parameters", "not asked for (--order)", "|Q4| of every snapshot");
     }
     if (session.common.explain) {
-        const MdSimulation planned(md_, {}, 1, session.plan);
+        if (start_.empty()) {
+            session.plan.run("initial state", "made from [initial]");
+        } else {
+            session.plan.run("initial state",
+                             fmt::format("{} grains of {}", initial_state(session).size(), start_));
+            session.plan.skip("layout", "--start gives it", "packing and melting");
+        }
+        const MdSimulation planned(md_, {}, session.threads(), session.plan);
         return explanation(session.plan);
     }
     require_output(session, output_);

@@ -59,6 +59,9 @@ class Engine {
     /// Windows so far that several strips had to do again with one queue; same results.
     virtual std::int64_t fallbacks() const = 0;
 
+    /// Strips of cell rows that are worked on at a time: what the threads and the size allow.
+    virtual int strips() const = 0;
+
     virtual std::size_t bytes() const = 0;
     virtual std::string policies() const = 0;  ///< "coulomb, gravity, vibrating plates"
 };

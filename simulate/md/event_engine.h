@@ -78,6 +78,7 @@ class EventEngine final : public Engine {
     const Ledger& ledger() const override { return total_; }
     double max_overlap() const override { return max_overlap_; }
     std::int64_t fallbacks() const override { return fallbacks_; }
+    int strips() const override;
     std::size_t bytes() const override;
     std::string policies() const override;
 

@@ -14,8 +14,11 @@
 
 namespace grainfield::simulate {
 
-// Rows that a strip must have for its core to survive a step, and that seams must stay apart.
+// Rows that a strip must have for its core to survive a step, that it must have to be worth a
+// thread (below, two threads are no faster than one, and far slower where other work wants the
+// cores), and that seams must stay apart.
 constexpr int least_rows = 40;
+constexpr int worthwhile_rows = 64;
 constexpr int seam_distance = 8;
 // How far, in cells, an unknown grain may get in a step, so that 5 × 5 cells cover its reach.
 constexpr double step_reach = 0.9;
@@ -23,10 +26,15 @@ constexpr double speed_reserve = 1.3;
 
 template <Tangential tangential, bool has_gravity, Plates plates>
 int EventEngine<tangential, has_gravity, plates>::strip_count() const {
-    if (grain_.empty()) return 1;
-    int wanted = options_.tiles;
-    if (wanted == 0) wanted = options_.threads > 1 ? options_.threads : 1;
-    return std::min(wanted, cells_.count[1] / least_rows);
+    return grain_.empty() ? 1 : strips();
+}
+
+template <Tangential tangential, bool has_gravity, Plates plates>
+int EventEngine<tangential, has_gravity, plates>::strips() const {
+    if (options_.tiles > 0) {
+        return std::clamp(cells_.count[1] / least_rows, 1, options_.tiles);
+    }
+    return std::clamp(cells_.count[1] / worthwhile_rows, 1, std::max(options_.threads, 1));
 }
 
 template <Tangential tangential, bool has_gravity, Plates plates>

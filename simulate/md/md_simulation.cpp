@@ -103,6 +103,16 @@ struct CheckpointReader {
     }
 };
 
+void explain_strips(int strips, int threads, RunPlan& plan) {
+    if (strips > 1) {
+        plan.run("strips of the cell", fmt::format("{} at a time on {} threads", strips, threads));
+    } else if (threads > 1) {
+        plan.skip("strips of the cell",
+                  "two need 64 rows of cells each to gain from a second thread",
+                  "seams and waiting for each other");
+    }
+}
+
 }  // namespace
 
 MdSimulation::MdSimulation(const MdOptions& options, GrainState initial, int threads, RunPlan& plan)
@@ -119,6 +129,7 @@ MdSimulation::MdSimulation(const MdOptions& options, GrainState initial, int thr
     engine.tiles = options.run.tiles;
     engine.event_limit = static_cast<double>(options.run.event_limit);
     engine_ = make_engine(system_, engine);
+    explain_strips(engine_->strips(), threads, plan);
     window_periods_ = window_length(state_.size());
 }
 

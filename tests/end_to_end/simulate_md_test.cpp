@@ -97,8 +97,8 @@ TEST(SimulateMd, ThreadsDoNotChangeAByte) {
     const ScratchFolder folder;
     for (const char* threads : {"1", "2", "8"}) {
         const Outcome outcome = testing::run_grainfield(
-            {"simulate", "md", "-o", folder / (std::string(threads) + ".h5"), "--grains", "3900",
-             "--length-x", "40", "--length-y", "100", "--periods", "12", "--threads", threads,
+            {"simulate", "md", "-o", folder / (std::string(threads) + ".h5"), "--grains", "6240",
+             "--length-x", "40", "--length-y", "160", "--periods", "12", "--threads", threads,
              "--snapshot-every", "3"});
         ASSERT_EQ(outcome.code, 0) << outcome.err;
     }
@@ -255,6 +255,13 @@ TEST(SimulateMd, StartsOnlyFromTheSameCell) {
     ASSERT_EQ(first.code, 0) << first.err;
     const std::vector<std::string> again{"simulate",      "md",      "-o",
                                          folder / "b.h5", "--start", folder / "a.h5"};
+    EXPECT_EQ(testing::run_grainfield(with(again, {"--explain"})).code, 2);
+    const Outcome plan =
+        testing::run_grainfield(with(with(again, cell), {"--explain", "--threads", "2"}));
+    EXPECT_EQ(plan.code, 0) << plan.err;
+    EXPECT_THAT(plan.out, HasSubstr("skip layout"));
+    EXPECT_THAT(plan.out, HasSubstr("skip strips of the cell: two need 64 rows"));
+    EXPECT_FALSE(std::filesystem::exists(folder / "b.h5"));
     const Outcome other = testing::run_grainfield(again);
     EXPECT_EQ(other.code, 2);
     EXPECT_THAT(other.err, HasSubstr("cell.length-x"));

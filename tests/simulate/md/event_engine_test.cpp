@@ -145,6 +145,7 @@ TEST(EventEngine, GivesTheSameBitsForAnyThreadsTilesAndPauses) {
         o.threads = threads;
         o.tiles = tiles;
         const auto engine = make_engine(system, o);
+        EXPECT_GT(engine->strips(), 1);
         GrainState state = first;
         run(*engine, state, system.period(), 3);
         EXPECT_TRUE(same_bits(state, expected));
@@ -153,6 +154,15 @@ TEST(EventEngine, GivesTheSameBitsForAnyThreadsTilesAndPauses) {
         EXPECT_EQ(engine->ledger().pair_loss.value(), ledger.pair_loss.value());
         EXPECT_EQ(engine->ledger().work.value(), ledger.work.value());
     }
+}
+
+TEST(EventEngine, ASecondThreadIsTakenOnlyWhereItsStripIsWorthIt) {
+    EngineOptions o;
+    o.threads = 2;
+    EXPECT_EQ(make_engine(layer(9875, 100, 100).system(), o)->strips(), 1);
+    EXPECT_EQ(make_engine(layer(9875, 50, 200).system(), o)->strips(), 2);
+    o.threads = 1;
+    EXPECT_EQ(make_engine(layer(9875, 50, 200).system(), o)->strips(), 1);
 }
 
 TEST(EventEngine, GivesTheSameBitsForTilesOfAGas) {
