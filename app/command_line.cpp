@@ -225,6 +225,20 @@ int run(BoundCommand& command) {
     return code;
 }
 
+// What the parser says of an option given twice or without its value, in words.
+std::string in_words(const std::string& problem) {
+    const std::string option = problem.substr(0, problem.find(':'));
+    constexpr std::string_view twice = ": At Most 1 required but received ";
+    if (const auto at = problem.find(twice); at != std::string::npos) {
+        return fmt::format("{} is given {} times, expected once", option,
+                           problem.substr(at + twice.size()));
+    }
+    if (problem.find(": 1 required ") != std::string::npos) {
+        return fmt::format("{} has no value", option);
+    }
+    return problem;
+}
+
 std::optional<std::string> unknown_command(int argc, const char* const* argv,
                                            const std::vector<std::string>& names) {
     if (argc < 2 || argv[1][0] == '-' || std::ranges::find(names, argv[1]) != names.end()) {
@@ -256,8 +270,12 @@ int run_command_line(int argc, const char* const* argv) {
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-        const bool is_help = app.exit(error) == 0;
-        return static_cast<int>(is_help ? ExitCode::done : ExitCode::wrong_usage);
+        if (error.get_exit_code() == 0) {  // help, version
+            app.exit(error);
+            return static_cast<int>(ExitCode::done);
+        }
+        fmt::print(stderr, "error: {}; see --help.\n", in_words(error.what()));
+        return static_cast<int>(ExitCode::wrong_usage);
     }
     const auto called =
         std::ranges::find_if(commands, [](const auto& command) { return command->was_called(); });

@@ -135,12 +135,14 @@ void SimulateMdCommand::run_to_end(Session& session, MdSimulation& simulation,
                                    SnapshotSegments& segments) const {
     Progress progress("simulating", static_cast<std::int64_t>(md_.run.periods), "periods",
                       session.common.verbosity());
-    progress.advance(static_cast<std::int64_t>(simulation.periods_done()));
+    progress.resume_at(static_cast<std::int64_t>(simulation.periods_done()));
     auto last_saved = Clock::now();
     const std::chrono::duration<double> interval(60 * checkpoint_every_);
     while (!simulation.is_done() && caught_signal() == 0) {
         const double before = simulation.periods_done();
+        const std::int64_t events = simulation.events();
         simulation.run_window(segments);
+        progress.count(simulation.events() - events, "events");
         progress.advance(static_cast<std::int64_t>(simulation.periods_done() - before));
         if (Clock::now() - last_saved >= interval && !simulation.is_done()) {
             save(session, simulation, segments);

@@ -43,6 +43,16 @@ void Progress::advance(std::int64_t done_more) {
     draw(false);
 }
 
+void Progress::resume_at(std::int64_t already) {
+    already_ = already;
+    done_ += already;
+}
+
+void Progress::count(std::int64_t more, const std::string& unit) {
+    counted_ += more;
+    counted_unit_ = unit;
+}
+
 void Progress::announce() {
     if (verbosity_ == Verbosity::quiet) return;
     last_draw_ = Clock::now();
@@ -69,9 +79,13 @@ std::string Progress::line() const {
     const double elapsed = std::chrono::duration<double>(Clock::now() - start_).count();
     std::string text = total_ > 0 ? fmt::format("{} {}/{} {}", task_, done_, total_, unit_)
                                   : fmt::format("{} {} {}", task_, done_, unit_);
-    if (done_ <= 0 || elapsed <= 0) return text;
-    const double rate = static_cast<double>(done_) / elapsed;
+    if (done_ <= already_ || elapsed <= 0) return text;
+    const double rate = static_cast<double>(done_ - already_) / elapsed;
     text += fmt::format(", {:.3g} {}/s", rate, unit_);
+    if (counted_ > 0) {
+        text +=
+            fmt::format(", {:.3g} {}/s", static_cast<double>(counted_) / elapsed, counted_unit_);
+    }
     if (total_ > done_) {
         text +=
             fmt::format(", {} left", format_duration(static_cast<double>(total_ - done_) / rate));

@@ -22,6 +22,13 @@ class Progress {
 
     void advance(std::int64_t done_more = 1);
 
+    /// What an earlier run has done already: counted as done, not in rate and time left.
+    void resume_at(std::int64_t already);
+
+    /// A second number whose rate the line tells too: count(1200, "events") gives ", 4.1e5
+    /// events/s".
+    void count(std::int64_t more, const std::string& unit);
+
     /// Shows the line at once: for jobs whose single steps take long.
     void announce();
 
@@ -40,6 +47,9 @@ class Progress {
     std::string unit_;
     std::int64_t total_;
     std::int64_t done_ = 0;
+    std::int64_t already_ = 0;
+    std::int64_t counted_ = 0;
+    std::string counted_unit_;
     Verbosity verbosity_;
     bool terminal_;
     bool drawn_ = false;

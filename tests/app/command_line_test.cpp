@@ -68,6 +68,10 @@ TEST(CommandLine, WrongUsageEndsWithTwoAndASuggestionOnStandardError) {
     EXPECT_THAT(value.err, AllOf(HasSubstr("'threads'"), HasSubstr("'many'")));
     const Outcome twice = call({"track", "a.png", "-o", "b.h5", "-o", "c.h5"});
     EXPECT_EQ(twice.code, 2);
+    EXPECT_EQ(twice.err, "error: --output is given 2 times, expected once; see --help.\n");
+    const Outcome none = call({"track", "a.png", "-o"});
+    EXPECT_EQ(none.code, 2);
+    EXPECT_EQ(none.err, "error: --output has no value; see --help.\n");
 }
 
 TEST(CommandLine, ACommandThatWritesNeedsAnOutput) {

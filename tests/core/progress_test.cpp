@@ -23,6 +23,20 @@ TEST(Progress, LineTellsCountRateAndTimeLeft) {
     EXPECT_THAT(progress.line(), MatchesRegex("tracking 3000/3000 frames, [0-9.e+]+ frames/s"));
 }
 
+TEST(Progress, WhatAnEarlierRunHasDoneIsNotInTheRate) {
+    Progress progress("simulating", 1000000, "periods", Verbosity::quiet);
+    progress.resume_at(999000);
+    EXPECT_EQ(progress.line(), "simulating 999000/1000000 periods");
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    progress.advance(10);
+    progress.count(500, "events");
+    const std::string line = progress.line();
+    EXPECT_THAT(line, MatchesRegex("simulating 999010/1000000 periods, [0-9.]+ periods/s, "
+                                   "[0-9.e+]+ events/s, .+ left"));
+    const double rate = std::stod(line.substr(line.find(", ") + 2));
+    EXPECT_LT(rate, 10 / 0.02) << "999,000 periods in 20 ms would be 5e7 a second";
+}
+
 TEST(Progress, AnUnknownTotalGivesNoTimeLeft) {
     Progress progress("reading", 0, "rows", Verbosity::quiet);
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
