@@ -46,6 +46,7 @@ ordered_json facts(const MdSimulation& simulation, std::int64_t events, double s
     facts["energy_audit_relative_error"] = simulation.energy_audit();
     facts["max_overlap"] = simulation.max_overlap();
     facts["max_penetration"] = simulation.max_penetration();
+    facts["max_step_back"] = simulation.backwards();
     facts["fallbacks"] = simulation.fallbacks();
     facts["outdated_per_event"] = simulation.outdated_per_event();
     facts["memory_mb"] = static_cast<double>(simulation.bytes()) / 1e6;

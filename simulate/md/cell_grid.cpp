@@ -19,10 +19,15 @@ CellGrid::CellGrid(const MdSystem& system) {
     length = {system.length.x, system.length.y, system.length.z};
     periodic = {!system.walls_x, !system.walls_y, system.vertical == Vertical::periodic};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        count[axis] = std::max(1, static_cast<int>(std::floor(length[axis] / least_width)));
+        const double most = std::floor(length[axis] / least_width);
+        count[axis] = static_cast<int>(std::clamp(most, 1.0, double{most_per_axis}));
         if (axis == 2 && !periodic[axis] && length[axis] < tall) count[axis] = 1;
-        width[axis] = length[axis] / count[axis];
     }
+    while (static_cast<double>(count[0]) * count[1] * count[2] > most_cells) {
+        int& longest = *std::max_element(count.begin(), count.end());
+        longest = (longest + 1) / 2;
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis) width[axis] = length[axis] / count[axis];
     cell.assign(static_cast<std::size_t>(count[0]) * static_cast<std::size_t>(count[1]) *
                     static_cast<std::size_t>(count[2]),
                 {});

@@ -21,13 +21,17 @@ struct alignas(16) Cell {
 
 /// Cells at least one diameter wide that say who can be near whom. A grain sees its own cell and
 /// those around it; periodic images are told apart by the shift of the cell, so that boxes of one
-/// or two cells work too. The layer has one cell in z; tall boxes are divided there as well.
+/// or two cells work too. The layer has one cell in z; tall boxes are divided there as well. Boxes
+/// of more than `most_cells` get wider ones.
 struct CellGrid {
     std::array<int, 3> count{1, 1, 1};
     std::array<double, 3> width{1, 1, 1};  ///< [a]
     std::array<bool, 3> periodic{};
     std::array<double, 3> length{};
     HugeVector<Cell> cell;  ///< x fastest
+
+    static constexpr double most_cells = 1.6e7;  // 256 MB
+    static constexpr int most_per_axis = 60000;  // Plan::cell has 16 bits an axis
 
     CellGrid() = default;
     explicit CellGrid(const MdSystem& system);
@@ -40,19 +44,19 @@ struct CellGrid {
     void link(std::size_t at, std::int32_t i, HugeVector<Grain>& grains);
     void unlink(std::size_t at, std::int32_t i, HugeVector<Grain>& grains);
 
-    /// More grains than this have no room in a cell, not even in the widest, without overlap.
+    /// As many as copy() takes. More have no room in a cell as it stands, but the lowest and the
+    /// highest cells also hold what a plate has carried beyond them.
     static constexpr std::int32_t most_in_cell = 32;
 
-    /// Writes the grains of cell `at`, `most_in_cell` at most, to `out`; their number. Room for
-    /// Cell::places more than there are is needed.
+    /// Writes the grains of cell `at`, which holds no more than `most_in_cell`, to `out`; their
+    /// number. Room for Cell::places more than there are is needed.
     std::size_t copy(std::size_t at, const HugeVector<Grain>& grains, std::int32_t* out) const {
         const Cell& c = cell[at];
         for (std::size_t k = 0; k < c.id.size(); ++k) out[k] = c.id[k];
-        const std::int32_t here = std::min(c.count, most_in_cell);
-        for (std::int32_t k = Cell::places; k < here; ++k) {
+        for (std::int32_t k = Cell::places; k < c.count; ++k) {
             out[k] = grains[static_cast<std::size_t>(out[k - 1])].next;
         }
-        return static_cast<std::size_t>(here);
+        return static_cast<std::size_t>(c.count);
     }
 
     template <class F>

@@ -13,7 +13,8 @@ namespace grainfield::simulate {
 struct EngineOptions {
     int threads = 1;
     int tiles = 0;             ///< strips of cell rows; 0: as the threads need
-    double event_limit = 1e6;  ///< events of one grain in a window that mean collapse
+    double event_limit = 1e6;  ///< events of one grain that mean collapse, in a window in which no
+                               ///< grain can go far (1,000 a); grows in proportion to the way
 };
 
 /// Energies and mean squares of all grains at one instant.

@@ -85,6 +85,7 @@ class EventEngine final : public Engine {
  private:
     static constexpr bool has_spin = tangential != Tangential::smooth;
 
+    void set_collapse_limit();
     void fill_calendar(Tile& tile, double start, double end);
     void predict_all();
     void start_whole(double start);
@@ -110,7 +111,7 @@ class EventEngine final : public Engine {
     void collide_plate(Tile& tile, std::int32_t i);
     void collide_wall(Tile& tile, std::int32_t i);
     void cross_cell(Tile& tile, std::int32_t i);
-    void predict(std::int32_t i);
+    void predict(std::int32_t i, double now);
     struct Nearby;
     void consider(const Grain& grain, Plan& plan, Nearby& nearby, const Vec3& shift) const;
     void consider_around(const Grain& grain, Plan& plan, const std::array<int, 3>& low,
@@ -156,7 +157,8 @@ class EventEngine final : public Engine {
     Ledger total_;
     double now_ = 0;
     double end_ = 0;
-    double rate_ = 0;  ///< entries taken per grain and time in the last window
+    std::uint32_t collapse_limit_ = 0;  ///< events of one grain in this window
+    double rate_ = 0;                   ///< entries taken per grain and time in the last window
     double max_overlap_ = 0;
     bool fetch_ahead_ = false;
 };

@@ -17,6 +17,10 @@ namespace grainfield::simulate {
 // Below this size data are near anyway and looking ahead costs more than it saves.
 constexpr std::size_t cached_grains = 20000;
 
+// Way [a] in a window within which EngineOptions::event_limit is meant, and what a grain can count.
+constexpr double free_way = 1000;
+constexpr double most_events = 4e9;
+
 template <Tangential tangential, bool has_gravity, Plates plates>
 EventEngine<tangential, has_gravity, plates>::EventEngine(const MdSystem& system,
                                                           const EngineOptions& options)
@@ -47,6 +51,7 @@ void EventEngine<tangential, has_gravity, plates>::load(const GrainState& state,
     now_ = 0;
     end_ = end;
     loaded_ = &state;
+    set_collapse_limit();
     total_ = {};
     for (Tile& tile : tile_) {
         tile.ledger = {};
@@ -55,6 +60,16 @@ void EventEngine<tangential, has_gravity, plates>::load(const GrainState& state,
     predict_all();
     is_whole_ = strip_count() < 2;
     if (is_whole_) start_whole(0);
+}
+
+// A grain that flies far meets many: the limit grows with the way that the fastest of this window
+// can go, so that no hot gas is taken for a collapse.
+template <Tangential tangential, bool has_gravity, Plates plates>
+void EventEngine<tangential, has_gravity, plates>::set_collapse_limit() {
+    const double speed = greatest_speed(0) + plate_solver_.speed_bound;
+    const double way = (speed + (has_gravity ? system_.gravity * end_ : 0)) * end_;
+    collapse_limit_ = static_cast<std::uint32_t>(
+        std::min(options_.event_limit * (1 + way / free_way), most_events));
 }
 
 template <Tangential tangential, bool has_gravity, Plates plates>
@@ -67,7 +82,7 @@ void EventEngine<tangential, has_gravity, plates>::predict_all() {
         const auto k = static_cast<std::size_t>(c);
         for (std::size_t i = k * chunk; i < std::min(count, (k + 1) * chunk); ++i) {
             overlap[k] = std::max(overlap[k], overlap_of(i));
-            predict(static_cast<std::int32_t>(i));
+            predict(static_cast<std::int32_t>(i), 0);
         }
     });
     max_overlap_ = 0;
@@ -80,6 +95,7 @@ void EventEngine<tangential, has_gravity, plates>::start_whole(double start) {
     lost_at_.clear();
     Tile& tile = tile_.front();
     tile.kind = TileKind::whole;
+    tile.now = start;
     fill_calendar(tile, start, end_);
     for (std::size_t i = 0; i < grain_.size(); ++i) schedule(tile, static_cast<std::int32_t>(i));
 }
@@ -143,6 +159,7 @@ void EventEngine<tangential, has_gravity, plates>::run(Tile& tile, double end) {
         tile.calendar.pop();
         ++tile.taken;
         if (plan_[static_cast<std::size_t>(i)].key != time) continue;
+        tile.ledger.backwards = std::max(tile.ledger.backwards, tile.now - time);
         tile.now = time;
         if (tile.kind == TileKind::core) {
             if (!is_known(i)) continue;
@@ -167,7 +184,7 @@ void EventEngine<tangential, has_gravity, plates>::execute(Tile& tile, std::int3
             collide_pair(tile, i);
         } else {
             ++tile.ledger.outdated;
-            predict(i);
+            predict(i, tile.now);
             schedule(tile, i);
         }
     } else if (plan.partner >= high_plate) {
@@ -279,23 +296,44 @@ Energies EventEngine<tangential, has_gravity, plates>::energies(double time) con
             rest += std::abs(sum) >= std::abs(x) ? (sum - t) + x : (x - t) + sum;
             sum = t;
         }
+        void add(const Sum& other) {
+            add(other.sum);
+            rest += other.rest;
+        }
+        double value() const { return sum + rest; }
     };
-    Sum horizontal;
-    Sum vertical;
-    Sum rotational;
-    Sum potential;
+    struct Sums {
+        Sum horizontal, vertical, rotational, potential;
+    };
+    // Chunks of fixed size, added in their order: the same bits for any number of threads.
+    constexpr std::size_t chunk = 16384;
+    const std::size_t count = grain_.size();
+    const auto chunks = static_cast<std::int64_t>((count + chunk - 1) / chunk);
+    std::vector<Sums> part(static_cast<std::size_t>(chunks));
     const double g = has_gravity ? system_.gravity : 0;
-    for (std::size_t i = 0; i < grain_.size(); ++i) {
-        Vec3 r = grain_[i].r;
-        Vec3 v = grain_[i].v;
-        fly(r, v, time - grain_[i].t, g);
-        horizontal.add(0.5 * (v.x * v.x + v.y * v.y));
-        vertical.add(0.5 * v.z * v.z);
-        if constexpr (has_spin) rotational.add(0.05 * squared_norm(spin_[i]));
-        if constexpr (has_gravity) potential.add(g * r.z);
+    on_team(chunks, options_.threads, [&](std::int64_t c) {
+        const auto k = static_cast<std::size_t>(c);
+        Sums sums;
+        for (std::size_t i = k * chunk; i < std::min(count, (k + 1) * chunk); ++i) {
+            Vec3 r = grain_[i].r;
+            Vec3 v = grain_[i].v;
+            fly(r, v, time - grain_[i].t, g);
+            sums.horizontal.add(0.5 * (v.x * v.x + v.y * v.y));
+            sums.vertical.add(0.5 * v.z * v.z);
+            if constexpr (has_spin) sums.rotational.add(0.05 * squared_norm(spin_[i]));
+            if constexpr (has_gravity) sums.potential.add(g * r.z);
+        }
+        part[k] = sums;
+    });
+    Sums all;
+    for (const Sums& sums : part) {
+        all.horizontal.add(sums.horizontal);
+        all.vertical.add(sums.vertical);
+        all.rotational.add(sums.rotational);
+        all.potential.add(sums.potential);
     }
-    return {horizontal.sum + horizontal.rest, vertical.sum + vertical.rest,
-            rotational.sum + rotational.rest, potential.sum + potential.rest};
+    return {all.horizontal.value(), all.vertical.value(), all.rotational.value(),
+            all.potential.value()};
 }
 
 template <Tangential tangential, bool has_gravity, Plates plates>

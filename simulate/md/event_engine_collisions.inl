@@ -28,7 +28,9 @@ void EventEngine<tangential, has_gravity, plates>::collide_pair(Tile& tile, std:
     if (cells_.periodic[1]) n.y = nearest(n.y, cells_.length[1]);
     if (cells_.periodic[2]) n.z = nearest(n.z, cells_.length[2]);
     const double square = squared_norm(n);
-    tile.ledger.deepest_pair = std::max(tile.ledger.deepest_pair, 1 - square);
+    if (1 - square > tile.ledger.deepest_pair.depth) {
+        tile.ledger.deepest_pair = {1 - square, plan_[a].id, plan_[b].id, time};
+    }
     n = (1 / std::sqrt(square)) * n;
     Vec3 u = g1.v - g2.v;
     if constexpr (has_spin) u = contact_velocity(g1.v, g2.v, spin_[a], spin_[b], n);
@@ -50,9 +52,9 @@ void EventEngine<tangential, has_gravity, plates>::collide_pair(Tile& tile, std:
     const auto j = static_cast<std::int32_t>(b);
     count_event(i, time);
     count_event(j, time);
-    predict(i);
+    predict(i, time);
     schedule(tile, i);
-    predict(j);
+    predict(j, time);
     schedule(tile, j);
 }
 
@@ -71,7 +73,9 @@ void EventEngine<tangential, has_gravity, plates>::collide_plate(Tile& tile, std
     const double speed = plate.velocity;
     const double gap = is_high ? plate_solver_.height - 0.5 - grain.r.z + plate.shift
                                : grain.r.z - 0.5 - plate.shift;
-    tile.ledger.deepest_plate = std::max(tile.ledger.deepest_plate, -gap);
+    if (-gap > tile.ledger.deepest_plate.depth) {
+        tile.ledger.deepest_plate = {-gap, plan_[a].id, -1, time};
+    }
     u.z -= speed;
     if constexpr (has_spin) u -= 0.5 * cross(spin_[a], n);
     const double e = restitution_of(system_.plate, tile, i, i, time);
@@ -90,7 +94,7 @@ void EventEngine<tangential, has_gravity, plates>::collide_plate(Tile& tile, std
     }
     ++(is_high ? tile.ledger.high_plate : tile.ledger.low_plate);
     count_event(i, time);
-    predict(i);
+    predict(i, time);
     schedule(tile, i);
 }
 
@@ -120,7 +124,9 @@ void EventEngine<tangential, has_gravity, plates>::collide_wall(Tile& tile, std:
             n.y = -1;
             gap = cells_.length[1] - 0.5 - grain.r.y;
     }
-    tile.ledger.deepest_plate = std::max(tile.ledger.deepest_plate, -gap);
+    if (-gap > tile.ledger.deepest_plate.depth) {
+        tile.ledger.deepest_plate = {-gap, plan_[a].id, -1, time};
+    }
     Vec3 u = grain.v;
     if constexpr (plates == Plates::vibrating) u.z -= plate_solver_.plate_velocity(time);
     const double speed = grain.v.z - u.z;
@@ -136,7 +142,7 @@ void EventEngine<tangential, has_gravity, plates>::collide_wall(Tile& tile, std:
     }
     ++tile.ledger.wall;
     count_event(i, time);
-    predict(i);
+    predict(i, time);
     schedule(tile, i);
 }
 
@@ -171,7 +177,7 @@ void EventEngine<tangential, has_gravity, plates>::cross_cell(Tile& tile, std::i
     plan.cell[axis] = static_cast<std::uint16_t>(plan.direction > 0 ? 0 : cells_.count[axis] - 1);
     link(i);
     count_event(i, time);
-    predict(i);
+    predict(i, time);
     schedule(tile, i);
 }
 
@@ -189,7 +195,7 @@ void EventEngine<tangential, has_gravity, plates>::unlink(std::int32_t i) {
 
 template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::count_event(std::int32_t i, double time) {
-    if (++grain_[static_cast<std::size_t>(i)].events > options_.event_limit) {
+    if (++grain_[static_cast<std::size_t>(i)].events > collapse_limit_) {
         report_collapse(i, time);
     }
 }
@@ -222,8 +228,8 @@ void EventEngine<tangential, has_gravity, plates>::report_collapse(std::int32_t 
     throw PhysicsError(
         {.problem = fmt::format("inelastic collapse: grain {} collides without end with {}",
                                 plan.id, partner),
-         .actual = fmt::format("more than {:.0f} events by time {:.17g} of the window",
-                               options_.event_limit, time),
+         .actual = fmt::format("more than {} events by time {:.17g} of the window", collapse_limit_,
+                               time),
          .expected = {},
          .suggestion =
              system_.contact_time > 0

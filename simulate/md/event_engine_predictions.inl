@@ -16,13 +16,26 @@ struct EventEngine<tangential, has_gravity, plates>::Nearby {
     std::size_t count = 0;
 
     bool is_full() const { return count + three_cells > room; }
-    void add(const CellGrid& cells, std::size_t cell, const HugeVector<Grain>& grains) {
-        count += cells.copy(cell, grains, &id[count]);
+    /// Adds the grains of a cell. Where plates throw a whole column of grains above the highest
+    /// cells, one may hold any number: `test` tests and forgets what is there when there is no
+    /// room.
+    template <class Test>
+    void add(const CellGrid& cells, std::size_t cell, const HugeVector<Grain>& grains,
+             Test&& test) {
+        if (cells.cell[cell].count <= CellGrid::most_in_cell) {
+            count += cells.copy(cell, grains, &id[count]);
+            return;
+        }
+        cells.for_each(cell, grains, [&](std::int32_t j) {
+            if (is_full()) test();
+            id[count++] = j;
+        });
     }
 };
 
+// `now`, not the time of the grain's own last event, tells which way it goes through its cell.
 template <Tangential tangential, bool has_gravity, Plates plates>
-void EventEngine<tangential, has_gravity, plates>::predict(std::int32_t i) {
+void EventEngine<tangential, has_gravity, plates>::predict(std::int32_t i, double now) {
     Plan& plan = plan_[static_cast<std::size_t>(i)];
     const Grain& grain = grain_[static_cast<std::size_t>(i)];
     plan.collision = end_;
@@ -38,13 +51,14 @@ void EventEngine<tangential, has_gravity, plates>::predict(std::int32_t i) {
         const std::size_t low = deep ? centre - plane : centre;
         const std::size_t high = deep ? centre + plane : centre;
         Nearby nearby;
+        const auto test = [&] { consider(grain, plan, nearby, {}); };
         for (std::size_t p = low; p <= high; p += plane) {
             for (std::size_t q = p - row; q <= p + row; q += row) {
-                for (std::size_t c = q - 1; c <= q + 1; ++c) nearby.add(cells_, c, grain_);
-                if (nearby.is_full()) consider(grain, plan, nearby, {});
+                for (std::size_t c = q - 1; c <= q + 1; ++c) nearby.add(cells_, c, grain_, test);
+                if (nearby.is_full()) test();
             }
         }
-        consider(grain, plan, nearby, {});
+        test();
     } else {
         consider_around(grain, plan, {x - 1, y - 1, z - 1}, {x + 1, y + 1, z + 1});
         consider_side_walls(grain, plan);
@@ -57,7 +71,7 @@ void EventEngine<tangential, has_gravity, plates>::predict(std::int32_t i) {
             plan.partner = hit.high ? high_plate : low_plate;
         }
     }
-    plan_crossing(grain, plan, grain.t);
+    plan_crossing(grain, plan, now);
 }
 
 // Tests the grains collected so far, and forgets them.
@@ -87,12 +101,13 @@ void EventEngine<tangential, has_gravity, plates>::consider_around(
     const std::array<int, 3>& high) const {
     Nearby nearby;
     Vec3 shift;
+    const auto test = [&] { consider(grain, plan, nearby, shift); };
     for_each_cell(low, high, [&](std::size_t cell, const Vec3& of_cell) {
-        if (nearby.is_full() || !(of_cell == shift)) consider(grain, plan, nearby, shift);
+        if (nearby.is_full() || !(of_cell == shift)) test();
         shift = of_cell;
-        nearby.add(cells_, cell, grain_);
+        nearby.add(cells_, cell, grain_, test);
     });
-    consider(grain, plan, nearby, shift);
+    test();
 }
 
 // f(cell, shift) for the cells low … high, at most five an axis, wrapped around periodic axes

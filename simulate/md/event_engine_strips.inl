@@ -167,7 +167,7 @@ template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::run_seam(Tile& tile, double end) {
     fill_calendar(tile, tile.now, end);
     for (const std::int32_t i : tile.unknown) {
-        predict(i);
+        predict(i, lost_at_[static_cast<std::size_t>(i)]);
         schedule(tile, i);
     }
     tile.is_violated = false;

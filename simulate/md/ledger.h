@@ -47,6 +47,19 @@ class ExactSum {
     bool is_lost_ = false;
 };
 
+/// The deepest contact of a window, with whom and when.
+struct Deepest {
+    double depth = 0;
+    std::int32_t first = -1;   ///< identity of the grain
+    std::int32_t second = -1;  ///< of its partner; -1: a plate or wall
+    double time = 0;           ///< of the window
+
+    void add(const Deepest& other) {
+        const bool deeper = other.depth != depth ? other.depth > depth : other.time < time;
+        if (deeper) *this = other;
+    }
+};
+
 /// What happened in a window: events by kind, energy that came and went, momentum handed over.
 struct Ledger {
     std::int64_t pair = 0;
@@ -66,8 +79,9 @@ struct Ledger {
     ExactSum high_impulse;  ///< on the grains, downwards
     ExactSum pair_virial;   ///< Σ r·J over pair collisions [m a sqrt(g a)]
 
-    double deepest_pair = 0;   ///< greatest 1 − r² of two grains at their contact [a²]
-    double deepest_plate = 0;  ///< greatest depth in a plate or wall at a contact [a]
+    Deepest deepest_pair;   ///< greatest 1 − r² of two grains at their contact [a²]
+    Deepest deepest_plate;  ///< greatest depth in a plate or wall at a contact [a]
+    double backwards = 0;   ///< greatest step back from one event to the next [sqrt(a/g)]
 
     std::int64_t real_events() const { return pair + low_plate + high_plate + wall; }
 
@@ -87,8 +101,9 @@ struct Ledger {
         low_impulse.add(other.low_impulse);
         high_impulse.add(other.high_impulse);
         pair_virial.add(other.pair_virial);
-        deepest_pair = std::max(deepest_pair, other.deepest_pair);
-        deepest_plate = std::max(deepest_plate, other.deepest_plate);
+        deepest_pair.add(other.deepest_pair);
+        deepest_plate.add(other.deepest_plate);
+        backwards = std::max(backwards, other.backwards);
     }
 };
 

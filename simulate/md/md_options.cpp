@@ -64,7 +64,7 @@ OptionTable describe(RunOptions& o) {
              "TC model: collisions sooner than this after another are elastic; 0: off");
     t.number("plate-tolerance", o.plate_tolerance, "a", {1e-16, 1e-2},
              "gap at which a grain touches a plate");
-    t.integer("event-limit", o.event_limit, "-", {100, 1e12},
+    t.integer("event-limit", o.event_limit, "-", {100, 4e9},
               "events of one grain in a window that are taken for inelastic collapse");
     t.integer("tiles", o.tiles, "-", {0, 10000},
               "strips of the cell worked on at a time, 0: as threads need; same results");

@@ -47,6 +47,8 @@ class MdSimulation {
     /// far and at the borders of windows.
     double max_overlap() const;
     double max_penetration() const { return deepest_plate_; }
+    /// Greatest step back in time from one event to the next [sqrt(a/g)].
+    double backwards() const { return backwards_; }
     /// Windows of this process that several threads had to leave to one.
     std::int64_t fallbacks() const { return engine_->fallbacks(); }
     /// |energy change + losses − work| over the energy turned over.
@@ -59,6 +61,8 @@ class MdSimulation {
     Snapshot snapshot(double time, std::int64_t frame) const;
     void sample(double time);
     void add_slice(double time);
+    double permitted_depth(double time) const;
+    void advance_to(double time, double first);
     void settle();
     std::vector<double> present_sums() const;
 
@@ -81,6 +85,7 @@ class MdSimulation {
     double max_overlap_ = 0;  ///< at the borders of windows
     double deepest_pair_ = 0;
     double deepest_plate_ = 0;
+    double backwards_ = 0;
     double outdated_ = 0;
     /// Translational energy over the phases since the last sample, for the pressure.
     struct Kinetic {
@@ -90,5 +95,9 @@ class MdSimulation {
     Kinetic kinetic_;
     Kinetic settled_kinetic_;
 };
+
+/// Throws PhysicsError with grain, partner, time and depth of the deepest contact of a window that
+/// begins with period `first` (`period` in sqrt(a/g)) if it is deeper than `permitted` [a].
+void require_clean_contacts(const Ledger& ledger, double permitted, double first, double period);
 
 }  // namespace grainfield::simulate

@@ -93,6 +93,39 @@ TEST(SimulateMd, EnergiesAndOrderGoIntoTheAnalysisAndTheReport) {
     EXPECT_THAT(testing::read_all(folder / "r_files/energies.csv"), HasSubstr("horizontal"));
 }
 
+TEST(SimulateMd, EveryPresetIsAValidConfiguration) {
+    const std::filesystem::path samples = GRAINFIELD_SOURCE_DIR "/data-samples";
+    int presets = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(samples)) {
+        const std::string name = entry.path().filename();
+        if (!name.starts_with("md-")) continue;
+        ++presets;
+        const Outcome plan = testing::run_grainfield(
+            {"simulate", "md", "-c", entry.path(), "-o", "unused.h5", "--explain"});
+        EXPECT_EQ(plan.code, 0) << name << ": " << plan.err;
+    }
+    EXPECT_GE(presets, 4);
+}
+
+TEST(SimulateMd, ThePresetOfAMinuteEndsInAReport) {
+    const ScratchFolder folder;
+    const std::string preset = GRAINFIELD_SOURCE_DIR "/data-samples/md-small.toml";
+    const Outcome run =
+        testing::run_grainfield({"simulate", "md", "-c", preset, "-o", folder / "a.h5", "--periods",
+                                 "12", "--discard", "2", "--order"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    const Outcome analysis =
+        testing::run_grainfield({"analyze", folder / "a.h5", "-o", folder / "r.h5"});
+    ASSERT_EQ(analysis.code, 0) << analysis.err;
+    const Outcome report =
+        testing::run_grainfield({"compare", folder / "r.h5", "-o", folder / "r.html"});
+    ASSERT_EQ(report.code, 0) << report.err;
+    const std::string page = testing::read_all(folder / "r.html");
+    for (const char* part : {"Energies of the run", "Structure factor", "Frame with detections"}) {
+        EXPECT_THAT(page, HasSubstr(part));
+    }
+}
+
 TEST(SimulateMd, ThreadsDoNotChangeAByte) {
     const ScratchFolder folder;
     for (const char* threads : {"1", "2", "8"}) {

@@ -134,7 +134,7 @@ TEST(MdSimulation, RefusesACheckpointWithNonsenseAndNamesTheFile) {
                 testing::HasSubstr("'progress'"));
 }
 
-// Kinetic part over 16 phases, collisional part over the same period.
+// Kinetic part over 8 phases, collisional part over the same period.
 TEST(MdSimulation, ThePressureIsTheMeanOfThePeriod) {
     MdOptions options = small();
     options.run.periods = 3;
@@ -150,11 +150,11 @@ TEST(MdSimulation, ThePressureIsTheMeanOfThePeriod) {
     double virial = 0;
     for (std::size_t period = 0; period < 3; ++period) {
         double kinetic = 0;
-        for (int k = 1; k <= 16; ++k) {
-            const double time = (static_cast<double>(period) + k / 16.0) * system.period();
+        for (int k = 1; k <= 8; ++k) {
+            const double time = (static_cast<double>(period) + k / 8.0) * system.period();
             engine->advance(time);
             const Energies e = engine->energies(time);
-            kinetic += (e.horizontal + e.vertical) / 16;
+            kinetic += (e.horizontal + e.vertical) / 8;
         }
         const double exchanged = engine->ledger().pair_virial.value() - virial;
         virial += exchanged;
@@ -204,6 +204,22 @@ TEST(MdSimulation, SaysWhatItSkips) {
     for (const PlannedStage& stage : plan.skipped()) skipped.push_back(stage.stage);
     EXPECT_EQ(skipped.front(), "rotation");
     EXPECT_EQ(skipped.at(1), "sinusoidal plates");
+}
+
+TEST(MdSimulation, ADeepContactIsReportedWithPairAndTime) {
+    Ledger ledger;
+    EXPECT_NO_THROW(require_clean_contacts(ledger, 1e-12, 30, 2));
+    ledger.deepest_pair = {1 - 0.9 * 0.9, 17, 4, 3};
+    try {
+        require_clean_contacts(ledger, 1e-12, 30, 2);
+        FAIL();
+    } catch (const PhysicsError& error) {
+        EXPECT_THAT(error.what(), testing::HasSubstr("grain 17 meets grain 4 at period 31.5"));
+        EXPECT_THAT(error.what(), testing::HasSubstr("0.1 a deep"));
+    }
+    EXPECT_NO_THROW(require_clean_contacts(ledger, 0.11, 30, 2));
+    ledger.deepest_plate = {0.2, 3, -1, 1};
+    EXPECT_THROW(require_clean_contacts(ledger, 0.11, 30, 2), PhysicsError);
 }
 
 }  // namespace grainfield::simulate
