@@ -1,8 +1,9 @@
 #include "app/field_results.h"
 
+#include <optional>
+
 #include <fmt/format.h>
 
-#include "analysis/field_analysis.h"
 #include "core/progress.h"
 #include "io/field_file.h"
 
@@ -32,7 +33,7 @@ void name_lengths(std::vector<ObservableResult>& observables) {
 }  // namespace
 
 Results field_results(const std::filesystem::path& path, bool from_fields,
-                      const analysis::StructureFactorOptions& options, Session& session) {
+                      const analysis::FieldAnalysisOptions& options, Session& session) {
     io::FieldFile file(path);
     Results results;
     results.frames = file.count();
@@ -52,6 +53,9 @@ Results field_results(const std::filesystem::path& path, bool from_fields,
     if (!file.record().command.empty()) results.sources = {file.record()};
     if (accumulated) {
         results.observables = file.statistics();
+        std::optional<FieldFrame> like;
+        if (file.count() > 0) like = file.read(0);
+        analysis::add_fits(results.observables, like ? &*like : nullptr, options);
         name_lengths(results.observables);
         return results;
     }

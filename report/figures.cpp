@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "report/further_figures.h"
 #include "report/text.h"
 
 namespace grainfield::report {
@@ -190,6 +191,25 @@ Figure order_structure_factor(const Runs& runs, const std::vector<std::string>& 
     return figure;
 }
 
+// In periodic boxes windows above half of the side show the fixed number of particles; whether
+// something was left out.
+bool cut_at_half_box(Figure& figure, const Runs& runs) {
+    bool cut = false;
+    for (Series& series : figure.series) {
+        const Results& run = runs[series.run];
+        const double side = std::min(run.box.length.x, run.box.length.y) / run.source.diameter;
+        if (!run.box.is_periodic() || !(side > 0)) continue;
+        const auto keep = static_cast<std::size_t>(
+            std::ranges::upper_bound(series.x, 0.5 * side * (1 + 1e-9)) - series.x.begin());
+        if (keep == 0 || keep == series.x.size()) continue;
+        series.x.resize(keep);
+        series.y.resize(keep);
+        if (!series.error.empty()) series.error.resize(keep);
+        cut = true;
+    }
+    return cut;
+}
+
 Figure number_variance(const Runs& runs, const std::vector<std::string>& labels) {
     const Source source{"variance", "variance", "l", "variance", "err"};
     Figure figure =
@@ -199,8 +219,17 @@ Figure number_variance(const Runs& runs, const std::vector<std::string>& labels)
     add_kind(figure, runs, {"σ²(ℓ)", Mark::line, true}, source, true);
     add_kind(figure, runs, {"pooled over positions and frames", Mark::line, false},
              {"variance", "variance_pooled", "l", "variance", "err"}, false);
+    add_kind(figure, runs, {"of the spatial mean", Mark::line, false},
+             {"variance", "variance_spatial_mean", "l", "variance", "err"}, false);
     entitle(figure, common_title(runs, source));
+    const bool cut = cut_at_half_box(figure, runs);
     if (!figure.has_data()) return figure;
+    if (cut) {
+        figure.note += figure.note.empty() ? "" : ". ";
+        figure.note +=
+            "Drawn up to half of a periodic box: the fixed number of particles pulls σ² to zero at "
+            "ℓ = L";
+    }
     const auto [first, last] = extent(figure, figure.x, &Series::x);
     const auto [low, high] = extent(figure, figure.y, &Series::y);
     if (!(last > first) || !(low > 0)) return figure;
@@ -379,6 +408,7 @@ std::vector<Figure> make_figures(const std::vector<Results>& runs,
                                 phase_fractions(runs, labels)};
     if (any_has(runs, "critical")) figures.insert(figures.begin(), critical(runs, labels));
     if (any_has(runs, "s4")) figures.push_back(order_structure_factor(runs, labels));
+    for (Figure& figure : further_figures(runs, labels)) figures.push_back(std::move(figure));
     if (any_has(runs, "series")) {
         figures.push_back(energies(runs, labels));
         figures.push_back(collisions(runs, labels));
