@@ -6,6 +6,24 @@
 
 namespace grainfield::app {
 
+namespace {
+
+void add_flights(const simulate::FlightTally& flights, Summary& summary) {
+    const auto all = static_cast<double>(flights.free + flights.turned + flights.several);
+    summary.facts["flights"] = {{"free", flights.free},
+                                {"one_collision", flights.turned},
+                                {"several_collisions", flights.several}};
+    if (all <= 0) return;
+    summary.text += fmt::format(
+        "  flights between snapshots: {:.1f} % without a collision, {:.1f} % followed through one, "
+        "{:.1f} % with several\n",
+        100 * static_cast<double>(flights.free) / all,
+        100 * static_cast<double>(flights.turned) / all,
+        100 * static_cast<double>(flights.several) / all);
+}
+
+}  // namespace
+
 void add_optics_summary(const simulate::Renderer& renderer, std::int64_t frames,
                         const simulate::SamplingCheck& check, Summary& summary) {
     const simulate::OpticsCost cost = renderer.cost();
@@ -17,6 +35,7 @@ void add_optics_summary(const simulate::Renderer& renderer, std::int64_t frames,
     summary.facts["samples_per_pixel"] = cost.samples / pixels;
     summary.facts["settled_pixels"] = settled;
     summary.facts["rays_saved"] = saved;
+    add_flights(renderer.flights(), summary);
     if (cost.rays <= 0) return;
     summary.text += fmt::format(
         "  {:.1f} rays a pixel of the frame, {:.0f} % fewer than by uniform sampling; none in "
@@ -29,6 +48,17 @@ void add_optics_summary(const simulate::Renderer& renderer, std::int64_t frames,
         "  differs from uniform sampling by {:.2f} % of the bright field, camera noise {:.2f} % "
         "(RMS, {} px in the middle)\n",
         100 * check.difference, 100 * check.noise, check.size);
+}
+
+void explain_rays(const simulate::SamplingCheck& check, RunPlan& plan) {
+    if (check.size == 0) return;
+    plan.run("rays",
+             fmt::format("{:.1f} a pixel, {:.0f} % fewer than by uniform sampling, on {} px "
+                         "in the middle of the first frame",
+                         check.rays, 100 * check.saved, check.size));
+    plan.run("sampling error",
+             fmt::format("{:.2f} % of the bright field there, camera noise {:.2f} %",
+                         100 * check.difference, 100 * check.noise));
 }
 
 }  // namespace grainfield::app

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "app/optics_summary.h"
+#include "app/snapshot_window.h"
 #include "core/errors.h"
 #include "core/interrupt.h"
 #include "core/progress.h"
@@ -94,7 +95,8 @@ RenderCommand::Tally RenderCommand::render_all(Session& session, SnapshotSource&
                                                io::TrajectoryWriter* truth) const {
     const bool video = io::is_video_name(output_);
     Tally tally;
-    simulate::LastingIds ids;
+    SnapshotWindow window(source);
+    simulate::LastingIds ids(renderer.crossing_span(source.read(0).box));
     Progress progress("rendering", static_cast<std::int64_t>(chosen.size()), "frames",
                       session.common.verbosity());
     if (render_.optics == simulate::OpticsKind::raytrace) progress.announce();
@@ -105,19 +107,14 @@ RenderCommand::Tally RenderCommand::render_all(Session& session, SnapshotSource&
             progress.advance();
             continue;
         }
-        const Snapshot snapshot = source.read(chosen[i]);
-        std::optional<Snapshot> next;
-        if (snapshot.velocity.empty() && chosen[i] + 1 < source.count()) {
-            next = source.read(chosen[i] + 1);
-        }
+        const simulate::SnapshotSeries series = window.around(chosen[i], renderer.half_exposure());
         if (tally.frames == 0) {
-            tally.check = simulate::check_sampling(
-                render_, renderer.view(), source.info(), snapshot, next ? &*next : nullptr,
-                static_cast<std::uint64_t>(session.common.seed), session.threads());
+            tally.check = simulate::check_sampling(render_, renderer.view(), source.info(), series,
+                                                   static_cast<std::uint64_t>(session.common.seed),
+                                                   session.threads());
         }
         const auto start = Clock::now();
-        simulate::RenderedFrame rendered =
-            renderer.render(snapshot, index, next ? &*next : nullptr);
+        simulate::RenderedFrame rendered = renderer.render(series, index);
         tally.render_seconds += seconds_since(start);
         const auto start_writing = Clock::now();
         // A video cannot leave a place empty: what follows a lost frame moves up, as from a camera.
@@ -125,7 +122,8 @@ RenderCommand::Tally RenderCommand::render_all(Session& session, SnapshotSource&
         rendered.frame.index = place;
         rendered.truth.frame = place;
         writer.write(rendered.frame);
-        ids.renumber(rendered.truth);
+        ids.follow(rendered.truth);
+        ids.renumber(rendered.truth, tally.frames);
         if (truth != nullptr) truth->write(rendered.truth);
         tally.write_seconds += seconds_since(start_writing);
         tally.spheres += static_cast<double>(rendered.truth.size());
@@ -162,7 +160,15 @@ Summary RenderCommand::run(Session& session) {
     } else {
         session.plan.run("truth", fmt::format("positions in pixels to '{}'", truth_));
     }
-    if (session.common.explain) return explanation(session.plan);
+    if (session.common.explain) {
+        SnapshotWindow window(*source);
+        explain_rays(simulate::check_sampling(
+                         options, renderer.view(), source->info(),
+                         window.around(chosen.front(), renderer.half_exposure()),
+                         static_cast<std::uint64_t>(session.common.seed), session.threads()),
+                     session.plan);
+        return explanation(session.plan);
+    }
     require_output(session, output_);
     if (!truth_.empty()) require_output(session, truth_);
 

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "app/snapshot_window.h"
 #include "core/frame_source.h"
 #include "core/run_plan.h"
 #include "core/trajectory.h"
@@ -15,8 +15,9 @@
 
 namespace grainfield::app {
 
-/// The frames of a rendered trajectory as a tracker takes them. One frame is kept, since the
-/// tracker asks for its first one twice; the truth of every frame rendered so far is kept too.
+/// The frames of a rendered trajectory as a tracker takes them, and their truth. Both can be asked
+/// for in any order and are the same in any. One frame is kept, since the tracker asks for its
+/// first one twice; of the truth only who crossed a boundary when.
 class RenderedFrames : public FrameSource {
  public:
     /// `trajectory` must outlive this; `box`: of its first snapshot. Throws what Renderer throws.
@@ -34,8 +35,9 @@ class RenderedFrames : public FrameSource {
     const std::vector<std::string>& warnings() const override { return warnings_; }
 
     const TrajectoryInfo& truth_info() const { return info_; }
-    /// Where the spheres of frame `index` are [px]; renders it if that has not been done.
-    const Snapshot& truth(std::int64_t index);
+    /// Where the spheres of frame `index` are [px], with lasting identities. Follows all frames
+    /// before it the first time; milliseconds each, none is rendered.
+    Snapshot truth(std::int64_t index);
     const simulate::Renderer& renderer() const { return renderer_; }
     /// Images made so far; some may have been made twice.
     std::int64_t rendered() const { return rendered_; }
@@ -46,6 +48,7 @@ class RenderedFrames : public FrameSource {
     void render(std::int64_t index);
 
     SnapshotSource& trajectory_;
+    SnapshotWindow window_;
     simulate::RenderOptions options_;
     std::uint64_t seed_;
     int threads_;
@@ -54,7 +57,6 @@ class RenderedFrames : public FrameSource {
     std::vector<std::string> warnings_;
     Frame last_;
     std::int64_t rendered_ = 0;
-    std::map<std::int64_t, Snapshot> truth_;
     simulate::LastingIds ids_;
 };
 

@@ -9,6 +9,7 @@
 #include "app/optics_summary.h"
 #include "app/rendered_frames.h"
 #include "app/validation_report.h"
+#include "app/validation_summary.h"
 #include "core/errors.h"
 #include "core/interrupt.h"
 #include "io/frame_files.h"
@@ -21,107 +22,33 @@ namespace grainfield::app {
 
 namespace {
 
-using nlohmann::ordered_json;
-using tracking::ClassScore;
+/// A run in memory, without what no renderer looks at.
+class MovingGrains : public StoredSnapshots {
+ public:
+    void write(const Snapshot& snapshot) override {
+        Snapshot lean = snapshot;
+        lean.spin.clear();
+        lean.spin.shrink_to_fit();
+        StoredSnapshots::write(lean);
+    }
+};
 
-/// NaN has no place in JSON.
-ordered_json number(double value) {
-    return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
-}
-
-ordered_json facts(const ClassScore& s) {
-    ordered_json facts;
-    facts["recall"] = number(s.recall());
-    facts["precision"] = number(s.precision());
-    facts["jaccard"] = number(s.jaccard());
-    facts["rmse_px"] = number(s.rmse_per_axis());
-    facts["bias_px"] = {number(s.bias().x), number(s.bias().y)};
-    facts["bound_px"] = number(s.bound());
-    facts["bound_ratio"] = number(s.bound_ratio());
-    facts["pull_rms"] = number(s.pull_rms());
-    facts["matched"] = s.matched;
-    facts["missed"] = s.missed;
-    facts["spurious"] = s.spurious;
-    return facts;
-}
-
-ordered_json facts(const ValidationOutcome& outcome, const tracking::TrackSummary& tracked,
-                   const std::vector<ThresholdCheck>& checks) {
-    const auto& detection = outcome.scores.detection();
-    ordered_json all = facts(detection.find("all"));
-    ordered_json facts_of_run;
-    facts_of_run["frames"] = detection.frames();
-    for (const char* key : {"recall", "precision", "rmse_px", "bound_ratio"}) {
-        facts_of_run[key] = all[key];
+Snapshot snapshot_of(const simulate::GrainState& state, const simulate::MdOptions& md) {
+    Snapshot s;
+    const auto side = [](simulate::Side sides) {
+        return sides == simulate::Side::walls ? Boundary::walls : Boundary::periodic;
+    };
+    s.box = {.origin = {},
+             .length = {md.cell.length_x, md.cell.length_y},
+             .boundary = {side(md.cell.sides_x), side(md.cell.sides_y)},
+             .height = md.cell.height};
+    for (std::size_t i = 0; i < state.size(); ++i) {
+        s.position.push_back({state.position[i].x, state.position[i].y});
+        s.z.push_back(state.position[i].z);
+        s.velocity.push_back(state.velocity[i]);
+        s.id.push_back(state.id[i]);
     }
-    for (std::size_t c = 0; c < kTruthClasses; ++c) {
-        facts_of_run["classes"][detection.classes()[c].name] = facts(detection.classes()[c]);
-    }
-    const auto& t = outcome.tracks;
-    facts_of_run["tracks"] = {{"alpha", t.alpha},
-                              {"beta", t.beta},
-                              {"jsc", t.jaccard_points},
-                              {"jsc_theta", t.jaccard_tracks},
-                              {"correct_links", t.correct_link_fraction()},
-                              {"links", t.links},
-                              {"switches", t.switches},
-                              {"fragments", t.fragments},
-                              {"wrong_links", t.wrong_links}};
-    const auto locking = [&](int axis) { return number(detection.pixel_locking(axis).amplitude); };
-    facts_of_run["pixel_locking_px"] = {locking(0), locking(1)};
-    facts_of_run["layer_accuracy"] = number(outcome.scores.layers().accuracy());
-    facts_of_run["q4_error"] = number(outcome.scores.q4_rms());
-    facts_of_run["msd_offset"] = number(outcome.msd_offset);
-    facts_of_run["msd_offset_expected"] = number(outcome.predicted_msd_offset);
-    facts_of_run["downstream"] = ordered_json::object();
-    for (const DownstreamEffect& e : outcome.effects) {
-        facts_of_run["downstream"][e.name] = {{"true", number(e.truth)},
-                                              {"tracked", number(e.tracked)}};
-    }
-    facts_of_run["thresholds"] = ordered_json::array();
-    for (const ThresholdCheck& c : checks) {
-        facts_of_run["thresholds"].push_back(
-            {{"name", c.name}, {"limit", c.limit}, {"value", number(c.value)}, {"met", c.met()}});
-    }
-    const auto& ms = tracked.ms_per_frame;
-    facts_of_run["ms_per_frame"] = {{"render", ms.read},
-                                    {"detect", ms.detect},
-                                    {"refine", ms.refine},
-                                    {"link", ms.link},
-                                    {"score", ms.write}};
-    return facts_of_run;
-}
-
-std::string words(const std::string& output, const ValidationOutcome& outcome,
-                  const std::vector<ThresholdCheck>& checks) {
-    const auto& detection = outcome.scores.detection();
-    std::string text =
-        fmt::format("{}: {} frames\n  {:<10}{:>10}{:>9}{:>10}{:>10}{:>8}\n", output,
-                    detection.frames(), "", "true", "recall", "precision", "RMSE/px", "/bound");
-    for (std::size_t c = 0; c < kTruthClasses; ++c) {
-        const ClassScore& s = detection.classes()[c];
-        if (s.matched + s.missed == 0) continue;
-        text += fmt::format("  {:<10}{:>10}{:>9.5f}{:>10.5f}{:>10.4f}{:>8.2f}\n", s.name,
-                            s.matched + s.missed, s.recall(), s.precision(), s.rmse_per_axis(),
-                            s.bound_ratio());
-    }
-    const auto& t = outcome.tracks;
-    text +=
-        fmt::format("  tracks    α {:.4f}, β {:.4f}, JSC {:.4f}, JSCθ {:.4f}, links {:.5f}\n",
-                    t.alpha, t.beta, t.jaccard_points, t.jaccard_tracks, t.correct_link_fraction());
-    for (const ThresholdCheck& c : checks) {
-        text += fmt::format("  {:<10}{}\n", c.met() ? "met" : "MISSED", c.text());
-    }
-    return text;
-}
-
-/// The checks that were missed, in one line; empty if there are none.
-std::string missed(const std::vector<ThresholdCheck>& checks) {
-    std::string text;
-    for (const ThresholdCheck& c : checks) {
-        if (!c.met()) text += (text.empty() ? "thresholds missed: " : "; ") + c.text();
-    }
-    return text.empty() ? text : text + ".";
+    return s;
 }
 
 OptionError needs(const char* problem, const char* suggestion) {
@@ -235,13 +162,19 @@ std::unique_ptr<SnapshotSource> ValidateCommand::make_trajectory(Session& sessio
         session.inputs.emplace_back(trajectory_);
         return io::open_snapshots(trajectory_, std::nullopt, {});
     }
+    const double frames = std::max(0.0, md_.run.periods - md_.run.discard) / md_.run.snapshot_every;
+    require_memory(frames * static_cast<double>(md_.cell.grains), available_memory());
+    // To explain what ray tracing takes, the state that a run would begin with will do.
+    const bool is_shown =
+        !session.common.explain || render_.optics == simulate::OpticsKind::raytrace;
     simulate::GrainState initial;
-    if (!session.common.explain) {
+    if (is_shown) {
         initial =
             simulate::make_initial_state(md_, static_cast<std::uint64_t>(session.common.seed));
     }
+    auto snapshots = std::make_unique<MovingGrains>();
+    if (session.common.explain && is_shown) snapshots->write(snapshot_of(initial, md_));
     simulate::MdSimulation simulation(md_, std::move(initial), session.threads(), session.plan);
-    auto snapshots = std::make_unique<StoredSnapshots>();
     snapshots->set_info(simulation.info());
     if (session.common.explain) return snapshots;
     Progress progress("simulating", static_cast<std::int64_t>(md_.run.periods), "periods",
@@ -276,11 +209,11 @@ Summary ValidateCommand::finish(Session& session, const ValidationOutcome& outco
         figures->keep();
         session.outputs.push_back(figures->path());
     }
-    Summary summary{.text = words(output_, outcome, checks),
-                    .facts = facts(outcome, tracked, checks),
+    Summary summary{.text = summary_text(output_, outcome, checks),
+                    .facts = summary_facts(outcome, tracked, checks),
                     .signal = caught_signal(),
                     .failure = {}};
-    if (summary.signal == 0) summary.failure = missed(checks);
+    if (summary.signal == 0) summary.failure = missed_thresholds(checks);
     return summary;
 }
 
@@ -288,6 +221,9 @@ Summary ValidateCommand::run(Session& session) {
     if (!session.common.explain) require_output(session, output_);
     const Scene scene = session.inputs.empty() ? rendered_scene(session) : given_scene(session);
     if (session.common.explain) {
+        if (scene.rendered != nullptr && scene.rendered->count() > 0) {
+            explain_rays(scene.rendered->check_sampling(), session.plan);
+        }
         session.plan.run("track", "calibrates on the first frame; see 'track --explain'");
         session.plan.run("score", "matched within D/4, against the joint Cramér–Rao bound");
         session.plan.run("analyse", "the true and the tracked positions");

@@ -1,6 +1,9 @@
 #include "app/validation.h"
 
 #include <algorithm>
+#include <fstream>
+#include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -70,6 +73,15 @@ ScoredView view_of(const ValidationCase& scene, const ValidationSettings& settin
     view.disc = tracker.model().disc;
     view.noise = noise_of(scene, tracker);
     view.threads = settings.threads;
+    view.span = {view.width + 0.0, view.height + 0.0};
+    if (scene.truth.count() > 0) {
+        // A table of positions may say that its box is periodic; the truth of a renderer never is.
+        const Box box = scene.truth.read(0).box;
+        if (box.boundary[0] == Boundary::periodic)
+            view.span.x = std::min(view.span.x, box.length.x);
+        if (box.boundary[1] == Boundary::periodic)
+            view.span.y = std::min(view.span.y, box.length.y);
+    }
     return view;
 }
 
@@ -130,13 +142,42 @@ Results run_of(const std::string& label, const StoredSnapshots& snapshots) {
 }
 
 void analyse(Results& run, StoredSnapshots& snapshots, const ValidationSettings& settings,
-             RunPlan& plan) {
+             ValidationOutcome& outcome, RunPlan& plan) {
     Progress progress("analysing " + run.label + " positions", snapshots.count(), "frames",
                       settings.verbosity);
     run.observables = analysis::analyze(snapshots, {}, settings.threads, plan, progress);
+    analysis::AnalysisOptions free;
+    free.observables = "fit";
+    free.fit.exponent = analysis::Exponent::free;
+    RunPlan same;
+    Progress quiet("fitting", snapshots.count(), "frames", Verbosity::quiet);
+    for (ObservableResult& result :
+         analysis::analyze(snapshots, free, settings.threads, same, quiet)) {
+        if (result.name == "fit") outcome.free_fits.push_back(std::move(result));
+    }
 }
 
 }  // namespace
+
+double available_memory() {
+    std::ifstream lines("/proc/meminfo");
+    for (std::string word; lines >> word;) {
+        double kibibytes = 0;
+        if (word == "MemAvailable:" && lines >> kibibytes) return 1024 * kibibytes;
+    }
+    return 0;
+}
+
+void require_memory(double particles, double available) {
+    constexpr double bytes = 200;  // a particle and frame
+    if (available <= 0 || particles * bytes < available) return;
+    throw OptionError(
+        {.problem = "validation keeps all positions in memory",
+         .actual = fmt::format("{:.2g} GB for {:.3g} particles in all frames",
+                               1e-9 * particles * bytes, particles),
+         .expected = fmt::format("at most {:.2g} GB, which are free", 1e-9 * available),
+         .suggestion = "validate fewer frames (run.periods, run.snapshot-every)"});
+}
 
 ValidationOutcome validate(const ValidationCase& scene, const ValidationSettings& settings,
                            tracking::TrackSummary& summary, RunPlan& plan) {
@@ -153,11 +194,15 @@ ValidationOutcome validate(const ValidationCase& scene, const ValidationSettings
                             .expected = "dark or bright discs of one size",
                             .suggestion = "look at the frames, or give calibrate.diameter"});
     }
+    require_memory(
+        static_cast<double>(scene.frames.count()) * static_cast<double>(scene.truth.read(0).size()),
+        available_memory());
     const double sphere_diameter = tracker.info().diameter;
     ValidationOutcome outcome{
         .scores = ValidationScores(view_of(scene, settings, tracker, sphere_diameter)),
         .tracks = {},
         .runs = {},
+        .free_fits = {},
         .effects = {}};
     StoredSnapshots found, seen;
     TrajectoryInfo info = tracker.info();
@@ -191,8 +236,8 @@ ValidationOutcome validate(const ValidationCase& scene, const ValidationSettings
                               summary.frames, scene.frames.count()));
     } else {
         RunPlan same;  // what is skipped for the one is skipped for the other
-        analyse(outcome.runs[0], seen, settings, same);
-        analyse(outcome.runs[1], found, settings, plan);
+        analyse(outcome.runs[0], seen, settings, outcome, same);
+        analyse(outcome.runs[1], found, settings, outcome, plan);
     }
     compare_downstream(outcome);
     return outcome;

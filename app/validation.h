@@ -33,8 +33,15 @@ struct ValidationSettings {
 /// After an interrupt the frames done so far are scored and the analysis is left out. Throws
 /// PhysicsError if the tracker finds nothing to calibrate on.
 ///
-/// Memory: all snapshots, about 250 B a particle and frame.
+/// Memory: all positions, about 200 B a particle and frame; refused beforehand if there is not so
+/// much (OptionError).
 ValidationOutcome validate(const ValidationCase& scene, const ValidationSettings& settings,
                            tracking::TrackSummary& summary, RunPlan& plan);
+
+/// Free memory [bytes]; 0 if unknown.
+double available_memory();
+/// Throws OptionError if so many particles, summed over the frames, do not fit into `available`
+/// bytes (0: unknown).
+void require_memory(double particles, double available);
 
 }  // namespace grainfield::app

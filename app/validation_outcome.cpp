@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
 
 namespace grainfield::app {
 
@@ -21,27 +22,50 @@ const std::vector<double>* column(const Results& run, const char* observable, co
     return values == nullptr ? nullptr : &values->values;
 }
 
+const ObservableResult* observable_of(const ValidationOutcome& outcome, std::size_t run,
+                                      const std::string& name) {
+    if (name != "free fit") return outcome.runs[run].find(name);
+    return run < outcome.free_fits.size() ? &outcome.free_fits[run] : nullptr;
+}
+
+/// A measurement of one run, or the reason why there is none.
+struct Found {
+    double value = kNone;
+    double error = kNone;
+    std::string unit;
+    std::string reason;
+};
+
+Found found_in(const ObservableResult* observable, const ComparedMeasurement& wanted) {
+    Found found;
+    if (observable == nullptr) {
+        found.reason = fmt::format("the analysis has no observable '{}'", wanted.observable);
+        return found;
+    }
+    const Measurement* m = observable->find_measurement(wanted.measurement);
+    if (m == nullptr) {
+        found.reason = !observable->reason.empty()
+                           ? observable->reason
+                           : fmt::format("'{}' has no measurement '{}'", wanted.observable,
+                                         wanted.measurement);
+        return found;
+    }
+    found.value = m->value.value_or(kNone);
+    found.error = m->error.value_or(kNone);
+    found.unit = m->unit;
+    if (!m->value || !m->error) found.reason = m->reason;
+    return found;
+}
+
 void add_measurements(ValidationOutcome& outcome) {
-    static const std::map<std::string, std::string> titles{
-        {"q4_mean", "Mean |Q₄|"},
-        {"lattice_spacing", "Lattice spacing of the solid"},
-        {"nearest_distance", "Mean distance of the nearest neighbour"},
-        {"solid_fraction", "Solid fraction"},
-        {"liquid_fraction", "Liquid fraction"},
-        {"number_density", "Number density"},
-        {"d_all", "Diffusion coefficient"},
-        {"s_lowest_k", "S at the lowest k"},
-        {"relative_variance_10a", "σ²/⟨N⟩ at ℓ = 10 a"}};
-    for (const ObservableResult& observable : outcome.runs[0].observables) {
-        const ObservableResult* other = outcome.runs[1].find(observable.name);
-        if (other == nullptr) continue;
-        for (const Measurement& m : observable.measurements) {
-            const Measurement* n = other->find_measurement(m.name);
-            const auto title = titles.find(m.name);
-            if (n == nullptr || !m.value || !n->value || title == titles.end()) continue;
-            outcome.effects.push_back(
-                {m.name, title->second, m.unit, *m.value, *n->value, n->error.value_or(kNone)});
-        }
+    for (const ComparedMeasurement& wanted : compared_measurements()) {
+        const Found truth = found_in(observable_of(outcome, 0, wanted.observable), wanted);
+        const Found tracked = found_in(observable_of(outcome, 1, wanted.observable), wanted);
+        std::string reason = tracked.reason;
+        if (reason.empty() && !truth.reason.empty()) reason = "true: " + truth.reason;
+        outcome.effects.push_back({wanted.name, wanted.title,
+                                   tracked.unit.empty() ? truth.unit : tracked.unit, truth.value,
+                                   tracked.value, tracked.error, std::move(reason)});
     }
 }
 
@@ -84,6 +108,25 @@ double first_msd(const Results& run) {
 
 }  // namespace
 
+const std::vector<ComparedMeasurement>& compared_measurements() {
+    static const std::vector<ComparedMeasurement> compared{
+        {"q4", "q4_mean", "q4_mean", "Mean |Q₄|"},
+        {"q4", "lattice_spacing", "lattice_spacing", "Lattice spacing of the solid"},
+        {"q4", "nearest_distance", "nearest_distance", "Mean distance of the nearest neighbour"},
+        {"phase", "solid_fraction", "solid_fraction", "Solid fraction"},
+        {"phase", "liquid_fraction", "liquid_fraction", "Liquid fraction"},
+        {"variance", "number_density", "number_density", "Number density"},
+        {"msd", "d_all", "d_all", "Diffusion coefficient"},
+        {"sk", "s_lowest_k", "s_lowest_k", "S at the lowest k"},
+        {"variance", "relative_variance_10a", "relative_variance_10a", "σ²/⟨N⟩ at ℓ = 10 a"},
+        {"fit", "s0_over_s1", "s0_over_s1", "S₀/S₁"},
+        {"fit", "s0", "s0", "S₀"},
+        {"fit", "s1", "s1", "S₁"},
+        {"free fit", "alpha", "alpha", "Exponent α, fitted"},
+        {"free fit", "s0_over_s1", "s0_over_s1_free_alpha", "S₀/S₁ with α fitted"}};
+    return compared;
+}
+
 void compare_downstream(ValidationOutcome& outcome) {
     outcome.effects.clear();
     const double sigma = outcome.scores.detection().find("all").rmse_per_axis() /
@@ -96,12 +139,12 @@ void compare_downstream(ValidationOutcome& outcome) {
     const double low_tracked = low_k_mean(outcome.runs[1]);
     if (std::isfinite(low_truth) && std::isfinite(low_tracked)) {
         outcome.effects.push_back(
-            {"s_low_k", "Mean S(k) for ka < 0.3", "-", low_truth, low_tracked, kNone});
+            {"s_low_k", "Mean S(k) for ka < 0.3", "-", low_truth, low_tracked, kNone, {}});
     }
     const double deviation = deviation_of_sk(outcome.runs[0], outcome.runs[1]);
     if (std::isfinite(deviation)) {
         outcome.effects.push_back(
-            {"sk_deviation", "RMS relative deviation of S(k)", "-", 0, deviation, kNone});
+            {"sk_deviation", "RMS relative deviation of S(k)", "-", 0, deviation, kNone, {}});
     }
     outcome.msd_offset = first_msd(outcome.runs[1]) - first_msd(outcome.runs[0]);
 }

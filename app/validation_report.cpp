@@ -76,9 +76,8 @@ Table track_table(const ValidationOutcome& outcome) {
     table.name = "track_scores";
     table.title = "Tracks, pixels, layers";
     table.note =
-        "α, β, JSC and JSCθ as in the ISBI challenge, ε = D/4. Pixel locking: first harmonic of "
-        "the "
-        "mean error against the sub-pixel phase.";
+        "Over the particles of class all. α, β, JSC and JSCθ as in the ISBI challenge, ε = D/4. "
+        "Pixel locking: first harmonic of the mean error against the sub-pixel phase.";
     table.columns = {{"value", "Value", "", false}, {"meaning", "Meaning", "", true}};
     const auto row = [&](const char* name, report::TableCell value, std::string meaning) {
         table.rows.push_back({name, {std::move(value), {NAN, std::move(meaning), false}}});
@@ -120,17 +119,22 @@ Table effect_table(const ValidationOutcome& outcome) {
     table.columns = {{"true", "True", ""},
                      {"tracked", "Tracked", ""},
                      {"difference", "Difference", ""},
-                     {"sigma", "σ", ""}};
+                     {"sigma", "σ", ""},
+                     {"remark", "Remark", "", true}};
     for (const DownstreamEffect& e : outcome.effects) {
         const std::string unit = report::pretty_unit(e.unit, outcome.runs[0].source.time_unit);
         table.rows.push_back({unit.empty() ? e.title : e.title + " [" + unit + "]",
-                              {number(e.truth), number(e.tracked),
-                               number(e.tracked - e.truth, "{:+.2g}"), number(e.error, "{:.2g}")}});
+                              {number(e.truth),
+                               number(e.tracked),
+                               number(e.tracked - e.truth, "{:+.2g}"),
+                               number(e.error, "{:.2g}"),
+                               {NAN, e.reason, false}}});
     }
     table.rows.push_back({"MSD at the shortest lag: offset, where 4σ² is expected [a²]",
                           {number(outcome.predicted_msd_offset, "{:.3g}"),
                            number(outcome.msd_offset, "{:.3g}"),
                            number(outcome.msd_offset - outcome.predicted_msd_offset, "{:+.2g}"),
+                           {},
                            {}}});
     return table;
 }

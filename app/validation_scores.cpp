@@ -95,7 +95,10 @@ tracking::TruthFrame classify_truth(const Snapshot& truth, const ScoredView& vie
 }
 
 ValidationScores::ValidationScores(const ScoredView& view)
-    : view_(view), detection_(truth_class_names(), 0.25 * view.disc.diameter) {}
+    : view_(view),
+      detection_(truth_class_names(), 0.25 * view.disc.diameter),
+      continuity_(view.span.x > 0 ? view.span : Vec2{view.width + 0.0, view.height + 0.0},
+                  simulate::Absence::ends) {}
 
 void ValidationScores::add(const Snapshot& truth, const Snapshot& found) {
     // Neighbours beyond the frame belong to the order of a particle near its edge.
@@ -105,12 +108,11 @@ void ValidationScores::add(const Snapshot& truth, const Snapshot& found) {
     const std::vector<double> true_q4 = analysis::abs_q4(whole, view_.sphere_diameter, {});
     whole.layer = truth.layer;
     const tracking::TruthFrame frame = classify_truth(whole, view_, true_q4);
-    const std::vector<int> partner = detection_.add(frame, found.position, found.position_error);
-    layers_.add(truth.position, truth.layer, found.layer, partner,
+    const tracking::FrameMatch match = detection_.add(frame, found.position, found.position_error);
+    layers_.add(truth.position, truth.layer, found.layer, match.partner,
                 view_.contact * view_.sphere_diameter);
-    add_q4(found, true_q4, frame.classes, partner);
-    add_tracks(truth, found, frame.classes, partner);
-    ++frame_;
+    add_q4(found, true_q4, frame.classes, match.partner);
+    add_tracks(truth, found, frame.classes, match);
 }
 
 void ValidationScores::add_q4(const Snapshot& found, const std::vector<double>& true_q4,
@@ -130,24 +132,28 @@ void ValidationScores::add_q4(const Snapshot& found, const std::vector<double>& 
 
 void ValidationScores::add_tracks(const Snapshot& truth, const Snapshot& found,
                                   const std::vector<std::uint64_t>& classes,
-                                  const std::vector<int>& partner) {
-    tracking::IdentifiedFrame true_frame, found_frame;
-    std::vector<char> ignored(found.size(), 0);
+                                  const tracking::FrameMatch& match) {
+    // Who is in view goes on, also where he does not count.
+    std::vector<std::int64_t> id;
+    std::vector<Vec2> position;
+    std::vector<char> counts;
     for (std::size_t i = 0; i < truth.size(); ++i) {
-        if (classes[i] == 0) {
-            if (partner[i] >= 0) ignored[static_cast<std::size_t>(partner[i])] = 1;
-            continue;
-        }
-        Sighting& last = last_[truth.id[i]];
-        // Nobody can know who comes back into view, or through a periodic boundary.
-        const bool goes_on = last.frame == frame_ - 1 && last.frame >= 0 &&
-                             norm(truth.position[i] - last.position) < 0.25 * view_.width;
-        last = {frame_, goes_on ? last.track : tracks_begun_++, truth.position[i]};
-        true_frame.id.push_back(last.track);
-        true_frame.position.push_back(truth.position[i]);
+        if (classes[i] == 0) continue;
+        id.push_back(truth.id[i]);
+        position.push_back(truth.position[i]);
+        counts.push_back((classes[i] & bit(TruthClass::all)) != 0);
+    }
+    const std::vector<simulate::Sighting> sightings = continuity_.follow(id, position);
+    tracking::IdentifiedFrame true_frame, found_frame;
+    for (std::size_t i = 0; i < id.size(); ++i) {
+        std::int64_t& track = track_[id[i]];
+        if (sightings[i] != simulate::Sighting::same) track = tracks_begun_++;
+        if (!counts[i]) continue;
+        true_frame.id.push_back(track);
+        true_frame.position.push_back(position[i]);
     }
     for (std::size_t j = 0; j < found.id.size(); ++j) {
-        if (ignored[j]) continue;
+        if ((match.classes[j] & bit(TruthClass::all)) == 0) continue;
         found_frame.id.push_back(found.id[j]);
         found_frame.position.push_back(found.position[j]);
     }

@@ -7,6 +7,7 @@
 
 #include "analysis/bond_order.h"
 #include "core/snapshot.h"
+#include "simulate/render/lasting_ids.h"
 #include "tracking/disc_profile.h"
 #include "tracking/score/detection_scores.h"
 #include "tracking/score/layer_score.h"
@@ -21,6 +22,7 @@ struct ScoredView {
     tracking::DiscProfile disc;  ///< as the tracker calibrated it
     double noise = 0;            ///< RMS noise of the camera [contrast]; 0: no bounds
     double contact = 0.883;      ///< spheres nearer than this overlap in projection [a]
+    Vec2 span;                   ///< of a crossing (simulate::Continuity) [px]; 0: the frame
     int threads = 1;
 };
 
@@ -48,6 +50,11 @@ tracking::TruthFrame classify_truth(const Snapshot& truth, const ScoredView& vie
 
 /// Scores of a whole run against its truth, frame by frame. Frames that were not tracked count: all
 /// their particles are missed.
+///
+/// Scores of tracks are over the same points as those of class `all`: true particles of that class,
+/// and those found that belong to it (tracking::FrameMatch), so that without any wrong link their
+/// JSC is the Jaccard index of the class. A true track goes on while one can follow it
+/// (simulate::Continuity): through the border, but not out of the frame and back.
 class ValidationScores {
  public:
     explicit ValidationScores(const ScoredView& view);
@@ -68,7 +75,7 @@ class ValidationScores {
 
  private:
     void add_tracks(const Snapshot& truth, const Snapshot& found,
-                    const std::vector<std::uint64_t>& classes, const std::vector<int>& partner);
+                    const std::vector<std::uint64_t>& classes, const tracking::FrameMatch& match);
     void add_q4(const Snapshot& found, const std::vector<double>& true_q4,
                 const std::vector<std::uint64_t>& classes, const std::vector<int>& partner);
 
@@ -76,14 +83,9 @@ class ValidationScores {
     tracking::DetectionScores detection_;
     tracking::LayerScore layers_;
     std::vector<tracking::IdentifiedFrame> found_tracks_, true_tracks_;
-    struct Sighting {
-        std::int64_t frame = -1;
-        std::int64_t track = 0;
-        Vec2 position;
-    };
-    std::unordered_map<std::int64_t, Sighting> last_;  ///< of each true identity
+    simulate::Continuity continuity_;
+    std::unordered_map<std::int64_t, std::int64_t> track_;  ///< present one of each true identity
     std::int64_t tracks_begun_ = 0;
-    std::int64_t frame_ = 0;
     double q4_sum_ = 0, q4_squares_ = 0;
     std::int64_t q4_count_ = 0;
 };

@@ -1,7 +1,10 @@
 // Milliseconds a frame of each stage at the experiment's size: 1600² pixels, 11,704 grains.
+// `raytrace [threads]`: frames of five instants, ray-traced. `sampling`: error against rays.
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <vector>
 
@@ -45,26 +48,108 @@ SphereScene layer(bool crystal) {
     return scene;
 }
 
+/// The layer at `count` instants, every sphere on its way of RMS 0.03 a per axis between first and
+/// last.
+std::vector<SphereScene> exposed(const SphereScene& scene, int count) {
+    std::vector<SphereScene> instants(static_cast<std::size_t>(count), scene);
+    RandomStream random(2, "render bench motion");
+    for (std::size_t i = 0; i < scene.centre.size(); ++i) {
+        const Vec3 way{0.03 * random.normal(), 0.03 * random.normal(), 0};
+        for (std::size_t k = 0; k < instants.size(); ++k) {
+            const double part = count > 1 ? static_cast<double>(k) / (count - 1) - 0.5 : 0;
+            instants[k].centre[i] += way * part;
+        }
+    }
+    return instants;
+}
+
+/// Full frames, as `scene-raytrace.toml` asks for them.
+void trace(int threads) {
+    const RenderOptions options;
+    const View view(options.view, {{0, 0}, {100, 100}, {}, 1.94}, 1.94);
+    const Camera camera(options, view, 1, threads);
+    const View fine = camera.radiance_view(view);
+    for (const bool crystal : {false, true}) {
+        const auto instants = exposed(layer(crystal), 5);
+        RaytraceOptics optics(options.raytrace, threads);
+        report(crystal ? "raytrace, s = .81 a" : "raytrace, s = .924 a", 3,
+               [&] { optics.radiance(instants, fine); });
+        const double pixels = 3 * 1600.0 * 1600;
+        std::printf("  %d threads; %.2f rays a pixel of the frame, %.2f samples\n", threads,
+                    optics.cost().rays / pixels, optics.cost().samples / pixels);
+    }
+}
+
+double rms(const Image& a, const Image& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        const auto d = static_cast<double>(a.pixels()[i] - b.pixels()[i]);
+        sum += d * d;
+    }
+    return std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+/// Sampling error after the blur against rays, in the middle of the layer.
+void sampling() {
+    struct Way {
+        double tolerance;
+        int samples;
+    };
+    for (const bool crystal : {false, true}) {
+        RenderOptions options;
+        options.view.width = options.view.height = 160;
+        options.view.scale = 16;
+        const double middle = crystal ? 43.7 : 49.9;
+        const View view(options.view, {{middle - 5, middle - 5}, {10, 10}, {}, 1.94}, 1.94);
+        const Camera camera(options, view, 1, 2);
+        const View fine = camera.radiance_view(view);
+        const auto instants = exposed(layer(crystal), 5);
+        RaytraceOptions reference;
+        reference.tolerance = 0;
+        reference.most_samples = 500;
+        RaytraceOptics exact(reference, 2);
+        const Image truth = camera.exposure(exact.radiance(instants, fine));
+        const double unit = camera.mean_counts(1) - camera.mean_counts(0);
+        double noise = 0;
+        for (const float v : truth.pixels())
+            noise += camera.variance_counts(static_cast<double>(v));
+        noise = std::sqrt(noise / static_cast<double>(truth.size())) / unit;
+        std::printf("s = %s, camera noise %.3f %%\n", crystal ? ".81 a" : ".924 a", 100 * noise);
+        for (const Way way :
+             {Way{0, 2}, Way{0, 4}, Way{0, 8}, Way{0.3, 2}, Way{0.15, 3}, Way{0.1, 3}, Way{0.05, 3},
+              Way{0.1, 4}, Way{0.05, 4}, Way{0.05, 5}, Way{0.03, 5}, Way{0.05, 6}, Way{0.02, 6}}) {
+            RaytraceOptions o;
+            o.tolerance = way.tolerance;
+            o.most_samples = way.samples;
+            RaytraceOptics optics(o, 2);
+            const Image image = camera.exposure(optics.radiance(instants, fine));
+            std::printf("  tolerance %.2f, %d samples: error %.3f %%, %.1f rays a pixel\n",
+                        way.tolerance, way.samples, 100 * rms(image, truth),
+                        optics.cost().rays / (160.0 * 160));
+        }
+    }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-    const bool trace = argc > 1 && std::strcmp(argv[1], "raytrace") == 0;
-    RenderOptions options;
-    const View view(options.view, {{0, 0}, {100, 100}, {}, 1.94}, 1.94);
-    const Camera camera(options, view, 1, trace ? 2 : 1);
-    const View fine = camera.radiance_view(view);
-    if (trace) {
-        const SphereScene scene = layer(false);
-        RaytraceOptics optics(options.raytrace, 2);
-        report("raytrace, 2 threads", 1, [&] { optics.radiance(scene, fine); });
-        std::printf("  %.2f rays a pixel of the frame, %.2f samples\n",
-                    optics.cost().rays / (1600.0 * 1600), optics.cost().samples / (1600.0 * 1600));
+    const char* what = argc > 1 ? argv[1] : "";
+    if (std::strcmp(what, "raytrace") == 0) {
+        trace(argc > 2 ? std::atoi(argv[2]) : 2);
         return 0;
     }
+    if (std::strcmp(what, "sampling") == 0) {
+        sampling();
+        return 0;
+    }
+    const RenderOptions options;
+    const View view(options.view, {{0, 0}, {100, 100}, {}, 1.94}, 1.94);
+    const Camera camera(options, view, 1, 1);
+    const View fine = camera.radiance_view(view);
     for (const bool crystal : {false, true}) {
         const SphereScene scene = layer(crystal);
         SilhouetteOptics optics({}, 1);
-        report(crystal ? "silhouette, s = .81 a" : "silhouette, s = .924 a", 7,
+        report(crystal ? "silhouette, s = .81 a" : "silhouette, s = .924 a", 15,
                [&] { optics.radiance(scene, view); });
         report("  on the camera's fine grid", 7, [&] { optics.radiance(scene, fine); });
         const Image radiance = optics.radiance(scene, fine);

@@ -3,6 +3,7 @@
 // easy ones are not tracked at the bound; `--many` does 40,000 spheres. Plots and tables:
 // bench/tracking/work-precision.
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <cstring>
@@ -41,8 +42,9 @@ double median(std::vector<double> values) {
     return values[values.size() / 2];
 }
 
-/// One option away from the defaults. Besides those of `track`: "start" (cold, warm), "threads" and
-/// "size" (given: D and w of the default calibration are told).
+/// One option away from the defaults. Besides those of `track`: "start" (cold, warm), "threads",
+/// "size" (given: D and w of the default calibration are told) and "control" (the defaults once
+/// more: how much times scatter that should be the same).
 struct Setting {
     std::string option = "default";
     std::string value = "-";
@@ -90,26 +92,42 @@ class Run {
         return scores;
     }
 
+    /// Processor time over that of `usual` in the same turn: least, median, most.
+    std::array<double, 3> ratios(const Run& usual) const {
+        std::vector<double> ratio;
+        for (std::size_t turn = 0; turn < cpu_.size(); ++turn) {
+            ratio.push_back(cpu_[turn] / usual.cpu_[turn]);
+        }
+        if (ratio.empty()) return {median({}), median({}), median({})};
+        const auto [least, most] = std::minmax_element(ratio.begin(), ratio.end());
+        return {*least, median(ratio), *most};
+    }
+
     void print(const std::string& group, const FrameSpec& spec, double noise,
-               const DetectionScores& scores) const {
+               const DetectionScores& scores, const Run& usual) const {
         const double cpu = median(cpu_);
+        const auto [least, middle, most] = ratios(usual);
         const auto spheres = static_cast<double>(found_.position.size());
         for (const ClassScore& s : scores.classes()) {
             if (s.name != "all" && spec.matter != Matter::patch) continue;
             fmt::print(
-                "{},{},{},{:g},{:g},{:g},{:g},{:.4f},{},{},{},{},{:.3f},{:.3f},{:.2f},"
+                "{},{},{},{:g},{:g},{:g},{:g},{:.4f},{},{},{},{},{:.3f},{:.3f},{:.3f},{:.3f},"
+                "{:.3f},{:.2f},"
                 "{:.2f},{:.6f},{},{},{:.6f},{:.6f},{:.6f},{:.4f},{:.3f}\n",
                 group, spec.camera == CameraModel::own ? "own" : "silhouette", spec.scene(),
                 spec.diameter, spec.noise, spec.edge, spec.path, noise, setting_.option,
-                setting_.value, s.name, found_.position.size(), cpu, median(wall_),
-                1e3 * cpu / spheres, calibrate_ms_, s.recall(), s.missed, s.spurious, s.rmse().x,
-                s.rmse().y, s.bound(), s.bound_ratio(), s.pull_rms());
+                setting_.value, s.name, found_.position.size(), cpu, least, middle, most,
+                median(wall_), 1e3 * cpu / spheres, calibrate_ms_, s.recall(), s.missed, s.spurious,
+                s.rmse().x, s.rmse().y, s.bound(), s.bound_ratio(), s.pull_rms());
         }
         std::fflush(stdout);
     }
 
  private:
-    bool calibrates() const { return setting_.option != "start" && setting_.option != "threads"; }
+    bool calibrates() const {
+        return setting_.option != "start" && setting_.option != "threads" &&
+               setting_.option != "control";
+    }
 
     void calibrate_anew() {
         const double begin = processor_ms();
@@ -120,7 +138,10 @@ class Run {
     }
 
     void apply(const Calibration* usual) {
-        if (setting_.option == "default" || setting_.option == "start") return;
+        if (setting_.option == "default" || setting_.option == "start" ||
+            setting_.option == "control") {
+            return;
+        }
         if (setting_.option == "threads") {
             options_.threads = std::stoi(setting_.value);
             return;
@@ -193,7 +214,7 @@ bool measure(const std::string& group, const FrameSpec& spec, const std::vector<
         for (Run& run : runs) run.take_turn();
     }
     for (const Run& run : runs) {
-        run.print(group, spec, noise, run.score(frame.truth, spec.diameter / 4));
+        run.print(group, spec, noise, run.score(frame.truth, spec.diameter / 4), runs.front());
     }
     const DetectionScores scores = runs.front().score(frame.truth, spec.diameter / 4);
     const ClassScore& all = scores.find("all");
@@ -212,7 +233,8 @@ std::vector<Setting> option_settings() {
         {"significance", {"0", "3", "12", "25"}},
         {"uniform-tolerance", {"0", "0.03", "1"}},
         {"size", {"given"}},
-        {"meeting-edges", {"product", "blurred-union"}},
+        {"meeting-edges", {"auto", "product", "blurred-union"}},
+        {"control", {"default"}},
         {"start", {"warm"}},
         {"threads", {"2"}}};
     std::vector<Setting> settings;
@@ -317,7 +339,8 @@ bool quick() {
 int main(int argc, char** argv) {
     fmt::print(
         "group,camera,scene,diameter,noise,edge,path,noise_seen,option,value,class,spheres,cpu_ms,"
-        "wall_ms,cpu_us_per_sphere,calibrate_ms,recall,missed,false,rmse_x,rmse_y,"
+        "ratio_low,ratio,ratio_high,wall_ms,cpu_us_per_sphere,calibrate_ms,recall,missed,false,"
+        "rmse_x,rmse_y,"
         "bound,over_bound,pull\n");
     if (argc > 1 && std::strcmp(argv[1], "--quick") == 0) return quick() ? 0 : 1;
     if (argc > 1 && std::strcmp(argv[1], "--many") == 0) {

@@ -121,6 +121,50 @@ void add_intersections(const Disc& a, const Disc& b, Breaks& breaks) {
     breaks.add(a.centre.y + along * d.y - across * d.x);
 }
 
+// Whether two circles cross within the pixel at the origin.
+bool cross_within(const Disc& a, const Disc& b) {
+    const Vec2 d = b.centre - a.centre;
+    const double d2 = squared_norm(d);
+    if (d2 == 0) return true;  // the same circle, or none of this matters
+    const double along = 0.5 * (1 + (a.radius * a.radius - b.radius * b.radius) / d2);
+    const double across2 = a.radius * a.radius / d2 - along * along;
+    if (across2 < 0) return false;
+    const double across = std::sqrt(across2);
+    const Vec2 foot = a.centre + along * d;
+    const Vec2 off{-across * d.y, across * d.x};
+    const auto is_within = [](Vec2 p) { return std::abs(p.x) <= 0.5 && std::abs(p.y) <= 0.5; };
+    return is_within(foot + off) || is_within(foot - off);
+}
+
+enum class Where { inside, outside, mixed };
+
+// Where the points lie at which the circle of `disc` enters the pixel, seen from `other`.
+Where side_of(const Disc& disc, const Disc& other) {
+    int inside = 0;
+    int points = 0;
+    const auto consider = [&](Vec2 p) {
+        ++points;
+        inside += squared_norm(p - other.centre) < other.radius * other.radius;
+    };
+    for (const double border : {-0.5, 0.5}) {
+        const double u = border - disc.centre.x;
+        const double v = border - disc.centre.y;
+        const double r2 = disc.radius * disc.radius;
+        if (u * u < r2) {
+            const double k = std::sqrt(r2 - u * u);
+            if (std::abs(disc.centre.y - k) <= 0.5) consider({border, disc.centre.y - k});
+            if (std::abs(disc.centre.y + k) <= 0.5) consider({border, disc.centre.y + k});
+        }
+        if (v * v < r2) {
+            const double k = std::sqrt(r2 - v * v);
+            if (std::abs(disc.centre.x - k) <= 0.5) consider({disc.centre.x - k, border});
+            if (std::abs(disc.centre.x + k) <= 0.5) consider({disc.centre.x + k, border});
+        }
+    }
+    if (points == 0 || (inside > 0 && inside < points)) return Where::mixed;
+    return inside > 0 ? Where::inside : Where::outside;
+}
+
 using Spans = std::vector<std::pair<double, double>>;
 
 // Length of the union of the discs' chords at height y, within the pixel.
@@ -150,6 +194,20 @@ double covered_length(const std::vector<Disc>& discs, double y, Spans& spans) {
 
 }  // namespace
 
+std::optional<double> union_of_two(const Disc& a, double area_a, const Disc& b, double area_b,
+                                   int x, int y) {
+    const Vec2 pixel{static_cast<double>(x), static_cast<double>(y)};
+    const Disc first{a.centre - pixel, a.radius};
+    const Disc second{b.centre - pixel, b.radius};
+    if (cross_within(first, second)) return std::nullopt;
+    const Where of_first = side_of(first, second);
+    const Where of_second = side_of(second, first);
+    if (of_first == Where::mixed || of_second == Where::mixed) return std::nullopt;
+    if (of_first == Where::outside && of_second == Where::outside) return area_a + area_b;
+    if (of_first == Where::inside && of_second == Where::inside) return 1;
+    return std::max(area_a, area_b);
+}
+
 double union_area(const Disc* discs, int count, int x, int y) {
     thread_local std::vector<Disc> local;
     thread_local Breaks breaks;
@@ -161,17 +219,25 @@ double union_area(const Disc* discs, int count, int x, int y) {
         add_crossings(local[i], breaks);
         for (std::size_t j = 0; j < i; ++j) add_intersections(local[i], local[j], breaks);
     }
-    constexpr double outer = 0.3872983346207417;  // sqrt(3/5)/2
-    constexpr std::array<std::pair<double, double>, 3> gauss{
-        {{-outer, 5.0 / 18}, {0, 8.0 / 18}, {outer, 5.0 / 18}}};
+    // Four Gauss points in u, t = 3u² − 2u³ along a piece: at its ends chords may go as √t.
+    constexpr double inner = 0.3399810435848563;
+    constexpr double outer = 0.8611363115940526;
+    constexpr double weight_inner = 0.6521451548625461 / 2;
+    constexpr double weight_outer = 0.3478548451374538 / 2;
+    constexpr auto node = [](double at, double weight) {
+        const double u = 0.5 * (1 + at);
+        return std::pair{u * u * (3 - 2 * u), 6 * u * (1 - u) * weight};
+    };
+    constexpr std::array<std::pair<double, double>, 4> gauss{
+        {node(-outer, weight_outer), node(-inner, weight_inner), node(inner, weight_inner),
+         node(outer, weight_outer)}};
     double area = 0;
     const std::vector<double>& piece = breaks.sorted();
     for (std::size_t i = 0; i + 1 < piece.size(); ++i) {
         const double length = piece[i + 1] - piece[i];
         if (length <= 0) continue;
-        const double middle = (piece[i] + piece[i + 1]) / 2;
         for (const auto& [at, weight] : gauss) {
-            area += weight * length * covered_length(local, middle + at * length, spans);
+            area += weight * length * covered_length(local, piece[i] + at * length, spans);
         }
     }
     return area;

@@ -23,17 +23,27 @@ constexpr double least_weight = 0.01;
 constexpr double half_ring = 2 * std::numbers::pi / 180;
 constexpr std::uint32_t nothing = RTC_INVALID_GEOMETRY_ID;
 
-void fill_buffer(RTCGeometry spheres, unsigned slot, const SphereScene& scene) {
-    auto* data = static_cast<float*>(rtcSetNewGeometryBuffer(spheres, RTC_BUFFER_TYPE_VERTEX, slot,
-                                                             RTC_FORMAT_FLOAT4, 4 * sizeof(float),
-                                                             scene.centre.size()));
-    if (data == nullptr) throw Error("Embree has no memory for the spheres of a frame.");
-    for (const Vec3 p : scene.centre) {
-        *data++ = static_cast<float>(p.x);
-        *data++ = static_cast<float>(p.y);
-        *data++ = static_cast<float>(p.z);
-        *data++ = static_cast<float>(radius);
+RTCScene scene_of(RTCDevice device, const std::vector<Vec3>& centres) {
+    RTCScene scene = rtcNewScene(device);
+    rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
+    RTCGeometry spheres = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
+    if (!centres.empty()) {
+        auto* data = static_cast<float*>(
+            rtcSetNewGeometryBuffer(spheres, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
+                                    4 * sizeof(float), centres.size()));
+        if (data == nullptr) throw Error("Embree has no memory for the spheres of a frame.");
+        for (const Vec3 p : centres) {
+            *data++ = static_cast<float>(p.x);
+            *data++ = static_cast<float>(p.y);
+            *data++ = static_cast<float>(p.z);
+            *data++ = static_cast<float>(radius);
+        }
     }
+    rtcCommitGeometry(spheres);
+    rtcAttachGeometry(scene, spheres);
+    rtcReleaseGeometry(spheres);
+    rtcCommitScene(scene);
+    return scene;
 }
 
 }  // namespace
@@ -51,7 +61,7 @@ MirrorCell::MirrorCell(const EmbreeDevice& device, std::span<const SphereScene> 
     : instants_(instants),
       options_(options),
       middle_(middle),
-      embree_(rtcNewScene(device.handle())),
+      panel_(instants.front().low_plate - options.panel_distance),
       low_(instants.front().low_plate),
       high_(std::max(instants.front().high_plate, low_ + 1)),
       has_glass_(options.glass_thickness > 0),
@@ -62,27 +72,22 @@ MirrorCell::MirrorCell(const EmbreeDevice& device, std::span<const SphereScene> 
             high_ = std::max(high_, p.z + radius);
         }
     }
-    RTCGeometry spheres = rtcNewGeometry(device.handle(), RTC_GEOMETRY_TYPE_SPHERE_POINT);
-    if (!instants.front().centre.empty()) {
-        rtcSetGeometryTimeStepCount(spheres, static_cast<unsigned>(instants.size()));
-        unsigned slot = 0;
-        for (const SphereScene& scene : instants) fill_buffer(spheres, slot++, scene);
+    for (const SphereScene& scene : instants) {
+        embree_.push_back(scene_of(device.handle(), scene.centre));
     }
-    rtcCommitGeometry(spheres);
-    rtcAttachGeometry(embree_, spheres);
-    rtcReleaseGeometry(spheres);
-    rtcCommitScene(embree_);
 }
 
 MirrorCell::~MirrorCell() {
-    rtcReleaseScene(embree_);
+    for (RTCScene scene : embree_) rtcReleaseScene(scene);
 }
 
 double MirrorCell::panel(Vec3 origin, Vec3 direction) const {
     const double cosine = -direction.z;
     if (cosine < 1e-6) return 0;
     const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
-    double reach = (origin.z - low_ + options_.panel_distance) / cosine * sine;
+    // In air above and below the plate along the ray, within it as refracted.
+    const double air = origin.z - panel_ - options_.glass_thickness;
+    double reach = air / cosine * sine;
     double passes = 1;
     if (has_glass_) {
         const double inside = sine / glass_index;
@@ -117,11 +122,9 @@ std::uint32_t MirrorCell::first_sphere(const LightPath& ray, std::int64_t& rays)
         query.ray.dir_z = static_cast<float>(ray.direction.z);
         query.ray.tnear = nearest;
         query.ray.tfar = std::numeric_limits<float>::infinity();
-        query.ray.time = static_cast<float>(ray.instant) /
-                         static_cast<float>(std::max<std::size_t>(instants_.size() - 1, 1));
         query.ray.mask = ~0U;
         query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-        rtcIntersect1(embree_, &context, &query);
+        rtcIntersect1(embree_[static_cast<std::size_t>(ray.instant)], &context, &query);
         if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return nothing;
         // A mirror that curves outwards cannot see itself: rounding did.
         if (query.hit.primID != ray.from) return query.hit.primID;
@@ -150,7 +153,7 @@ double MirrorCell::reflected(const LightPath& ray, std::uint32_t sphere, double 
 
 double MirrorCell::follow(const LightPath& ray, double weight, int bounces,
                           std::int64_t& rays) const {
-    const std::uint32_t hit = first_sphere(ray, rays);
+    const std::uint32_t hit = options_.neighbours ? first_sphere(ray, rays) : nothing;
     if (hit != nothing) return reflected(ray, hit, weight, bounces, rays);
     const double cosine = std::abs(ray.direction.z);
     const double share = has_glass_ ? plate_reflectance(cosine) : 0;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "core/vec2.h"
 #include "core/vec3.h"
@@ -36,8 +37,8 @@ struct LightPath {
 };
 
 /// Mirror spheres between two glass plates above a panel: what a ray sees (RaytraceOptics says
-/// which physics). The spheres may be at several instants of one exposure; all instants live in one
-/// bounding volume hierarchy, and every ray belongs to one of them. Safe for many threads.
+/// which physics). The spheres may be at several instants of one exposure; every ray belongs to one
+/// of them and sees that alone, in a bounding volume hierarchy of its own. Safe for many threads.
 class MirrorCell {
  public:
     /// `instants`: the same spheres in the same order; outlive this, as do `device` and `options`.
@@ -57,7 +58,9 @@ class MirrorCell {
     };
     /// Adds the number of rays traced to `rays`.
     Seen look(const LightPath& ray, std::int64_t& rays) const;
-    /// What a ray sees that meets no sphere on its way down.
+    /// What a ray sees that meets no sphere on its way down: the panel, reached through air and
+    /// the plate of thickness d at a distance across of (h − d) tan θ + d sin θ/sqrt(n² − sin²θ), h
+    /// its height above the panel.
     double panel(Vec3 origin, Vec3 direction) const;
 
  private:
@@ -69,7 +72,8 @@ class MirrorCell {
     std::span<const SphereScene> instants_;
     const RaytraceOptions& options_;
     Vec2 middle_;
-    RTCSceneTy* embree_;
+    std::vector<RTCSceneTy*> embree_;  // one an instant
+    double panel_;                     // height of the panel
     double low_;
     double high_;
     bool has_glass_;

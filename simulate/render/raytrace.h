@@ -20,13 +20,17 @@ namespace grainfield::simulate {
 /// unobstructed panel seen straight down. Neglected: roughness, polarisation along a path, the
 /// ghost of the plates' outer faces being displaced, light that reaches the panel from spheres.
 ///
-/// Sampling: pixels that no disc touches are the panel in closed form. Of the others, those that
-/// are covered wholly get one ray, at a point of the R2 sequence (`roberts2018`), which stands for
-/// the pixel where those of its four neighbours agree within `tolerance`; its own value has no say,
+/// Sampling: pixels that no disc touches are the panel as seen through their middle, without a ray.
+/// That leaves out what the low plate mirrors into the open field: at most 8 % of what
+/// near-vertical rays find above, which is darkness but for a sphere's underside within 0.2 a of
+/// its rim, seen obliquely at the border of a perspective frame. Of the others, those that are
+/// covered wholly get one ray, at a point of the R2 sequence (`roberts2018`), which stands for the
+/// pixel where those of its four neighbours agree within `tolerance`; its own value has no say,
 /// which keeps the mean right. Elsewhere there are `most_samples`. The share of a pixel that
-/// spheres cover comes from SilhouetteOptics and is exact, so that samples only average over the
-/// covered part. Motion blur costs no further rays: each one sees one of the instants. A tolerance
-/// of 0 samples every pixel alike with `most_samples` rays and takes plain means: the reference.
+/// spheres cover comes from SilhouetteOptics, exact but for the disc that stands for an ellipse
+/// there, so that samples only average over the covered part. Motion blur costs no further rays:
+/// each one sees one of the instants. A tolerance of 0 samples every pixel alike with
+/// `most_samples` rays and takes plain means: the reference.
 ///
 /// Intersections by Embree (`wald2014`), hit points and normals recomputed in double. Time is
 /// about 0.3 µs a ray and core. Same bits for any number of threads.

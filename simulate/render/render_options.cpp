@@ -30,8 +30,7 @@ OptionTable describe(ViewOptions& o) {
 OptionTable describe(ExposureOptions& o) {
     OptionTable t("exposure");
     t.number("time-ms", o.time_ms, "ms", {0, 1e5}, "shutter time, centred on the snapshot");
-    // Embree interpolates between at most 129 time steps.
-    t.integer("sub-frames", o.sub_frames, "-", {1, 129}, "instants averaged, at most");
+    t.integer("sub-frames", o.sub_frames, "-", {1, 1000}, "instants averaged, at most");
     t.number("frame-rate", o.frame_rate, "1/s", {1e-6, 1e9},
              "frames per second; auto: one frame a snapshot");
     t.number("drop-rate", o.drop_rate, "-", {0, 1}, "share of frames that the camera loses");
@@ -73,7 +72,8 @@ OptionTable describe(SilhouetteOptions& o) {
 
 OptionTable describe(RaytraceOptions& o) {
     OptionTable t("raytrace");
-    t.number("panel-distance", o.panel_distance, "a", {0, 1e5}, "of the panel below the cell");
+    t.number("panel-distance", o.panel_distance, "a", {0, 1e5},
+             "of the panel below the cell, plate included");
     t.number("panel-half-size", o.panel_half_size, "a", {1e-3, 1e6}, "of the square panel");
     t.number("emission-power", o.emission_power, "-", {0.1, 100},
              "panel radiance ∝ cos^(power − 1)");
@@ -81,6 +81,7 @@ OptionTable describe(RaytraceOptions& o) {
     t.number("ring-level", o.ring_level, "-", {0, 100}, "radiance of an LED ring above / panel");
     t.number("ring-angle", o.ring_angle, "deg", {1, 80}, "of the ring from the vertical");
     t.integer("bounces", o.bounces, "-", {1, 32}, "mirror reflections followed");
+    t.flag("neighbours", o.neighbours, "spheres mirror one another, not only the light");
     t.integer("most-samples", o.most_samples, "-", {1, 65536}, "camera rays per unsettled pixel");
     t.number("tolerance", o.tolerance, "-", {0, 1},
              "spread around a settled pixel; 0: sample all pixels alike");
@@ -137,6 +138,15 @@ void require_valid(const RenderOptions& o) {
                            .actual = fmt::format("{:g} DN", o.sensor.offset),
                            .expected = fmt::format("less than {:g}, the full scale", full_scale),
                            .suggestion = "lower it, or take more sensor.bits"});
+    }
+    const RaytraceOptions& r = o.raytrace;
+    if (o.optics == OpticsKind::raytrace && r.panel_distance < r.glass_thickness) {
+        throw OptionError(
+            {.problem = "raytrace.panel-distance: the panel lies within the glass plate",
+             .actual = fmt::format("{:g} a", r.panel_distance),
+             .expected =
+                 fmt::format("at least raytrace.glass-thickness, {:g} a", r.glass_thickness),
+             .suggestion = "both are measured from the upper face of the low plate"});
     }
 }
 

@@ -64,13 +64,14 @@ struct SilhouetteOptions {
 
 /// Steel spheres between glass plates over a panel. Section `raytrace`.
 struct RaytraceOptions {
-    double panel_distance = 10;   ///< of the diffuser below the low plate's upper face [a]
+    double panel_distance = 20;   ///< of the diffuser below the low plate's upper face [a]
     double panel_half_size = 75;  ///< of the square panel [a]
     double emission_power = 1;    ///< panel radiance ∝ cos^(power − 1): 1 is Lambertian
     double glass_thickness = 10;  ///< of either plate [a]; 0: no plates
     double ring_level = 0;        ///< radiance of an LED ring above / of the panel; 0: none
     double ring_angle = 30;       ///< of the ring from the vertical, as seen from the cell [deg]
     int bounces = 4;              ///< mirror reflections followed
+    bool neighbours = true;       ///< spheres mirror one another; else each only panel and ring
     int most_samples = 4;         ///< rays from the camera per unsettled pixel
     double tolerance = 0.05;      ///< between the neighbours of a settled pixel [bright field]
 };

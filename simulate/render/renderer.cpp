@@ -186,9 +186,29 @@ std::vector<SphereScene> Renderer::scenes_at(const GrainMotion& motion, const Bo
     return scenes;
 }
 
-Snapshot Renderer::truth_of(const Snapshot& snapshot, const GrainMotion& motion, const View& view,
-                            const std::vector<double>& instants) const {
+Renderer::Exposure Renderer::exposure_of(const SnapshotSeries& series, std::int64_t index) const {
+    Exposure exposure{
+        grain_motion(series, info_, height_, seconds_per_unit_, options_.view.sphere_mm),
+        {},
+        view_};
+    exposure.instants = instants_of(exposure.motion);
+    if (options_.exposure.jitter > 0) {
+        RandomStream random(seed_, "render jitter", static_cast<std::uint64_t>(index));
+        const double x = random.normal();
+        const double y = random.normal();
+        exposure.view = view_.shifted(options_.exposure.jitter * Vec2{x, y});
+    }
+    return exposure;
+}
+
+Snapshot Renderer::truth_of(const Snapshot& snapshot, const Exposure& exposure,
+                            std::int64_t index) const {
+    const View& view = exposure.view;
+    const GrainMotion& motion = exposure.motion;
     Snapshot truth;
+    truth.frame = index;
+    truth.time =
+        seconds_per_unit_ > 0 ? snapshot.time * seconds_per_unit_ : static_cast<double>(index);
     truth.box = {{-0.5, -0.5},
                  {static_cast<double>(view.width()), static_cast<double>(view.height())},
                  {Boundary::walls, Boundary::walls},
@@ -196,14 +216,14 @@ Snapshot Renderer::truth_of(const Snapshot& snapshot, const GrainMotion& motion,
     const Box box = in_diameters(snapshot.box, info_.diameter);
     const std::int64_t stride =
         snapshot.id.empty() ? 0 : *std::max_element(snapshot.id.begin(), snapshot.id.end()) + 1;
-    const double weight = 1 / static_cast<double>(instants.size());
+    const double weight = 1 / static_cast<double>(exposure.instants.size());
     std::int64_t image = -1;
     for (const Vec2 shift : images_of(box)) {
         ++image;
         for (std::size_t i = 0; i < motion.centre.size(); ++i) {
             Vec2 seen;
             double z = 0;
-            for (const double seconds : instants) {
+            for (const double seconds : exposure.instants) {
                 const Vec3 p = motion.at(i, seconds) + Vec3{shift.x, shift.y, 0};
                 seen += weight * view.project(p);
                 z += weight * p.z;
@@ -222,38 +242,48 @@ Snapshot Renderer::truth_of(const Snapshot& snapshot, const GrainMotion& motion,
     return truth;
 }
 
-RenderedFrame Renderer::render(const Snapshot& snapshot, std::int64_t index, const Snapshot* next) {
+Snapshot Renderer::truth(const SnapshotSeries& series, std::int64_t index) const {
+    require_at_most_three_periods(view_, in_diameters(series.snapshot().box, info_.diameter));
+    return truth_of(series.snapshot(), exposure_of(series, index), index);
+}
+
+double Renderer::half_exposure() const {
+    if (options_.exposure.sub_frames < 2 || !(seconds_per_unit_ > 0)) return 0;
+    return 0.5 * shutter_seconds(options_, seconds_per_unit_) / seconds_per_unit_;
+}
+
+Vec2 Renderer::crossing_span(const Box& box) const {
+    const Box cell = in_diameters(box, info_.diameter);
+    const auto along = [&](Boundary boundary, int pixels, double period) {
+        const auto frame = static_cast<double>(pixels);
+        return boundary == Boundary::periodic ? std::min(frame, period * view_.scale()) : frame;
+    };
+    return {along(cell.boundary[0], view_.width(), cell.length.x),
+            along(cell.boundary[1], view_.height(), cell.length.y)};
+}
+
+RenderedFrame Renderer::render(const SnapshotSeries& series, std::int64_t index) {
+    const Snapshot& snapshot = series.snapshot();
     const Box box = in_diameters(snapshot.box, info_.diameter);
     require_at_most_three_periods(view_, box);
-    const GrainMotion motion =
-        grain_motion(snapshot, next, info_, height_, seconds_per_unit_, options_.view.sphere_mm);
-    const std::vector<double> instants = instants_of(motion);
-    Vec2 shift;
-    if (options_.exposure.jitter > 0) {
-        RandomStream random(seed_, "render jitter", static_cast<std::uint64_t>(index));
-        shift.x = options_.exposure.jitter * random.normal();
-        shift.y = options_.exposure.jitter * random.normal();
-    }
-    const View view = view_.shifted(shift);
+    const Exposure exposure = exposure_of(series, index);
+    flights_.add(exposure.motion.flights);
 
     RenderedFrame rendered;
-    rendered.sub_frames = static_cast<int>(instants.size());
-    rendered.truth = truth_of(snapshot, motion, view, instants);
-    rendered.truth.frame = index;
-    const double time =
-        seconds_per_unit_ > 0 ? snapshot.time * seconds_per_unit_ : static_cast<double>(index);
-    rendered.truth.time = time;
+    rendered.sub_frames = static_cast<int>(exposure.instants.size());
+    rendered.truth = truth_of(snapshot, exposure, index);
     if (loses(index)) {
         rendered.frame.status = FrameStatus::missing;
         rendered.frame.message = "the camera lost this frame";
         rendered.frame.bit_depth = options_.sensor.bits;
     } else {
-        const View fine = camera_.radiance_view(view);
-        const Image radiance = optics_->radiance(scenes_at(motion, box, instants), fine);
+        const View fine = camera_.radiance_view(exposure.view);
+        const Image radiance =
+            optics_->radiance(scenes_at(exposure.motion, box, exposure.instants), fine);
         rendered.frame = camera_.photograph(radiance, index);
     }
     rendered.frame.index = index;
-    rendered.frame.time = time;
+    rendered.frame.time = rendered.truth.time;
     return rendered;
 }
 

@@ -28,14 +28,14 @@ struct RenderedFrame {
 
 /// Renders the snapshots of one trajectory: scene → optics → camera.
 ///
-/// During an exposure T centred on the snapshot, a sphere moves as
+/// During an exposure T centred on the snapshot spheres fly as grain_motion says: on parabolas,
+/// through a collision between two snapshots, where velocities are known; else along the chords
+/// between snapshots; on the parabola of the one snapshot if no others are given. The image is the
+/// mean over n sub-frames at the midpoints of n equal parts, n as large as needed for steps below a
+/// quarter pixel (three rms speeds), at most `sub_frames`.
 ///
-///   r(τ) = r + v τ,  z(τ) = z + v_z τ − g τ²/2,   |τ| ≤ T/2,
-///
-/// where velocities are known; else along the chord to the next snapshot. Collisions within the
-/// exposure are not followed: they displace a sphere by at most T times the change of velocity. The
-/// image is the mean over n sub-frames at the midpoints of n equal parts, n as large as needed for
-/// steps below a quarter pixel (three rms speeds), at most `sub_frames`.
+/// The plates stand still: a plane-parallel plate displaces a ray by the same wherever it is, so
+/// that only what the plates mirror would move (docs/render.md: by how much).
 ///
 /// Heights come from z, else from the layer (either plate touched), else the low plate. Where the
 /// time unit is "frame" and no frame rate is known, or a is not known in millimetres per unit,
@@ -48,10 +48,22 @@ class Renderer {
     Renderer(const RenderOptions& options, const TrajectoryInfo& info, const Box& box,
              std::uint64_t seed, int threads, RunPlan& plan);
 
-    /// Frame number `index` of the rendered series. `next`: a later snapshot, for chords; may be
-    /// null. Throws OptionError if the frame shows more than three periods of a periodic box.
-    RenderedFrame render(const Snapshot& snapshot, std::int64_t index,
-                         const Snapshot* next = nullptr);
+    /// Frame number `index` of the rendered series. Throws OptionError if the frame shows more than
+    /// three periods of a periodic box.
+    RenderedFrame render(const SnapshotSeries& series, std::int64_t index);
+    RenderedFrame render(const Snapshot& snapshot, std::int64_t index) {
+        return render(SnapshotSeries{{&snapshot, 1}, 0}, index);
+    }
+    /// RenderedFrame::truth alone, in a thousandth of the time.
+    Snapshot truth(const SnapshotSeries& series, std::int64_t index) const;
+
+    /// How far on either side of a snapshot its exposure reaches [time unit of the trajectory].
+    double half_exposure() const;
+    /// A step of more than half of this between two frames is a periodic boundary crossed: the
+    /// frame or the period, whichever is shorter [px].
+    Vec2 crossing_span(const Box& box) const;
+    /// Flights in all exposures so far.
+    const FlightTally& flights() const { return flights_; }
 
     /// Whether render(…, index) will return a lost frame.
     bool loses(std::int64_t index) const;
@@ -67,8 +79,13 @@ class Renderer {
  private:
     std::vector<SphereScene> scenes_at(const GrainMotion& motion, const Box& box,
                                        const std::vector<double>& instants) const;
-    Snapshot truth_of(const Snapshot& snapshot, const GrainMotion& motion, const View& view,
-                      const std::vector<double>& instants) const;
+    struct Exposure {
+        GrainMotion motion;
+        std::vector<double> instants;
+        View view;
+    };
+    Exposure exposure_of(const SnapshotSeries& series, std::int64_t index) const;
+    Snapshot truth_of(const Snapshot& snapshot, const Exposure& exposure, std::int64_t index) const;
     std::vector<double> instants_of(const GrainMotion& motion) const;
 
     RenderOptions options_;
@@ -80,6 +97,7 @@ class Renderer {
     View view_;
     Camera camera_;
     std::unique_ptr<Optics> optics_;
+    FlightTally flights_;
 };
 
 /// The exposure T in seconds; 0 where the trajectory has no clock.

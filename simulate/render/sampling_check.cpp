@@ -32,8 +32,8 @@ RenderOptions patch_options(const RenderOptions& options, const View& view) {
 }  // namespace
 
 SamplingCheck check_sampling(const RenderOptions& options, const View& view,
-                             const TrajectoryInfo& info, const Snapshot& snapshot,
-                             const Snapshot* next, std::uint64_t seed, int threads) {
+                             const TrajectoryInfo& info, const SnapshotSeries& series,
+                             std::uint64_t seed, int threads) {
     SamplingCheck check;
     if (options.optics != OpticsKind::raytrace || options.raytrace.tolerance <= 0) return check;
     const RenderOptions adaptive = patch_options(options, view);
@@ -41,10 +41,10 @@ SamplingCheck check_sampling(const RenderOptions& options, const View& view,
     uniform.raytrace.tolerance = 0;
     uniform.raytrace.most_samples = std::max(reference_samples, options.raytrace.most_samples);
     RunPlan unused;
-    Renderer a(adaptive, info, snapshot.box, seed, threads, unused);
-    Renderer b(uniform, info, snapshot.box, seed, threads, unused);
-    const Image seen = a.render(snapshot, 0, next).frame.image;
-    const Image reference = b.render(snapshot, 0, next).frame.image;
+    Renderer a(adaptive, info, series.snapshot().box, seed, threads, unused);
+    Renderer b(uniform, info, series.snapshot().box, seed, threads, unused);
+    const Image seen = a.render(series, 0).frame.image;
+    const Image reference = b.render(series, 0).frame.image;
     const double bright = b.camera().mean_counts(1);
     const Camera camera(options, a.view(), seed, threads);
     const double span = 10 * (camera.mean_counts(0.1) - camera.mean_counts(0));
@@ -61,6 +61,9 @@ SamplingCheck check_sampling(const RenderOptions& options, const View& view,
     check.size = a.view().width();
     check.difference = std::sqrt(squares / n);
     check.noise = std::sqrt(variance / n) / span;
+    const OpticsCost cost = a.cost();
+    check.rays = cost.rays / n;
+    check.saved = cost.uniform_rays > 0 ? 1 - cost.rays / cost.uniform_rays : 0;
     return check;
 }
 

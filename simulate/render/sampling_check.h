@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "core/trajectory.h"
+#include "simulate/render/grain_motion.h"
 #include "simulate/render/render_options.h"
 #include "simulate/render/view.h"
 
@@ -13,14 +14,16 @@ struct SamplingCheck {
     int size = 0;           ///< side of the patch [px]; 0: nothing to compare
     double difference = 0;  ///< RMS difference from uniform sampling
     double noise = 0;       ///< RMS noise of the camera on that patch
+    double rays = 0;        ///< a pixel of the patch
+    double saved = 0;       ///< of the rays of uniform sampling with as many samples [-]
 };
 
 /// Ray-traces the middle of the frame twice, as `options` say and with 32 samples in every pixel
 /// and no adaptive sampling, both after blur and without noise, and compares the two. `view`: of
-/// the whole frame. `next`: for motion along chords; may be null. A second or two. Nothing for
-/// silhouettes, which are exact.
+/// the whole frame; `series`: as for Renderer::render. A second or two. Nothing for silhouettes,
+/// which are exact.
 SamplingCheck check_sampling(const RenderOptions& options, const View& view,
-                             const TrajectoryInfo& info, const Snapshot& snapshot,
-                             const Snapshot* next, std::uint64_t seed, int threads);
+                             const TrajectoryInfo& info, const SnapshotSeries& series,
+                             std::uint64_t seed, int threads);
 
 }  // namespace grainfield::simulate

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <optional>
+#include <tuple>
 #include <utility>
 
 #include "core/parallel.h"
@@ -89,36 +91,51 @@ class UnionBand {
         if (owner == nobody) {
             owner = disc;
         } else {
-            shared_.emplace_back(static_cast<std::int32_t>(offset(x, y)), disc);
+            shared_.push_back(
+                {static_cast<std::int32_t>(offset(x, y)), disc, static_cast<float>(area)});
         }
     }
 
     // Pixels cut by several circles: the areas were added; right unless the discs overlap.
     void join(const std::vector<Disc>& discs) {
-        std::sort(shared_.begin(), shared_.end());
+        std::sort(shared_.begin(), shared_.end(), [](const Shared& a, const Shared& b) {
+            return std::tie(a.pixel, a.disc) < std::tie(b.pixel, b.disc);
+        });
         std::vector<Disc> here;
         for (std::size_t i = 0; i < shared_.size();) {
-            const std::int32_t pixel = shared_[i].first;
-            const std::int32_t owner = owner_[static_cast<std::size_t>(pixel)];
+            const Shared& second = shared_[i];
+            const std::int32_t owner = owner_[static_cast<std::size_t>(second.pixel)];
             here.clear();
             if (owner >= 0) here.push_back(discs[static_cast<std::size_t>(owner)]);
-            for (; i < shared_.size() && shared_[i].first == pixel; ++i) {
-                here.push_back(discs[static_cast<std::size_t>(shared_[i].second)]);
+            for (; i < shared_.size() && shared_[i].pixel == second.pixel; ++i) {
+                here.push_back(discs[static_cast<std::size_t>(shared_[i].disc)]);
             }
             if (owner < 0 || !any_overlap(here)) continue;
-            const int x = pixel % image_.width();
-            const int y = first_row_ + pixel / image_.width();
-            const double area = union_area(here.data(), static_cast<int>(here.size()), x, y);
-            image_(x, y) = static_cast<float>(1 - area);
+            const int x = second.pixel % image_.width();
+            const int y = first_row_ + second.pixel / image_.width();
+            std::optional<double> area;
+            if (here.size() == 2) {
+                const double first_area = 1 - static_cast<double>(image_(x, y) + second.area);
+                area = union_of_two(here[0], first_area, here[1], static_cast<double>(second.area),
+                                    x, y);
+            }
+            if (!area) area = union_area(here.data(), static_cast<int>(here.size()), x, y);
+            image_(x, y) = static_cast<float>(1 - *area);
         }
     }
+
+    struct Shared {
+        std::int32_t pixel;
+        std::int32_t disc;
+        float area;
+    };
 
     Image& image_;
     int first_row_;
     int end_row_;
     std::size_t width_;
     std::vector<std::int32_t> owner_;
-    std::vector<std::pair<std::int32_t, std::int32_t>> shared_;
+    std::vector<Shared> shared_;
 };
 
 // Bottom to top: every sphere hides what is below and adds its rim.

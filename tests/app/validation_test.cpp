@@ -73,8 +73,54 @@ TEST(Validation, AnalysesTheTrueAndTheTrackedPositionsAlike) {
     EXPECT_NEAR(effects.at("solid_fraction").tracked, effects.at("solid_fraction").truth, 0.03);
     EXPECT_NEAR(effects.at("s_low_k").tracked / effects.at("s_low_k").truth, 1, 0.2);
     EXPECT_LT(effects.at("sk_deviation").tracked, 0.2);
+    // Whoever renames a measurement of the analysis hears of it here.
+    for (const DownstreamEffect& e : outcome.effects) {
+        EXPECT_THAT(e.reason, ::testing::Not(::testing::HasSubstr("has no measurement"))) << e.name;
+        EXPECT_THAT(e.reason, ::testing::Not(::testing::HasSubstr("has no observable"))) << e.name;
+    }
+    ASSERT_TRUE(effects.contains("s0_over_s1") && effects.contains("alpha"));
+    EXPECT_TRUE(std::isfinite(effects.at("s0_over_s1").tracked) ||
+                !effects.at("s0_over_s1").reason.empty());
     EXPECT_TRUE(std::isfinite(outcome.msd_offset));
     EXPECT_GT(outcome.predicted_msd_offset, 0);
+}
+
+TEST(Validation, ComparesByTheKeysOfTheAnalysis) {
+    sample::Film film = sample::film(1);
+    RunPlan plan;
+    ValidationOutcome outcome = validated(film, plan);
+    ObservableResult fit{
+        .name = "fit", .measurements = {}, .curves = {}, .options = {}, .reason = {}};
+    fit.measurements = {{"s0_over_s1", "-", 0.25, 0.05, 10, ""}, {"s0", "-", {}, {}, 0, "too few"}};
+    for (Results& run : outcome.runs) {
+        std::erase_if(run.observables, [](const auto& o) { return o.name == "fit"; });
+        run.observables.push_back(fit);
+        fit.measurements[0].value = 0.20;
+    }
+    outcome.free_fits = {fit, fit};
+    compare_downstream(outcome);
+    std::map<std::string, DownstreamEffect> effects;
+    for (const DownstreamEffect& e : outcome.effects) effects[e.name] = e;
+    EXPECT_EQ(effects.at("s0_over_s1").truth, 0.25);
+    EXPECT_EQ(effects.at("s0_over_s1").tracked, 0.20);
+    EXPECT_EQ(effects.at("s0_over_s1").error, 0.05);
+    EXPECT_EQ(effects.at("s0").reason, "too few");
+    EXPECT_TRUE(std::isnan(effects.at("s0").tracked));
+    EXPECT_EQ(effects.at("alpha").reason, "'free fit' has no measurement 'alpha'");
+    EXPECT_EQ(effects.at("s0_over_s1_free_alpha").tracked, 0.20);
+}
+
+TEST(Validation, RefusesWhatDoesNotFitIntoMemory) {
+    EXPECT_GT(available_memory(), 1e6);
+    EXPECT_NO_THROW(require_memory(1e6, 1e9));
+    EXPECT_NO_THROW(require_memory(1e12, 0)) << "unknown";
+    try {
+        require_memory(1e8, 1e9);
+        ADD_FAILURE();
+    } catch (const OptionError& error) {
+        EXPECT_THAT(error.what(), ::testing::HasSubstr("20 GB"));
+        EXPECT_THAT(error.what(), ::testing::HasSubstr("fewer frames"));
+    }
 }
 
 TEST(Validation, AMissingFrameCostsItsParticles) {

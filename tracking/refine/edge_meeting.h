@@ -19,8 +19,8 @@ namespace grainfield::tracking {
 ///
 ///   T = Π_j T_j · (1 + c),   c = κ Σ_{i<j} ρ_ij P_i P_j = κ/2 (|Σ_j P_j n_j|² − Σ_j P_j²),
 ///
-/// κ = 3.5. At a contact the product displaces both discs by 0.4 % of D, this form by 0.1 % at most
-/// at any distance from 0.5 D to 1.15 D (w = 0.075 D; tests).
+/// κ = 3.5. At a contact the product displaces both discs by 0.4 % of D, this form by 0.15 % at
+/// most at any distance from 0.5 D to 1.3 D (w = 0.075 D, D = 16 px; tests).
 ///
 /// Returns the darkness image that the product model should be fitted to at these positions,
 /// I + c Π_j T_j, c limited to [−1, 2]. `transmission`: Π_j T_j. O(discs), about 5 µs each at D =

@@ -86,15 +86,6 @@ double ClassScore::rmse_per_axis() const {
     return std::sqrt(ratio(square_sum.x + square_sum.y, 2 * static_cast<double>(matched)));
 }
 
-Vec2 ClassScore::bias_error() const {
-    const auto n = static_cast<double>(matched);
-    const Vec2 mean = bias();
-    const auto standard_error = [n](double squares, double average) {
-        return std::sqrt(ratio(std::max(0.0, squares / n - average * average), n - 1));
-    };
-    return {standard_error(square_sum.x, mean.x), standard_error(square_sum.y, mean.y)};
-}
-
 double ClassScore::bound() const {
     return std::sqrt(ratio(bound_squares, 2 * static_cast<double>(resolved)));
 }
@@ -182,11 +173,13 @@ void DetectionScores::add_pulls(Vec2 error, Vec2 bound, Vec2 reported) {
     }
 }
 
-std::vector<int> DetectionScores::add(const TruthFrame& truth, const std::vector<Vec2>& found,
-                                      const std::vector<Vec2>& errors) {
+FrameMatch DetectionScores::add(const TruthFrame& truth, const std::vector<Vec2>& found,
+                                const std::vector<Vec2>& errors) {
     require_columns(truth, found, errors);
     ++frames_;
-    std::vector<int> partner = match_positions(found, truth.position, gate_);
+    FrameMatch match{match_positions(found, truth.position, gate_),
+                     std::vector<std::uint64_t>(found.size(), 0)};
+    const std::vector<int>& partner = match.partner;
     constexpr double kInfinite = std::numeric_limits<double>::infinity();
     const auto each_class = [&](std::uint64_t mask, auto&& action) {
         for (std::size_t c = 0; c < classes_.size(); ++c) {
@@ -202,6 +195,7 @@ std::vector<int> DetectionScores::add(const TruthFrame& truth, const std::vector
         }
         const auto j = static_cast<std::size_t>(partner[i]);
         used[j] = 1;
+        match.classes[j] = mask;
         const Vec2 error = found[j] - truth.position[i];
         // An infinite bound stands for "not known".
         const Vec2 bound = truth.bound.empty() ? Vec2{kInfinite, kInfinite} : truth.bound[i];
@@ -218,9 +212,10 @@ std::vector<int> DetectionScores::add(const TruthFrame& truth, const std::vector
         const int nearest = nearest_point(truth.position, grid, range, found[j]);
         const std::uint64_t mask =
             nearest < 0 ? 1 : truth.classes[static_cast<std::size_t>(nearest)];
+        match.classes[j] = mask;
         each_class(mask, [](ClassScore& score) { ++score.spurious; });
     }
-    return partner;
+    return match;
 }
 
 std::vector<PhaseBin> DetectionScores::phase_curve(int axis) const {

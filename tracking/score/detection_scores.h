@@ -32,7 +32,6 @@ struct ClassScore {
     Vec2 bias() const;             ///< mean error [px]
     Vec2 rmse() const;             ///< per axis [px]
     double rmse_per_axis() const;  ///< sqrt of the mean over both axes; lateral: √2 larger
-    Vec2 bias_error() const;       ///< standard error of bias() [px]
 
     /// RMS bound over the resolved particles [px]: those whose bound is below a third of the gate
     /// in both axes. Beyond that the gate, not the tracker, decides about the error.
@@ -47,6 +46,14 @@ struct ClassScore {
     std::int64_t pulls = 0;  ///< errors (two a particle) with a reported standard error
     Vec2 error_sum, square_sum;
     double resolved_squares = 0, bound_squares = 0, pull_squares = 0;
+};
+
+/// How the particles found in one frame belong to the true ones.
+struct FrameMatch {
+    std::vector<int> partner;  ///< of each true particle: index found, −1 if missed
+    /// Of each particle found: the classes it counts in, those of its partner or, without one, of
+    /// the true particle nearest to it; class 0 where there is none. 0: it counts nowhere.
+    std::vector<std::uint64_t> classes;
 };
 
 /// Mean error against the sub-pixel phase of the true position, x − floor(x + 1/2) ∈ [−½, ½).
@@ -73,10 +80,10 @@ class DetectionScores {
     /// At most 64 classes; `gate` [px], 0.25 D for grains. Throws OptionError otherwise.
     DetectionScores(std::vector<std::string> classes, double gate);
 
-    /// `errors`: reported standard errors per axis [px], one a found position or none. Returns the
-    /// partners (match_positions). Throws InputError if columns differ in length.
-    std::vector<int> add(const TruthFrame& truth, const std::vector<Vec2>& found,
-                         const std::vector<Vec2>& errors);
+    /// `errors`: reported standard errors per axis [px], one a found position or none. Returns who
+    /// belongs to whom (match_positions). Throws InputError if columns differ in length.
+    FrameMatch add(const TruthFrame& truth, const std::vector<Vec2>& found,
+                   const std::vector<Vec2>& errors);
 
     double gate() const { return gate_; }
     std::int64_t frames() const { return frames_; }

@@ -110,5 +110,31 @@ TEST(UnionArea, AgreesWithSupersamplingForTwoToFourDiscs) {
     }
 }
 
+TEST(UnionOfTwo, AgreesWithTheQuadratureWhereverItAnswers) {
+    RandomStream random(4, "union of two");
+    constexpr int trials = 20000;
+    for (const double radius : {8.0, 1.5}) {
+        int answered = 0;
+        double worst = 0;
+        for (int trial = 0; trial < trials; ++trial) {
+            Disc disc[2];
+            double area[2];
+            for (int i = 0; i < 2; ++i) {
+                const double angle = random.uniform(0, 2 * std::numbers::pi);
+                const double distance = radius + random.uniform(-0.6, 0.6);
+                const Vec2 off{distance * std::cos(angle), distance * std::sin(angle)};
+                disc[i] = {Vec2{5, 7} + off, radius};
+                area[i] = union_area(&disc[i], 1, 5, 7);
+            }
+            const auto joined = union_of_two(disc[0], area[0], disc[1], area[1], 5, 7);
+            if (!joined) continue;
+            ++answered;
+            worst = std::max(worst, std::abs(*joined - union_area(disc, 2, 5, 7)));
+        }
+        EXPECT_LT(worst, radius > 2 ? 2e-4 : 1e-3) << radius;  // of the quadrature
+        EXPECT_GT(answered, trials / 3);
+    }
+}
+
 }  // namespace
 }  // namespace grainfield::simulate

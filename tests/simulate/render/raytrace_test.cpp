@@ -60,7 +60,8 @@ TEST(Raytrace, OneSphereHasTheRadianceOfTheClosedForm) {
 }
 
 // Darkness of an isolated sphere of a = 10.09 px, measured on a real frame at random sub-pixel
-// positions. Panel 10 a below, 150 a wide, Lambertian; point spread of σ = 0.08 a; not saturated.
+// positions. Panel 20 a below (half of it glass), 150 a wide, Lambertian; point spread of σ = 0.08
+// a; not saturated.
 TEST(Raytrace, AnIsolatedSphereHasTheMeasuredProfile) {
     RenderOptions options;
     options.camera = CameraKind::ideal;
@@ -68,7 +69,7 @@ TEST(Raytrace, AnIsolatedSphereHasTheMeasuredProfile) {
     options.view.height = 41;
     options.view.scale = 10.09;
     options.light.blur = 0.08;
-    options.raytrace.panel_distance = 10;
+    options.raytrace.panel_distance = 20;
     options.raytrace.panel_half_size = 75;
     const View view(options.view, square_box(4), 1.94);
     const Camera camera(options, view, 1, 1);
@@ -171,6 +172,74 @@ TEST(Raytrace, AdaptiveSamplingDiffersFromUniformByLessThanTheNoiseOfTheCamera) 
     RecordProperty("mean_difference", std::to_string(shift));
     EXPECT_LT(rms_difference(a, b), noise);
     EXPECT_LT(std::abs(shift), 0.002) << "of the bright field";
+}
+
+// The plates of the experiment swing by 0.08 a; those of the renderer stand still. Refraction is
+// the same wherever a plate is; what moves is what the plates mirror.
+TEST(Raytrace, PlatesThatSwingChangeLessThanTheNoiseOfTheCamera) {
+    SphereScene scene = crystal_scene(8, 0.81, 1.94);
+    for (Vec3& p : scene.centre) p.z = p.z < 1 ? 0.59 : 1.35;
+    SphereScene up = scene;
+    up.low_plate += 0.08;
+    up.high_plate += 0.08;
+    RenderOptions options;
+    options.view.width = 104;
+    options.view.height = 104;
+    options.view.scale = 16;
+    const View view(options.view, square_box(6.48), 1.94);
+    const Camera camera(options, view, 1, 1);
+    RaytraceOptions still;
+    still.tolerance = 0;
+    still.most_samples = 32;
+    RaytraceOptions swung = still;
+    swung.panel_distance += 0.08;  // the panel does not swing
+    RaytraceOptics low(still, 2);
+    RaytraceOptics high(swung, 2);
+    const View fine = camera.radiance_view(view);
+    const Image a = camera.exposure(low.radiance(scene, fine));
+    const Image b = camera.exposure(high.radiance(up, fine));
+    const double unit = camera.mean_counts(1) - camera.mean_counts(0);
+    double noise = 0;
+    for (const float v : a.pixels()) noise += camera.variance_counts(static_cast<double>(v));
+    noise = std::sqrt(noise / static_cast<double>(a.size())) / unit;
+    RecordProperty("rms_difference", std::to_string(rms_difference(a, b)));
+    RecordProperty("noise", std::to_string(noise));
+    EXPECT_GT(rms_difference(a, b), 0);
+    EXPECT_LT(rms_difference(a, b), noise);
+}
+
+TEST(Raytrace, WithoutNeighboursASphereLooksAsIfItWereAlone) {
+    SphereScene pair;
+    pair.high_plate = 1.94;
+    pair.centre = {{2, 2, 0.5}, {3.1, 2, 0.5}};
+    SphereScene single = pair;
+    single.centre.pop_back();
+    RaytraceOptions options;
+    options.tolerance = 0;
+    options.most_samples = 8;
+    RaytraceOptions blind = options;
+    blind.neighbours = false;
+    const View view = square_view(200, 4, Projection::telecentric);
+    RaytraceOptics all(options, 1);
+    RaytraceOptics none(blind, 1);
+    const Image mirrored = all.radiance(pair, view);
+    const Image alone = all.radiance(single, view);
+    const Image ignored = none.radiance(pair, view);
+    const Image blind_alone = none.radiance(single, view);
+    double worst = 0;
+    double ghost = 0;
+    double seen = 0;
+    for (int y = 50; y < 150; ++y) {
+        for (int x = 50; x < 127; ++x) {  // the first sphere ends at 125
+            worst = std::max(worst, std::abs(double{ignored(x, y)} - double{blind_alone(x, y)}));
+            // The sphere in the plates is left out too.
+            ghost = std::max(ghost, std::abs(double{ignored(x, y)} - double{alone(x, y)}));
+            seen = std::max(seen, std::abs(static_cast<double>(mirrored(x, y) - alone(x, y))));
+        }
+    }
+    EXPECT_EQ(worst, 0);
+    EXPECT_LT(ghost, 0.06);
+    EXPECT_GT(seen, 0.1);
 }
 
 TEST(Raytrace, SaysHowManyRaysUniformSamplingWouldTake) {

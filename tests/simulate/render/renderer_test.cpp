@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <set>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -86,9 +87,52 @@ TEST(Renderer, ChordsAreUsedWhereThereAreNoVelocities) {
     RunPlan plan;
     Renderer renderer(ideal(96), md_info(), now.box, 1, 1, plan);
     EXPECT_EQ(renderer.render(now, 0).sub_frames, 1);
-    const RenderedFrame moving = renderer.render(now, 0, &next);
+    const std::vector<Snapshot> both{now, next};
+    const RenderedFrame moving = renderer.render({both, 0}, 0);
     EXPECT_GT(moving.sub_frames, 1);
     EXPECT_NEAR(moving.truth.velocity[0].x, 16 * 2 / std::sqrt(1e-3 / 9.80665), 1e-6);
+}
+
+// A sphere that turns round in the middle of the exposure: the truth is the mean of its path, and
+// the image shows it there.
+TEST(Renderer, FollowsACollisionWithinTheExposure) {
+    SphereScene scene;
+    scene.centre = {{3, 3, 0.7}};
+    const double unit = std::sqrt(1e-3 / 9.80665);
+    const double half = 0.5e-3 / 2 / unit;  // of the exposure
+    Snapshot before = snapshot_of(scene, 6);
+    before.velocity = {{2, 0, 0}};
+    before.time = -2 * half;
+    Snapshot now = snapshot_of(scene, 6);
+    now.velocity = {{-2, 0, 0}};  // it has just come back from where it turned, at −half/2
+    before.position[0].x = 3 + 2 * (half / 2) - 2 * (1.5 * half);
+    Snapshot after = now;
+    after.time = 2 * half;
+    after.position[0].x -= 2 * (2 * half);
+    for (Snapshot* s : {&before, &after}) {
+        const double t = s->time;
+        s->z[0] = 0.7 - 0.5 * t * t;
+        s->velocity[0].z = -t;
+    }
+    const std::vector<Snapshot> all{before, now, after};
+    RunPlan plan;
+    RenderOptions o = ideal(96);
+    o.exposure.sub_frames = 64;
+    Renderer renderer(o, md_info(), now.box, 1, 1, plan);
+    const RenderedFrame rendered = renderer.render({all, 1}, 0);
+    EXPECT_EQ(renderer.flights().turned, 1);
+    EXPECT_EQ(renderer.flights().free, 1);
+    const double turned = 3 + 2 * (half / 2);
+    const double coming = turned - 2 * (half / 2) / 2;   // mean over a quarter of the time
+    const double going = turned - 2 * (1.5 * half) / 2;  // over three quarters
+    const double mean = 0.25 * coming + 0.75 * going;
+    const View& view = renderer.view();
+    const double expected = view.project({mean, 3, 0.7}).x;
+    EXPECT_NEAR(rendered.truth.position[0].x, expected, 0.004);
+    EXPECT_NEAR(centroid(rendered.frame.image).x, rendered.truth.position[0].x, 2e-3);
+    EXPECT_EQ(renderer.truth({all, 1}, 0).position, rendered.truth.position);
+    // Straight on from the snapshot it would have been farther out before.
+    EXPECT_GT(renderer.truth({{&now, 1}, 0}, 0).position[0].x, expected + 0.02);
 }
 
 TEST(Renderer, PeriodicImagesFillTheFrameAndHaveTheirOwnIds) {
