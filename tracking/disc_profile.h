@@ -26,7 +26,13 @@ struct DiscProfile {
     /// Beyond this distance from the centre P < 1e-3 and counts as zero [px].
     double reach() const { return radius() + kReachInWidths * edge_width; }
 
+    /// Pixels farther from the edge than kEdgeInWidths w hold ∫_u^∞ sech⁴ / ∫_0^∞ sech⁴ = 0.03 % of
+    /// what is known of the position, u = 2.5, and change by less than 1.3 % of the contrast where
+    /// a disc moves by w; up to here from the centre [px].
+    double edge_reach() const { return radius() + kEdgeInWidths * edge_width; }
+
     static constexpr double kReachInWidths = 3.5;
+    static constexpr double kEdgeInWidths = 2.5;
 };
 
 /// How the edges of several discs make one image: each disc dims what the others let pass, or the

@@ -31,6 +31,8 @@ struct ImageModel {
     /// The darkness image: (B − I)/(B − I_dark), 0 on the background and 1 in the core of a sphere,
     /// corrected for the light of the frame, clipped to [−0.5, 1.5].
     Image darkness(const Image& counts, const Illumination& light = {}) const;
+    /// The same into an image that is kept from frame to frame: fresh memory costs as much.
+    void darkness(const Image& counts, const Illumination& light, Image& result) const;
 
     /// The same of one pixel, as calibrated, not clipped.
     float darkness_at(const Image& counts, int x, int y) const;

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 
 #include "tracking/refine/edge_meeting.h"
 #include "tracking/refine/joint_covariance.h"
@@ -19,23 +18,26 @@ double seconds_since(Clock::time_point start) {
 
 /// The mean over whole blocks of factor × factor pixels; what is left at the right and lower border
 /// is left out.
-Image reduced(const Image& image, int factor) {
-    Image result(image.width() / factor, image.height() / factor);
+void reduce(const Image& image, int factor, Image& result) {
+    const int width = image.width() / factor;
+    const int height = image.height() / factor;
+    if (result.width() != width || result.height() != height) result = Image(width, height);
     const float share = 1.0F / static_cast<float>(factor * factor);
     std::vector<float> sums(static_cast<std::size_t>(image.width()));
-    for (int y = 0; y < result.height(); ++y) {
+    for (int y = 0; y < height; ++y) {
         std::copy_n(image.row(y * factor), image.width(), sums.data());
         for (int v = 1; v < factor; ++v) {
             const float* row = image.row(y * factor + v);
             for (int x = 0; x < image.width(); ++x) sums[static_cast<std::size_t>(x)] += row[x];
         }
         float* out = result.row(y);
-        for (int x = 0; x < result.width(); ++x) {
-            const auto first = sums.begin() + static_cast<std::ptrdiff_t>(x) * factor;
-            out[x] = std::accumulate(first, first + factor, 0.0F) * share;
+        const float* in = sums.data();
+        for (int x = 0; x < width; ++x, in += factor) {
+            float sum = in[0];
+            for (int u = 1; u < factor; ++u) sum += in[u];
+            out[x] = sum * share;
         }
     }
-    return result;
 }
 
 /// A disc in blocks. The derivative of its edge, sech², has variance π²w²/12; averaging over blocks
@@ -44,6 +46,10 @@ DiscProfile reduced(const DiscProfile& disc, int factor) {
     const double blur = factor / std::numbers::pi;
     return {disc.diameter / factor, std::hypot(disc.edge_width, blur) / factor};
 }
+
+constexpr double kApproach = 0.04;  // [px]
+constexpr double kFarthest = 0.3;   // [D]
+constexpr double kMostWrong = 0.2;  // of the image
 
 /// Rough rounds stop early: positions only need to be good enough to judge the residual.
 RefinementOptions rough_version(const RefinementOptions& refinement) {
@@ -73,7 +79,8 @@ Locator::Locator(int width, int height, const DiscProfile& disc, int threads, Ed
 void Locator::search_coarsely(const Image& darkness, const DetectionOptions& detection,
                               const RefinementOptions& refinement, SphereSearch& fine,
                               Located& found) {
-    coarse_fit_->restart(reduced(darkness, factor_));
+    reduce(darkness, factor_, coarse_image_);
+    coarse_fit_->restart(coarse_image_);
     SphereSearch search(*coarse_fit_, *coarse_, detection);
     search.seed();
     RefinementOptions rough = rough_version(refinement);
@@ -89,19 +96,64 @@ void Locator::search_coarsely(const Image& darkness, const DetectionOptions& det
     found.added += summary.added;
     found.removed += summary.removed;
     found.maps_skipped += summary.maps_skipped;
+    found.maps_in_part += summary.maps_in_part;
     found.coarse_steps += summary.steps;
     found.detect_seconds += summary.detect_seconds;
     found.refine_seconds += summary.refine_seconds;
 }
 
+/// Spheres that have moved, refined on an image of blocks: to a few hundredths of a pixel. Nothing
+/// is added or removed, and who went far is left where it was: the fine search judges by its own
+/// pixels. Empty if the misfit of half a sphere or more is left in so many places that a cold
+/// search is the shorter way.
+Locator::Scene Locator::approached(const Image& darkness, const RefinementOptions& refinement,
+                                   const std::vector<Vec2>& start, Located& found) {
+    const auto begin = Clock::now();
+    reduce(darkness, factor_, coarse_image_);
+    coarse_fit_->restart(coarse_image_);
+    std::vector<Vec2> places;
+    places.reserve(start.size());
+    for (const Vec2 p : start) places.push_back(correlation_.in_map(p));
+    coarse_fit_->add_all(places);
+    RefinementOptions rough = rough_version(refinement);
+    rough.tolerance = std::max(refinement.tolerance, kApproach) / factor_;
+    found.coarse_steps += coarse_fit_->refine(rough).steps;
+    const ResidualBlocks residual(coarse_fit_->darkness(), coarse_fit_->transmission(),
+                                  static_cast<int>(std::ceil(coarse_fit_->disc().reach())));
+    double wrong = 0;
+    for (const PixelBlock& b : residual.holding(0.5 * coarse_->full_gain())) {
+        wrong += static_cast<double>(b.x1 - b.x0) * (b.y1 - b.y0);
+    }
+    found.approached =
+        wrong <= kMostWrong * coarse_fit_->darkness().width() * coarse_fit_->darkness().height();
+    Scene scene;
+    if (found.approached) {
+        scene.explained = coarse_fit_->explained();
+        for (double& e : scene.explained) e *= factor_ * factor_;
+        const double farthest = kFarthest * disc_.diameter;
+        for (std::size_t j = 0; j < places.size(); ++j) {
+            const Vec2 p = correlation_.in_frame(coarse_fit_->positions()[j]);
+            const bool is_near = squared_norm(p - start[j]) < farthest * farthest;
+            scene.position.push_back(is_near ? p : start[j]);
+        }
+    }
+    found.refine_seconds += seconds_since(begin);
+    return scene;
+}
+
 Located Locator::locate(const Image& darkness, const DetectionOptions& detection,
-                        const RefinementOptions& refinement, const std::vector<Vec2>& start) {
+                        const RefinementOptions& refinement, const std::vector<Vec2>& start,
+                        double step) {
     Located found;
     fit_.restart(darkness);
     SphereSearch search(fit_, correlation_, detection);
     JointFit& fit = fit_;
-    if (!start.empty()) {
-        fit.add_all(start);
+    const bool moved = coarse_ && step > kNear * disc_.edge_width;
+    const Scene scene =
+        moved && !start.empty() ? approached(darkness, refinement, start, found) : Scene{start, {}};
+    if (!scene.position.empty()) {
+        found.warm = true;
+        fit.add_all(scene.position, scene.explained);
     } else if (coarse_) {
         search_coarsely(darkness, detection, refinement, search, found);
     } else {
@@ -111,10 +163,10 @@ Located Locator::locate(const Image& darkness, const DetectionOptions& detection
     search.finish(refinement);
     if (meeting_ == EdgeMeeting::blurred_union) {
         const auto begin = Clock::now();
-        const std::vector<Vec2> places = fit.positions();
-        const Image product = as_product(darkness, fit.transmission(), places, disc_, threads_);
+        const std::vector<Vec2> met = fit.positions();
+        const Image product = as_product(darkness, fit.transmission(), met, disc_, threads_);
         fit.restart(product);
-        fit.add_all(places);
+        fit.add_all(met);
         found.refine_seconds += seconds_since(begin);
         search.finish(refinement);
     }
@@ -124,6 +176,7 @@ Located Locator::locate(const Image& darkness, const DetectionOptions& detection
     found.added += summary.added;
     found.removed += summary.removed;
     found.maps_skipped += summary.maps_skipped;
+    found.maps_in_part += summary.maps_in_part;
     found.unsettled = summary.unsettled;
     found.settled_detection = summary.settled_detection;
     found.noise = summary.noise;
@@ -137,6 +190,7 @@ Located Locator::locate(const Image& darkness, const DetectionOptions& detection
     // trusted.
     const double border = detection.border * disc_.diameter;
     const std::vector<double> residuals = fit.residuals();
+    const std::vector<double>& explained = fit.explained();
     const std::vector<PositionCovariance> covariances = joint_covariance(fit, threads_);
     for (std::size_t j = 0; j < residuals.size(); ++j) {
         const Vec2 p = fit.positions()[j];
@@ -155,6 +209,7 @@ Located Locator::locate(const Image& darkness, const DetectionOptions& detection
         found.position.push_back(p);
         found.error.push_back(error);
         found.residual.push_back(residuals[j]);
+        found.explained.push_back(explained[j]);
     }
     found.fitted = fit.positions();
     found.refine_seconds += seconds_since(begin);

@@ -18,13 +18,17 @@ struct Located {
     std::vector<Vec2> position;
     std::vector<Vec2>
         error;  ///< standard error per unit noise, all others unknown [px]; NaN: hidden
-    std::vector<double> residual;  ///< local RMS of image − model [contrast]
+    std::vector<double> residual;   ///< local RMS of image − model [contrast]
+    std::vector<double> explained;  ///< misfit that each one explains (JointFit) [contrast² px]
     double residual_rms = 0;
     double noise = 0;  ///< robust RMS where the model is flat [contrast]
     int passes = 0;
     std::int64_t added = 0, removed = 0;
     std::int64_t coarse_steps = 0, steps = 0;  ///< disc updates done on blocks, on pixels
+    bool warm = false;                         ///< the start was used
+    bool approached = false;                   ///< … after it was brought nearer on blocks
     int maps_skipped = 0;           ///< maps of likelihood gain that the residual made needless
+    int maps_in_part = 0;           ///< computed only where the residual can hold a sphere
     std::vector<Vec2> fitted;       ///< every disc of the model, those at the border included
     std::int64_t unsettled = 0;     ///< spheres still moving after the last sweep
     std::int64_t rejected = 0;      ///< … by more than their standard error: not reported
@@ -38,17 +42,34 @@ struct Located {
 /// edges meet as those of a blurred union (EdgeMeeting) the last refinement is repeated on the
 /// image that the product model should see there (as_product). Pixels outside the image do not
 /// count.
+///
+/// A start (warm) replaces the search on blocks. If its spheres are expected to have moved by more
+/// than kNear w since, they are refined on blocks first: a step there costs a quarter or less. From
+/// then on a warm frame is treated as a cold one, so that spheres that came or went are found; the
+/// map of likelihood gain is only computed where the residual can hold a sphere.
 class Locator {
  public:
     Locator(int width, int height, const DiscProfile& disc, int threads,
             EdgeMeeting meeting = EdgeMeeting::product);
+    /// `start`: where the spheres were; empty: unknown. `step`: how far they have moved since, RMS
+    /// [px].
     Located locate(const Image& darkness, const DetectionOptions& detection,
-                   const RefinementOptions& refinement, const std::vector<Vec2>& start = {});
+                   const RefinementOptions& refinement, const std::vector<Vec2>& start = {},
+                   double step = 0);
     const DiscProfile& disc() const { return disc_; }
     /// Of the model fitted last.
     const PaddedImage& transmission() const { return fit_.transmission(); }
 
+    static constexpr double kNear = 0.15;  ///< [w]
+
  private:
+    /// Discs at rest, and what each explains; the latter is empty where nothing is known of it.
+    struct Scene {
+        std::vector<Vec2> position;
+        std::vector<double> explained;
+    };
+    Scene approached(const Image& darkness, const RefinementOptions& refinement,
+                     const std::vector<Vec2>& start, Located& found);
     void search_coarsely(const Image& darkness, const DetectionOptions& detection,
                          const RefinementOptions& refinement, SphereSearch& fine, Located& found);
 
@@ -60,6 +81,7 @@ class Locator {
     JointFit fit_;
     std::optional<DiscCorrelation> coarse_;
     std::optional<JointFit> coarse_fit_;
+    Image coarse_image_;
 };
 
 }  // namespace grainfield::tracking

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "core/errors.h"
 #include "core/interrupt.h"
 #include "core/parallel.h"
 #include "tracking/link/long_tracks.h"
@@ -36,11 +37,18 @@ std::vector<OptionTable> describe(TrackOptions& options) {
     track.number("sphere-diameter", options.sphere_diameter, "px", {2, 2000},
                  "true diameter a of a sphere, the unit of the analysis; auto: the apparent one");
     return {describe(options.calibration), describe(options.detection),
-            describe(options.refinement), describe(options.link), track};
+            describe(options.refinement),  describe(options.link),
+            describe(options.layers),      track};
 }
 
 Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan)
     : source_(source), options_(options), plan_(plan), threads_(thread_count(options.threads)) {
+    if (options.layers.height && !options.sphere_diameter) {
+        throw OptionError(ErrorText{"--height needs the true diameter of the spheres",
+                                    "--sphere-diameter auto", "a [px], the unit of --height",
+                                    "the dark disc is smaller than the sphere; give "
+                                    "--sphere-diameter"});
+    }
     const std::int64_t count = source.count();
     const std::int64_t tries = std::min(count, kCalibrationFrames);
     for (std::int64_t i = 0; i < tries && !calibration_; ++i) {
@@ -82,6 +90,11 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
                              "these move less than {:.2g} D a frame",
                              kWarmStep));
     }
+    if (options_.layers.height) {
+        plan.run("layers", "overlaps in projection, up to turning each cluster of spheres over");
+    } else {
+        plan.skip("layers", "--height not given", "layer labels, rejection of impossible spheres");
+    }
 }
 
 TrajectoryInfo Tracker::info() const {
@@ -95,15 +108,13 @@ TrajectoryInfo Tracker::info() const {
     return info;
 }
 
-std::vector<Vec2> Tracker::start_for(const Frame& frame, std::int64_t position,
-                                     TrackSummary& summary) const {
+std::vector<Vec2> Tracker::start_for(const Frame& frame, std::int64_t position) const {
     // The calibration has been there already.
     if (frame.index == calibration_frame_) return calibration_->positions;
     if (position != previous_.position + 1 ||
         previous_.step_rms > kWarmStep * model().disc.diameter) {
         return {};
     }
-    ++summary.warm_frames;
     return previous_.found.fitted;
 }
 
@@ -116,13 +127,19 @@ void Tracker::locate(const Frame& frame, std::int64_t position, TrackSummary& su
     auto start = Clock::now();
     Illumination light = illumination_->expected(frame.image);
     summary.ms_per_frame.detect += milliseconds_since(start);
-    std::vector<Vec2> places = start_for(frame, position, summary);
+    std::vector<Vec2> places = start_for(frame, position);
+    // Before the first step is known it is taken to be a large one.
+    double step = frame.index == calibration_frame_ ? 0
+                  : previous_.step_rms > 0          ? previous_.step_rms
+                                                    : kWarmStep * model().disc.diameter;
     Located found;
+    bool warm = false;
     for (int attempt = 0; attempt < 2; ++attempt) {
         start = Clock::now();
-        const Image darkness = model().darkness(frame.image, light);
+        model().darkness(frame.image, light, darkness_);
         summary.ms_per_frame.detect += milliseconds_since(start);
-        found = locator_->locate(darkness, options_.detection, options_.refinement, places);
+        found = locator_->locate(darkness_, options_.detection, options_.refinement, places, step);
+        if (attempt == 0) warm = found.warm;
         summary.ms_per_frame.detect += 1e3 * found.detect_seconds;
         summary.ms_per_frame.refine += 1e3 * found.refine_seconds;
         start = Clock::now();
@@ -134,7 +151,9 @@ void Tracker::locate(const Frame& frame, std::int64_t position, TrackSummary& su
         light = settled;
         if (holds) break;
         places = found.fitted;
+        step = 0;
     }
+    summary.warm_frames += warm && frame.index != calibration_frame_;
     summary.dimmest = std::min(summary.dimmest, light.span);
     summary.brightest = std::max(summary.brightest, light.span);
     previous_ = {position, {}, std::move(found), 0};
@@ -164,6 +183,7 @@ Snapshot Tracker::track(const Frame& frame, std::int64_t position, Linker& linke
         snapshot.position_error[j] *= std::max(found.noise, found.residual[j]);
     }
 
+    if (bilayer_) bilayer_->admit(snapshot, found.explained);
     const auto start = Clock::now();
     const LinkSummary before = linker.summary();
     snapshot.id = linker.link(position, snapshot.position, snapshot.position_error);
@@ -171,6 +191,10 @@ Snapshot Tracker::track(const Frame& frame, std::int64_t position, Linker& linke
     if (const std::int64_t steps = after.consecutive - before.consecutive; steps > 0) {
         previous_.step_rms =
             std::sqrt((after.squared_steps - before.squared_steps) / static_cast<double>(steps));
+    }
+    if (bilayer_) {
+        bilayer_->label(snapshot);
+        summary.layers = bilayer_->summary();
     }
     summary.ms_per_frame.link += milliseconds_since(start);
     return snapshot;
@@ -213,6 +237,20 @@ void Tracker::summarise(const TrackSummary& summary) {
             "--polarity, --diameter or --edge-width",
             summary.poor_frames, summary.frames, summary.worst_frame, summary.worst_residual));
     }
+    const Bilayer::Summary& layers = summary.layers;
+    if (const std::int64_t n = layers.rejected_pairs + layers.rejected_triples; n > 0) {
+        plan_.warn(fmt::format(
+            "{} detections left out: no room for them between the plates ({} in pairs, {} in "
+            "triples){}",
+            n, layers.rejected_pairs, layers.rejected_triples,
+            layers.is_exact ? "" : "; perhaps not the fewest possible"));
+    }
+    if (layers.contradictory > 0) {
+        plan_.warn(fmt::format(
+            "{} of {} positions have no layer because no heights fit their cluster; is --height "
+            "or --sphere-diameter too small, or a sphere false?",
+            layers.contradictory, layers.spheres));
+    }
     if (summary.repeated > 0) {
         plan_.warn(fmt::format("{} frames repeat the one before", summary.repeated));
     }
@@ -227,6 +265,10 @@ TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress,
                           const std::function<void(const Frame&, const Snapshot&)>& each_frame) {
     TrackSummary summary;
     previous_ = {};
+    bilayer_.reset();
+    if (options_.layers.height) {
+        bilayer_.emplace(SphereCell{*options_.sphere_diameter, *options_.layers.height});
+    }
     const double diameter = calibration_ ? model().disc.diameter : 1.0;
     Linker linker(options_.link, diameter);
     LongTracks long_tracks(sink, options_.link.minimum_length, options_.link.memory);

@@ -14,6 +14,7 @@
 #include "tracking/calibrate/calibration.h"
 #include "tracking/calibrate/illumination.h"
 #include "tracking/image_model.h"
+#include "tracking/layers/bilayer.h"
 #include "tracking/link/linker.h"
 #include "tracking/locate.h"
 
@@ -24,11 +25,13 @@ struct TrackOptions {
     DetectionOptions detection;
     RefinementOptions refinement;
     LinkOptions link;
+    LayerOptions layers;
     std::optional<double> sphere_diameter;  ///< true diameter a [px]; empty: the apparent D
     int threads = 0;                        ///< 0: all
 };
 
-/// Every option of tracking, one table a stage ("calibrate", "detect", "refine", "link", "track").
+/// Every option of tracking, one table a stage ("calibrate", "detect", "refine", "link", "layers",
+/// "track").
 std::vector<OptionTable> describe(TrackOptions& options);
 
 /// Where the time of a run went, per frame.
@@ -50,6 +53,7 @@ struct TrackSummary {
     std::int64_t worst_frame = 0;       ///< of those
     double worst_residual = 0;          ///< RMS residual of that frame [contrast]
     double dimmest = 1, brightest = 1;  ///< contrast of the frames relative to the first [-]
+    Bilayer::Summary layers;            ///< zeros without a height of the cell
     FrameTimes ms_per_frame;
 };
 
@@ -61,12 +65,16 @@ struct TrackSummary {
 /// for spheres that came or went looks only where the residual asks for it. A frame that repeats
 /// the one before costs nothing. The light of each frame is followed (IlluminationFollower).
 ///
+/// Where the height of the cell is given, spheres without room between the plates are left out and
+/// the others get the layer that their overlaps tell (Bilayer), up to turning a cluster over.
+///
 /// Positions are in pixels of the source. One frame is in memory at a time. Results do not depend
 /// on the number of threads.
 class Tracker {
  public:
     /// Calibrates; what was decided goes into `plan`. The source must outlive the tracker. A source
-    /// without any usable frame gives a tracker that writes empty snapshots, with warnings.
+    /// without any usable frame gives a tracker that writes empty snapshots, with warnings. Throws
+    /// OptionError if the height of the cell is given without the true diameter of the spheres.
     Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan);
 
     Tracker(const Tracker&) = delete;
@@ -94,8 +102,7 @@ class Tracker {
     /// Fits frame number `position` among those selected: frames left out on purpose are not
     /// missing. The result is in previous_.
     void locate(const Frame& frame, std::int64_t position, TrackSummary& summary);
-    std::vector<Vec2> start_for(const Frame& frame, std::int64_t position,
-                                TrackSummary& summary) const;
+    std::vector<Vec2> start_for(const Frame& frame, std::int64_t position) const;
     Snapshot track(const Frame& frame, std::int64_t position, Linker& linker,
                    TrackSummary& summary);
     void judge(const Located& found, const Frame& frame, TrackSummary& summary);
@@ -110,6 +117,8 @@ class Tracker {
     std::unique_ptr<Locator> locator_;
     std::unique_ptr<IlluminationFollower> illumination_;
     Previous previous_;
+    Image darkness_;  ///< of the present frame
+    std::optional<Bilayer> bilayer_;
 };
 
 }  // namespace grainfield::tracking

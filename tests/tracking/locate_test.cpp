@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/random.h"
 #include "tests/support/layer_frames.h"
 #include "tracking/calibrate/calibration.h"
 #include "tracking/score/position_score.h"
@@ -67,6 +68,88 @@ TEST(Locate, FindsBothLayersOnFramesOfACameraThatItDidNotImagine) {
     EXPECT_GE(s.recall(), 0.995);
     EXPECT_GE(s.precision(), 0.995);
     EXPECT_LE(s.rms, 0.25);
+}
+
+/// A liquid, the frame of it, and where its spheres were a frame before: RMS steps of .05 D per
+/// axis.
+struct WarmCase {
+    LayerScene scene = testing::hard_disc_liquid(640, 640, 16, 0.70, 1);
+    Image frame = testing::tanh_frame(scene, 16, 1.2, 0.02, 1);
+    std::vector<Vec2> before;
+    double step = std::sqrt(2.0) * 0.8;
+    ImageModel model;
+    Locator locator{640, 640, {16, 1.2}, 2};
+
+    WarmCase() {
+        RandomStream random(3, "warm");
+        for (const Vec2 p : scene.position) {
+            before.push_back(p + 0.8 * Vec2{random.normal(), random.normal()});
+        }
+        model.disc = {16, 1.2};
+        model.background = BackgroundSurface(200);
+        model.dark_level = 30;
+    }
+    Located locate(const std::vector<Vec2>& start) {
+        return locator.locate(model.darkness(frame), {}, {}, start, step);
+    }
+};
+
+/// RMS distance of each position of one from the nearest of the other; they must be as many.
+double difference(const Located& one, const Located& other) {
+    const auto s = score_positions(one.position, other.position, 4, 640, 640, 0);
+    EXPECT_EQ(s.missed, 0);
+    EXPECT_EQ(s.spurious, 0);
+    return s.rms;
+}
+
+TEST(Locate, AWarmStartFindsWhatAColdOneFindsWithFewerSteps) {
+    WarmCase c;
+    const Located cold = c.locate({});
+    const Located warm = c.locate(c.before);
+    EXPECT_FALSE(cold.warm);
+    EXPECT_TRUE(warm.warm);
+    EXPECT_TRUE(warm.approached);
+    // An eighth of the standard error, .0084 px; a third of the tolerance.
+    EXPECT_LT(difference(warm, cold), 0.00105);
+    EXPECT_LT(scored(warm, c.scene).rms, 1.10 * 0.00835);
+    EXPECT_EQ(warm.maps_skipped, warm.passes);
+    EXPECT_EQ(warm.passes, 1);
+    EXPECT_LT(warm.passes, cold.passes);
+    // The same from where the spheres are: not even the blocks are needed.
+    const Located again = c.locator.locate(c.model.darkness(c.frame), {}, {}, warm.fitted, 0.01);
+    EXPECT_LT(difference(again, warm), 0.00105);
+    EXPECT_EQ(again.coarse_steps, 0);
+    EXPECT_LT(again.steps, warm.steps);
+}
+
+TEST(Locate, SpheresThatCameOrWentAreSeenInTheNextFrame) {
+    WarmCase c;
+    const Located cold = c.locate({});
+    std::vector<Vec2> start = c.before;
+    // Five are new …
+    for (int i = 0; i < 5; ++i) start.erase(start.begin() + 100 * (i + 1));
+    // … and two are gone: one in the open, one within a neighbour.
+    const Vec2 p = c.scene.position[50];
+    start.push_back(p + Vec2{9, 0});
+    start.push_back({640 - 3, 3});
+    const Located warm = c.locate(start);
+    EXPECT_TRUE(warm.warm);
+    EXPECT_LT(difference(warm, cold), 0.00105);
+    EXPECT_GE(warm.added, 5);
+    EXPECT_GE(warm.removed, 1);
+    // The map of likelihood gain was computed around them, not everywhere.
+    EXPECT_GT(warm.maps_in_part, 0);
+    EXPECT_EQ(warm.maps_in_part + warm.maps_skipped, warm.passes);
+}
+
+TEST(Locate, AStartThatLeavesMuchUnexplainedIsForgotten) {
+    WarmCase c;
+    const Located cold = c.locate({});
+    std::vector<Vec2> quarter;
+    for (std::size_t i = 0; i < c.before.size(); i += 4) quarter.push_back(c.before[i]);
+    const Located warm = c.locate(quarter);
+    EXPECT_FALSE(warm.warm);
+    EXPECT_EQ(warm.position, cold.position);
 }
 
 TEST(Locate, TheResultDoesNotDependOnTheNumberOfThreads) {

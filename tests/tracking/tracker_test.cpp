@@ -264,6 +264,47 @@ TEST(Tracker, LinkingIsSkippedForOneFrameAndSaysSo) {
     EXPECT_TRUE(said);
 }
 
+TEST(Tracker, LayersOfACrystalAreThoseOfTheTruthUpToOneFlipAndStay) {
+    const Movie m = movie(4);
+    MemoryFrames source(m.frames);
+    Collect sink;
+    RunPlan plan;
+    TrackOptions options;
+    options.layers.height = 1.94;
+    options.sphere_diameter = 12;
+    const TrackSummary summary = run(source, sink, plan, options);
+    EXPECT_GT(summary.layers.labelled, 400);
+    int side = 0;  // of the first frame
+    for (std::size_t f = 0; f < 4; ++f) {
+        const Snapshot& s = sink.snapshots[f];
+        ASSERT_EQ(s.layer.size(), s.size());
+        const auto score = score_positions(s.position, m.truth[f].position, 3, 300, 300, 12);
+        int agree = 0;
+        int labelled = 0;
+        for (std::size_t i = 0; i < score.partner.size(); ++i) {
+            if (score.partner[i] < 0) continue;
+            const Layer layer = s.layer[static_cast<std::size_t>(score.partner[i])];
+            // Liquid spheres overlap a little here, and may have a layer too.
+            if (layer == Layer::unknown || m.truth[f].layer[i] == Layer::unknown) continue;
+            ++labelled;
+            agree += layer == m.truth[f].layer[i];
+        }
+        EXPECT_GT(labelled, 100);
+        EXPECT_TRUE(agree == 0 || agree == labelled) << agree << " of " << labelled;
+        if (f == 0) side = agree > 0 ? 1 : 0;
+        EXPECT_EQ(agree > 0 ? 1 : 0, side) << "frame " << f;
+    }
+}
+
+TEST(Tracker, TheHeightOfTheCellNeedsTheTrueDiameter) {
+    const Movie m = movie(1);
+    MemoryFrames source(m.frames);
+    RunPlan plan;
+    TrackOptions options;
+    options.layers.height = 1.94;
+    EXPECT_THROW(Tracker(source, options, plan), OptionError);
+}
+
 TEST(Tracker, SameBytesForAnyNumberOfThreads) {
     const Movie m = movie(2);
     std::vector<std::vector<Vec2>> positions;

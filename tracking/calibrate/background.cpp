@@ -144,11 +144,16 @@ void BackgroundSurface::row(int y, int width, float* out) const {
             term *= sy;
         }
     }
-    for (int x = 0; x < width; ++x) {
-        const double sx = (x - centre_x_) * scale_x_;
-        double value = 0;
-        for (std::size_t i = in_x.size(); i-- > 0;) value = value * sx + in_x[i];
-        out[x] = static_cast<float>(value);
+    // Power by power, so that it goes in vectors; single precision rounds to 1e-6 of the level.
+    const auto scale = static_cast<float>(scale_x_);
+    const auto begin = static_cast<float>(-centre_x_ * scale_x_);
+    std::fill(out, out + width, static_cast<float>(in_x.back()));
+    for (std::size_t i = in_x.size() - 1; i-- > 0;) {
+        const auto term = static_cast<float>(in_x[i]);
+#pragma omp simd
+        for (int x = 0; x < width; ++x) {
+            out[x] = out[x] * (begin + scale * static_cast<float>(x)) + term;
+        }
     }
 }
 

@@ -60,7 +60,9 @@ DiscCorrelation::DiscCorrelation(int width, int height, const DiscProfile& disc,
     : factor_(factor),
       width_(blocks(width, factor)),
       height_(blocks(height, factor)),
-      fourier_(padded(width, disc, factor), padded(height, disc, factor)) {
+      fourier_(padded(width, disc, factor), padded(height, disc, factor)),
+      half_(half_width(disc)) {
+    for (int power = 1; power <= 2; ++power) taps_[power - 1] = block_kernel(disc, power);
     for (int power = 1; power <= 3; ++power) kernel_[power - 1] = kernel_spectrum(disc, power);
     const int half = static_cast<int>(std::ceil(disc.reach()));
     for (int y = -half; y <= half; ++y) {
@@ -85,16 +87,15 @@ DiscCorrelation::DiscCorrelation(int width, int height, const DiscProfile& disc,
     }
 }
 
-/// Transform of P^power, averaged over blocks and centred on the origin, with the normalisation of
-/// the FFT and the area of a block.
-std::vector<float> DiscCorrelation::kernel_spectrum(const DiscProfile& disc, int power) {
-    const int nx = fourier_.nx();
-    const int ny = fourier_.ny();
-    auto real = fourier_.real();
-    std::fill(real.begin(), real.end(), 0.0F);
-    const int half = static_cast<int>(std::ceil(disc.reach() / factor_));
-    const double scale = 1.0 / (static_cast<double>(nx) * static_cast<double>(ny));
+int DiscCorrelation::half_width(const DiscProfile& disc) const {
+    return static_cast<int>(std::ceil(disc.reach() / factor_));
+}
+
+/// P^power about the origin, summed over the pixels of each block.
+std::vector<float> DiscCorrelation::block_kernel(const DiscProfile& disc, int power) const {
+    const int half = half_width(disc);
     const double centre = 0.5 * (factor_ - 1);
+    std::vector<float> taps;
     for (int y = -half; y <= half; ++y) {
         for (int x = -half; x <= half; ++x) {
             double p = 0;
@@ -105,10 +106,27 @@ std::vector<float> DiscCorrelation::kernel_spectrum(const DiscProfile& disc, int
                                   power);
                 }
             }
+            taps.push_back(static_cast<float>(p));
+        }
+    }
+    return taps;
+}
+
+/// Its transform, with the normalisation of the FFT.
+std::vector<float> DiscCorrelation::kernel_spectrum(const DiscProfile& disc, int power) {
+    const int nx = fourier_.nx();
+    const int ny = fourier_.ny();
+    auto real = fourier_.real();
+    std::fill(real.begin(), real.end(), 0.0F);
+    const double scale = 1.0 / (static_cast<double>(nx) * static_cast<double>(ny));
+    const std::vector<float> taps = block_kernel(disc, power);
+    auto tap = taps.begin();
+    for (int y = -half_; y <= half_; ++y) {
+        for (int x = -half_; x <= half_; ++x, ++tap) {
             const std::size_t index =
                 static_cast<std::size_t>((y + ny) % ny) * static_cast<std::size_t>(nx) +
                 static_cast<std::size_t>((x + nx) % nx);
-            real[index] += static_cast<float>(p * scale);
+            real[index] += static_cast<float>(static_cast<double>(*tap) * scale);
         }
     }
     fourier_.forward();
@@ -180,6 +198,61 @@ Image DiscCorrelation::gain(const PaddedImage& darkness, const PaddedImage& tran
             }
         });
     return correlate({std::move(products), std::move(squares)}, 2, -1);
+}
+
+/// G on a part of the map: the sums that correlate() takes by way of the transforms.
+void DiscCorrelation::add_gain(const PixelBlock& part, const PaddedImage& darkness,
+                               const PaddedImage& transmission, Image& map) const {
+    const int columns = part.x1 - part.x0 + 2 * half_;
+    const int rows = part.y1 - part.y0 + 2 * half_;
+    Image products(columns, rows);
+    Image squares(columns, rows);
+    const float share = 1.0F / static_cast<float>(factor_ * factor_);
+    const int first_x = (part.x0 - half_) * factor_;
+    const int first_y = (part.y0 - half_) * factor_;
+    for (int y = std::max(0, first_y); y < std::min(darkness.height(), first_y + rows * factor_);
+         ++y) {
+        const float* d = darkness.row(y);
+        const float* t = transmission.row(y);
+        float* product = products.row((y - first_y) / factor_);
+        float* square = squares.row((y - first_y) / factor_);
+        for (int x = std::max(0, first_x);
+             x < std::min(darkness.width(), first_x + columns * factor_); ++x) {
+            const int at = (x - first_x) / factor_;
+            product[at] += share * (d[x] - 1.0F + t[x]) * t[x];
+            square[at] += share * t[x] * t[x];
+        }
+    }
+    for (int y = part.y0; y < part.y1; ++y) {
+        float* out = map.row(y) + part.x0;
+        std::fill(out, out + (part.x1 - part.x0), 0.0F);
+        std::size_t tap = 0;
+        for (int v = 0; v <= 2 * half_; ++v) {
+            const float* product = products.row(y - part.y0 + v);
+            const float* square = squares.row(y - part.y0 + v);
+            for (int u = 0; u <= 2 * half_; ++u, ++tap) {
+                const float first = 2 * taps_[0][tap];
+                const float second = taps_[1][tap];
+#pragma omp simd
+                for (int x = 0; x < part.x1 - part.x0; ++x) {
+                    out[x] += first * product[x + u] - second * square[x + u];
+                }
+            }
+        }
+    }
+}
+
+Image DiscCorrelation::gain_in(const std::vector<PixelBlock>& places, const PaddedImage& darkness,
+                               const PaddedImage& transmission) const {
+    Image map(width_, height_);
+    for (const PixelBlock& place : places) {
+        // Its neighbours too, for the shape of peaks at the rim.
+        add_gain({std::max(0, place.x0 / factor_ - 1), std::max(0, place.y0 / factor_ - 1),
+                  std::min(width_, (place.x1 - 1) / factor_ + 2),
+                  std::min(height_, (place.y1 - 1) / factor_ + 2)},
+                 darkness, transmission, map);
+    }
+    return map;
 }
 
 }  // namespace grainfield::tracking

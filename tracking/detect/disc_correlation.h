@@ -5,6 +5,7 @@
 #include "core/fourier.h"
 #include "core/frame.h"
 #include "core/vec2.h"
+#include "tracking/detect/residual_blocks.h"
 #include "tracking/disc_profile.h"
 #include "tracking/padded_image.h"
 
@@ -30,6 +31,11 @@ class DiscCorrelation {
         const double centre = 0.5 * (factor_ - 1);
         return {in_map.x * factor_ + centre, in_map.y * factor_ + centre};
     }
+    /// The other way round.
+    Vec2 in_map(Vec2 in_frame) const {
+        const double centre = 0.5 * (factor_ - 1);
+        return {(in_frame.x - centre) / factor_, (in_frame.y - centre) / factor_};
+    }
 
     /// Shattuck's normalised misfit of a single disc at every block (`shattuck_chitrack`):
     ///   χ²(x) = Σ_y P (I − P)² / Σ_y P³ = [I² ⊗ P − 2 I ⊗ P² + 1 ⊗ P³] / (1 ⊗ P³),
@@ -44,6 +50,11 @@ class DiscCorrelation {
     /// few percent of it at the edges.
     Image gain(const PaddedImage& darkness, const PaddedImage& transmission);
 
+    /// The same where the blocks of the map lie in `places` or next to them, summed directly; zero
+    /// elsewhere. The cheaper way while `places` are a few per cent of the image.
+    Image gain_in(const std::vector<PixelBlock>& places, const PaddedImage& darkness,
+                  const PaddedImage& transmission) const;
+
     /// G of an isolated disc on a clear background: Σ P².
     double full_gain() const { return full_gain_; }
 
@@ -51,6 +62,10 @@ class DiscCorrelation {
     struct Blocks {
         Image first, second;
     };
+    int half_width(const DiscProfile& disc) const;
+    std::vector<float> block_kernel(const DiscProfile& disc, int power) const;
+    void add_gain(const PixelBlock& map_part, const PaddedImage& darkness,
+                  const PaddedImage& transmission, Image& map) const;
     std::vector<float> kernel_spectrum(const DiscProfile& disc, int power);
     void transform(const Image& blocks);
     /// a ⊗ (scale_a P^pa) + b ⊗ (scale_b P^pb).
@@ -61,6 +76,8 @@ class DiscCorrelation {
     int height_;  ///< blocks
     double full_gain_ = 0;
     RealFourier2D<float> fourier_;
+    int half_;                      ///< of the kernels [blocks]
+    std::vector<float> taps_[2];    ///< P, P² summed over each block, 2 half + 1 a row
     std::vector<float> kernel_[3];  ///< real, since P is even; normalisation included
     std::vector<std::complex<float>> sum_;
     Image norm_;  ///< 1 ⊗ P³

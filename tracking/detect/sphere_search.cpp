@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <optional>
 
 #include "tracking/detect/local_maxima.h"
@@ -17,6 +16,7 @@ constexpr double kCandidateShare = 0.1;
 constexpr double kUnusual = 2;
 constexpr double kSurely = 0.5;
 constexpr double kSameAgain = 0.25;  // [D]
+constexpr double kFewPlaces = 0.2;  // of the image: beyond, the transforms are cheaper
 constexpr double kHalfSplit = 0.3;   // [D]
 
 /// RMS of the residual where the model is flat (clear background or core), outliers beyond four
@@ -179,65 +179,46 @@ void SphereSearch::split(std::uint32_t j, Vec2 place) {
     fit_.add(middle + half);
 }
 
-/// A disc can lower the misfit by no more than the misfit within its reach: where that is below
-/// what a candidate needs, there is none, and the map need not be computed.
-bool SphereSearch::may_be_missing(float least_gain) const {
-    const PaddedImage& darkness = fit_.darkness();
-    const int block = static_cast<int>(std::ceil(disc_.reach()));
-    const int columns = (darkness.width() + block - 1) / block;
-    // Two rows above the present one; a window of reach covers at most three blocks each way.
-    std::vector<double> above(static_cast<std::size_t>(columns) + 2, 0.0);
-    std::vector<double> before = above;
-    std::vector<float> sums(static_cast<std::size_t>(columns) * static_cast<std::size_t>(block));
-    for (int top = 0; top < darkness.height() + block; top += block) {
-        std::fill(sums.begin(), sums.end(), 0.0F);
-        for (int y = top; y < std::min(darkness.height(), top + block); ++y) {
-            const float* d = darkness.row(y);
-            const float* t = fit_.transmission().row(y);
-            for (int x = 0; x < darkness.width(); ++x) {
-                const float r = d[x] - 1.0F + t[x];
-                sums[static_cast<std::size_t>(x)] += r * r;
-            }
-        }
-        std::vector<double> present(above.size(), 0.0);
-        for (int c = 0; c < columns; ++c) {
-            const auto first = sums.begin() + static_cast<std::ptrdiff_t>(c) * block;
-            present[static_cast<std::size_t>(c) + 1] = std::accumulate(first, first + block, 0.0);
-        }
-        for (std::size_t c = 1; c + 1 < present.size(); ++c) {
-            double window = 0;
-            for (const auto* row : {&above, &before, &present}) {
-                window += (*row)[c - 1] + (*row)[c] + (*row)[c + 1];
-            }
-            if (window >= static_cast<double>(least_gain)) return true;
-        }
-        above = std::move(before);
-        before = std::move(present);
+/// The map of likelihood gain where it can reach `least`: a disc can lower the misfit by no more
+/// than the misfit within its reach. Empty if that is nowhere enough.
+Image SphereSearch::gain_above(const ResidualBlocks& residual, double least) {
+    const std::vector<PixelBlock> places = residual.holding(least);
+    if (places.empty()) {
+        ++summary_.maps_skipped;
+        return {};
     }
-    return false;
+    const PaddedImage& darkness = fit_.darkness();
+    double area = 0;
+    for (const PixelBlock& p : places) area += static_cast<double>(p.x1 - p.x0) * (p.y1 - p.y0);
+    if (area > kFewPlaces * darkness.width() * darkness.height()) {
+        return correlation_.gain(darkness, fit_.transmission());
+    }
+    ++summary_.maps_in_part;
+    return correlation_.gain_in(places, darkness, fit_.transmission());
 }
 
 std::int64_t SphereSearch::add_missing() {
     // Where the model is not perfect, as on every real image, small gains are to be had anywhere.
     // Where most spheres are missing the residual is large everywhere, and a gain of half a sphere
     // is a candidate all the same.
-    const double rms = fit_.residual_rms();
-    const double usual = rms * rms * std::numbers::pi * disc_.reach() * disc_.reach();
+    const PaddedImage& darkness = fit_.darkness();
+    const ResidualBlocks residual(darkness, fit_.transmission(),
+                                  static_cast<int>(std::ceil(disc_.reach())));
+    const double per_pixel =
+        residual.total() / (static_cast<double>(darkness.width()) * darkness.height());
+    const double usual = per_pixel * std::numbers::pi * disc_.reach() * disc_.reach();
     const double unusual = std::min(kUnusual * usual, kSurely * correlation_.full_gain());
     const auto least_gain = static_cast<float>(std::max(kCandidateShare * threshold_, unusual));
-    if (!may_be_missing(least_gain)) {
-        ++summary_.maps_skipped;
-        return 0;
-    }
-    PointGrid present(fit_.darkness().width(), fit_.darkness().height(), separation_);
+    const Image gain = gain_above(residual, static_cast<double>(least_gain));
+    if (gain.size() == 0) return 0;
+    PointGrid present(darkness.width(), darkness.height(), separation_);
     for (std::uint32_t j = 0; j < fit_.positions().size(); ++j) present.add(fit_.positions()[j], j);
     std::vector<char> is_split(fit_.positions().size(), 0);
     std::int64_t added = 0;
     // Neighbours have moved to cover for a missing sphere, so its gain before they move back is
     // only part of what it will explain; whoever disappoints is removed again, for good.
     for (const Peak& peak :
-         local_maxima(correlation_.gain(fit_.darkness(), fit_.transmission()), least_gain,
-                      0.8 * disc_.diameter / correlation_.factor())) {
+         local_maxima(gain, least_gain, 0.8 * disc_.diameter / correlation_.factor())) {
         const Vec2 place = correlation_.in_frame(peak.position);
         if (rejected_.any(place, kSameAgain * disc_.diameter)) continue;
         const std::optional<std::uint32_t> blocker = nearest(present, place, separation_);

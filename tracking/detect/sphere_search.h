@@ -6,6 +6,7 @@
 #include "core/frame.h"
 #include "core/option_table.h"
 #include "tracking/detect/disc_correlation.h"
+#include "tracking/detect/residual_blocks.h"
 #include "tracking/point_grid.h"
 #include "tracking/refine/joint_fit.h"
 
@@ -55,6 +56,7 @@ class SphereSearch {
         std::int64_t added = 0, removed = 0;
         std::int64_t steps = 0;         ///< disc updates done
         int maps_skipped = 0;           ///< maps of gain that the residual made needless
+        int maps_in_part = 0;           ///< computed only where the residual can hold a sphere
         std::int64_t unsettled = 0;     ///< discs still moving after the last sweep
         bool settled_detection = true;  ///< the last pass changed nothing
         double noise = 0;               ///< robust RMS where the model is flat [contrast]
@@ -65,7 +67,7 @@ class SphereSearch {
  private:
     std::int64_t remove_unfounded();
     void split(std::uint32_t j, Vec2 place);
-    bool may_be_missing(float least_gain) const;
+    Image gain_above(const ResidualBlocks& residual, double least);
     std::int64_t add_missing();
 
     DetectionOptions options_;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "tracking/refine/disc_kernel.cpp"
@@ -15,20 +14,12 @@
 #define GRAINFIELD_DISC_ROWS
 namespace grainfield::tracking {
 
-/// The part of a row that two windows share.
-struct SharedRow {
-    const float *ax, *ay, *bx, *by;
-    int count;
-};
-
 struct DiscRow {
     float dx;  ///< of the first pixel to the centre
     float dy;
     int count;
     const float* darkness;
     float* transmission;
-    float* jx;
-    float* jy;
 };
 
 }  // namespace grainfield::tracking
@@ -76,64 +67,6 @@ double explained_rows(const DiscTerms& disc, const DiscRow* rows, int n) {
     return sum(gain);
 }
 
-double misfit_rows(const DiscRow* rows, int n) {
-    Vector misfit = hn::Zero(kTag);
-    for (int j = 0; j < n; ++j) {
-        const DiscRow& row = rows[j];
-        const Vector end = hn::Set(kTag, row.dx + static_cast<float>(row.count) - 0.5F);
-        for_each_vector(row, [&](Vector dx, int i) HWY_ATTR {
-            const Vector all = residual_of(hn::LoadU(kTag, row.darkness + i),
-                                           hn::LoadU(kTag, row.transmission + i));
-            const Vector r = hn::IfThenElseZero(hn::Lt(dx, end), all);
-            misfit = hn::MulAdd(r, r, misfit);
-        });
-    }
-    return sum(misfit);
-}
-
-void gradient_rows(const DiscTerms& disc, const DiscRow* rows, int n) {
-    for (int j = 0; j < n; ++j) {
-        const DiscRow& row = rows[j];
-        const Vector dy = hn::Set(kTag, row.dy);
-        const Vector dy2 = hn::Mul(dy, dy);
-        for_each_vector(row, [&](Vector dx, int i) HWY_ATTR {
-            const Profile q = profile(dx, dy2, disc);
-            const Vector g = hn::Mul(
-                hn::Mul(hn::LoadU(kTag, row.transmission + i), hn::Set(kTag, disc.two_over_width)),
-                hn::Mul(q.p, q.r_inv));
-            hn::StoreU(hn::Mul(g, dx), kTag, row.jx + i);
-            hn::StoreU(hn::Mul(g, dy), kTag, row.jy + i);
-        });
-    }
-}
-
-/// Beyond the chord of either window J is zero or was never asked for: the tail is masked.
-void cross_rows(const SharedRow* rows, int n, double* sums) {
-    const int lanes = static_cast<int>(hn::Lanes(kTag));
-    Vector xx = hn::Zero(kTag);
-    Vector xy = xx;
-    Vector yx = xx;
-    Vector yy = xx;
-    for (int j = 0; j < n; ++j) {
-        const SharedRow& row = rows[j];
-        for (int i = 0; i < row.count; i += lanes) {
-            const auto inside = hn::FirstN(kTag, static_cast<std::size_t>(row.count - i));
-            const Vector ax = hn::IfThenElseZero(inside, hn::LoadU(kTag, row.ax + i));
-            const Vector ay = hn::IfThenElseZero(inside, hn::LoadU(kTag, row.ay + i));
-            const Vector bx = hn::LoadU(kTag, row.bx + i);
-            const Vector by = hn::LoadU(kTag, row.by + i);
-            xx = hn::MulAdd(ax, bx, xx);
-            xy = hn::MulAdd(ax, by, xy);
-            yx = hn::MulAdd(ay, bx, yx);
-            yy = hn::MulAdd(ay, by, yy);
-        }
-    }
-    sums[0] = sum(xx);
-    sums[1] = sum(xy);
-    sums[2] = sum(yx);
-    sums[3] = sum(yy);
-}
-
 }  // namespace grainfield::tracking::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -142,27 +75,21 @@ namespace grainfield::tracking {
 
 HWY_EXPORT(place_rows);
 HWY_EXPORT(explained_rows);
-HWY_EXPORT(misfit_rows);
-HWY_EXPORT(gradient_rows);
-HWY_EXPORT(cross_rows);
 
 namespace {
 
 /// The rows of a window as the kernels want them. Const images are only read.
 const std::vector<DiscRow>& rows_of(const DiscWindow& window, Vec2 centre,
-                                    const PaddedImage* darkness, const PaddedImage& transmission,
-                                    float* jx, float* jy) {
+                                    const PaddedImage* darkness, const PaddedImage& transmission) {
     thread_local std::vector<DiscRow> rows;
     rows.clear();
     for (int j = 0; j < window.rows; ++j) {
         const auto row = static_cast<std::size_t>(j);
         const int y = window.first_row + j;
         const int x = window.first[row];
-        const std::size_t at = row * static_cast<std::size_t>(window.stride);
         rows.push_back({static_cast<float>(x - centre.x), static_cast<float>(y - centre.y),
                         window.count[row], darkness == nullptr ? nullptr : darkness->row(y) + x,
-                        const_cast<float*>(transmission.row(y)) + x,
-                        jx == nullptr ? nullptr : jx + at, jy == nullptr ? nullptr : jy + at});
+                        const_cast<float*>(transmission.row(y)) + x});
     }
     return rows;
 }
@@ -218,14 +145,12 @@ void DiscWindow::enclose(const PaddedImage& image, Vec2 centre, double half) {
         first[static_cast<std::size_t>(j)] = left;
         count[static_cast<std::size_t>(j)] = std::max(0, right - left + 1);
     }
-    const int widest = 2 * static_cast<int>(half) + 2;
-    stride = (widest + PaddedImage::kMostLanes) / PaddedImage::kMostLanes * PaddedImage::kMostLanes;
 }
 
 void place_disc(PaddedImage& transmission, Vec2 centre, const DiscProfile& disc) {
     DiscWindow& window = scratch_window();
     window.enclose(transmission, centre, disc.reach());
-    const auto& rows = rows_of(window, centre, nullptr, transmission, nullptr, nullptr);
+    const auto& rows = rows_of(window, centre, nullptr, transmission);
     HWY_DYNAMIC_DISPATCH(place_rows)
     (terms_of(disc), rows.data(), static_cast<int>(rows.size()));
 }
@@ -234,63 +159,9 @@ double explained_misfit(const PaddedImage& darkness, const PaddedImage& transmis
                         const DiscProfile& disc) {
     DiscWindow& window = scratch_window();
     window.enclose(transmission, centre, disc.reach());
-    const auto& rows = rows_of(window, centre, &darkness, transmission, nullptr, nullptr);
+    const auto& rows = rows_of(window, centre, &darkness, transmission);
     return HWY_DYNAMIC_DISPATCH(explained_rows)(terms_of(disc), rows.data(),
                                                 static_cast<int>(rows.size()));
-}
-
-double local_residual(const PaddedImage& darkness, const PaddedImage& transmission, Vec2 centre,
-                      const DiscProfile& disc) {
-    DiscWindow& window = scratch_window();
-    window.enclose(transmission, centre, disc.reach());
-    int pixels = 0;
-    for (std::size_t j = 0; j < static_cast<std::size_t>(window.rows); ++j) {
-        const int left = std::max(window.first[j], 0);
-        const int right = std::min(window.first[j] + window.count[j], transmission.width());
-        pixels += std::max(0, right - left);
-    }
-    if (pixels == 0) return std::numeric_limits<double>::quiet_NaN();
-    const auto& rows = rows_of(window, centre, &darkness, transmission, nullptr, nullptr);
-    return std::sqrt(HWY_DYNAMIC_DISPATCH(misfit_rows)(rows.data(), static_cast<int>(rows.size())) /
-                     pixels);
-}
-
-void gradient(const PaddedImage& transmission, Vec2 centre, const DiscProfile& disc,
-              DiscWindow& window, DiscGradient& out) {
-    window.enclose(transmission, centre, disc.reach());
-    // Room for a whole vector behind the last row.
-    const auto floats =
-        static_cast<std::size_t>(window.rows) * static_cast<std::size_t>(window.stride) +
-        PaddedImage::kMostLanes;
-    if (out.x.size() < floats) out.x.resize(floats);
-    if (out.y.size() < floats) out.y.resize(floats);
-    const auto& rows = rows_of(window, centre, nullptr, transmission, out.x.data(), out.y.data());
-    HWY_DYNAMIC_DISPATCH(gradient_rows)
-    (terms_of(disc), rows.data(), static_cast<int>(rows.size()));
-}
-
-CrossBlock cross_block(const DiscWindow& a, const DiscGradient& gradient_a, const DiscWindow& b,
-                       const DiscGradient& gradient_b) {
-    thread_local std::vector<SharedRow> rows;
-    rows.clear();
-    const int first = std::max(a.first_row, b.first_row);
-    const int end = std::min(a.first_row + a.rows, b.first_row + b.rows);
-    for (int y = first; y < end; ++y) {
-        const auto i = static_cast<std::size_t>(y - a.first_row);
-        const auto j = static_cast<std::size_t>(y - b.first_row);
-        const int left = std::max(a.first[i], b.first[j]);
-        const int right = std::min(a.first[i] + a.count[i], b.first[j] + b.count[j]);
-        if (right <= left) continue;
-        const std::size_t at =
-            i * static_cast<std::size_t>(a.stride) + static_cast<std::size_t>(left - a.first[i]);
-        const std::size_t bt =
-            j * static_cast<std::size_t>(b.stride) + static_cast<std::size_t>(left - b.first[j]);
-        rows.push_back({gradient_a.x.data() + at, gradient_a.y.data() + at,
-                        gradient_b.x.data() + bt, gradient_b.y.data() + bt, right - left});
-    }
-    double sums[4] = {};
-    HWY_DYNAMIC_DISPATCH(cross_rows)(rows.data(), static_cast<int>(rows.size()), sums);
-    return {sums[0], sums[1], sums[2], sums[3]};
 }
 
 }  // namespace grainfield::tracking

@@ -34,7 +34,6 @@ class DiscWindow {
     int rows = 0;
     std::vector<int> first;  ///< first column of each row
     std::vector<int> count;  ///< pixels of each row
-    int stride = 0;          ///< floats that a gradient keeps per row
 };
 
 /// T ← T · t_centre.
@@ -43,23 +42,5 @@ void place_disc(PaddedImage& transmission, Vec2 centre, const DiscProfile& disc)
 /// By how much Σ (I − M)² would grow if the disc were lifted: what it explains [contrast² px].
 double explained_misfit(const PaddedImage& darkness, const PaddedImage& transmission, Vec2 centre,
                         const DiscProfile& disc);
-
-/// RMS of I − M on the pixels of the image within reach of a disc; NaN if there are none.
-double local_residual(const PaddedImage& darkness, const PaddedImage& transmission, Vec2 centre,
-                      const DiscProfile& disc);
-
-/// J of a disc on its window: two floats a pixel in planes, `window.stride` floats a row.
-struct DiscGradient {
-    std::vector<float> x, y;
-};
-void gradient(const PaddedImage& transmission, Vec2 centre, const DiscProfile& disc,
-              DiscWindow& window, DiscGradient& out);
-
-/// Σ J_a J_bᵀ over the pixels that two windows share: what couples the positions of two discs.
-struct CrossBlock {
-    double xx = 0, xy = 0, yx = 0, yy = 0;  ///< [1/px²]
-};
-CrossBlock cross_block(const DiscWindow& a, const DiscGradient& gradient_a, const DiscWindow& b,
-                       const DiscGradient& gradient_b);
 
 }  // namespace grainfield::tracking

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/huge_pages.h"
 
@@ -25,6 +26,14 @@ struct StencilRows {
     float* transmission;
     std::ptrdiff_t transmission_pitch;
     HalfFloat* kept;
+};
+
+/// A run of pixels in the windows of two discs; distances of the first one from either centre.
+struct SharedRow {
+    const float* transmission;
+    const HalfFloat *a, *b;
+    float ax, ay, bx, by;
+    int count;
 };
 
 }  // namespace grainfield::tracking
@@ -102,16 +111,52 @@ HWY_INLINE Vector change_of(Vector darkness, Vector before, Vector now) {
     return hn::Mul(step, hn::MulAdd(hn::Set(kTag, 2.0F), b, step));
 }
 
-double place_stencil(const StencilRows& s, const DiscTerms& disc, float x, float y) {
+/// T ← T · t. The change of the misfit asks for the darkness, hence the choice.
+template <bool with_change>
+HWY_INLINE double draw(const StencilRows& s, const DiscTerms& disc, float x, float y) {
     Vector change = hn::Zero(kTag);
+    const Vector reach2 = hn::Set(kTag, disc.reach2);
     for_each_spot(s, x, y, [&](Vector dx, Vector dy, Spot spot) HWY_ATTR {
-        const Vector t = store_half(rough_transmission(dx, hn::Mul(dy, dy), disc), spot.kept);
+        const Vector dy2 = hn::Mul(dy, dy);
+        // The last vector of most rows is there for discs off the anchor only.
+        if (hn::AllFalse(kTag, hn::Lt(hn::MulAdd(dx, dx, dy2), reach2))) {
+            store_half(hn::Set(kTag, 1.0F), spot.kept);
+            return;
+        }
+        const Vector t = store_half(rough_transmission(dx, dy2, disc), spot.kept);
         const Vector old = hn::LoadU(kTag, spot.transmission);
         const Vector now = hn::Mul(old, t);
         hn::StoreU(now, kTag, spot.transmission);
-        change = hn::Add(change, change_of(hn::LoadU(kTag, spot.darkness), old, now));
+        if constexpr (with_change) {
+            change = hn::Add(change, change_of(hn::LoadU(kTag, spot.darkness), old, now));
+        }
     });
-    return sum(change);
+    return with_change ? sum(change) : 0;
+}
+
+double place_stencil(const StencilRows& s, const DiscTerms& disc, float x, float y) {
+    return draw<true>(s, disc, x, y);
+}
+
+void draw_stencil(const StencilRows& s, const DiscTerms& disc, float x, float y) {
+    draw<false>(s, disc, x, y);
+}
+
+/// Pixels that the disc reaches: t is 1 beyond, T is 0 in the margin.
+void misfit_stencil(const StencilRows& s, double* sums) {
+    Vector misfit = hn::Zero(kTag);
+    Vector pixels = hn::Zero(kTag);
+    const Vector one = hn::Set(kTag, 1.0F);
+    for_each_spot(s, 0, 0, [&](Vector, Vector, Spot spot) HWY_ATTR {
+        const Vector transmission = hn::LoadU(kTag, spot.transmission);
+        const Vector r = residual_of(hn::LoadU(kTag, spot.darkness), transmission);
+        const auto counts =
+            hn::And(hn::Lt(load_half(spot.kept), one), hn::Gt(transmission, hn::Zero(kTag)));
+        misfit = hn::Add(misfit, hn::IfThenElseZero(counts, hn::Mul(r, r)));
+        pixels = hn::Add(pixels, hn::IfThenElseZero(counts, one));
+    });
+    sums[0] = sum(misfit);
+    sums[1] = sum(pixels);
 }
 
 double lift_stencil(const StencilRows& s) {
@@ -167,6 +212,48 @@ void linearise_stencil(const StencilRows& s, const DiscTerms& disc, float x, flo
     for (int i = 0; i < 6; ++i) sums[i] = sum(all[i]);
 }
 
+void couple_rows(const SharedRow* rows, int n, const DiscTerms& disc, double* sums) {
+    const int lanes = static_cast<int>(hn::Lanes(kTag));
+    const Vector iota = hn::Iota(kTag, 0.0F);
+    const Vector one = hn::Set(kTag, 1.0F);
+    const Vector floor = hn::Set(kTag, 1e-12F);
+    Vector xx = hn::Zero(kTag);
+    Vector xy = xx;
+    Vector yx = xx;
+    Vector yy = xx;
+    for (int j = 0; j < n; ++j) {
+        const SharedRow& row = rows[j];
+        const Vector ay = hn::Set(kTag, row.ay);
+        const Vector by = hn::Set(kTag, row.by);
+        for (int i = 0; i < row.count; i += lanes) {
+            const auto at = static_cast<std::size_t>(i);
+            const auto inside = hn::FirstN(kTag, static_cast<std::size_t>(row.count - i));
+            const Vector ax = hn::Add(iota, hn::Set(kTag, row.ax + static_cast<float>(i)));
+            const Vector bx = hn::Add(iota, hn::Set(kTag, row.bx + static_cast<float>(i)));
+            const Vector g =
+                hn::Mul(hn::LoadU(kTag, row.transmission + i), hn::Set(kTag, disc.two_over_width));
+            const Vector pa = hn::Sub(one, load_half(row.a + at));
+            const Vector pb = hn::Sub(one, load_half(row.b + at));
+            const Vector ra = hn::MulAdd(ax, ax, hn::MulAdd(ay, ay, floor));
+            const Vector rb = hn::MulAdd(bx, bx, hn::MulAdd(by, by, floor));
+            const Vector r_inv =
+                hn::Mul(hn::ApproximateReciprocalSqrt(ra), hn::ApproximateReciprocalSqrt(rb));
+            const Vector all = hn::Mul(hn::Mul(hn::Mul(g, g), hn::Mul(pa, pb)), r_inv);
+            const Vector both = hn::IfThenElseZero(inside, all);
+            const Vector from_a = hn::Mul(both, ax);
+            const Vector down_a = hn::Mul(both, ay);
+            xx = hn::MulAdd(from_a, bx, xx);
+            xy = hn::MulAdd(from_a, by, xy);
+            yx = hn::MulAdd(down_a, bx, yx);
+            yy = hn::MulAdd(down_a, by, yy);
+        }
+    }
+    sums[0] = sum(xx);
+    sums[1] = sum(xy);
+    sums[2] = sum(yx);
+    sums[3] = sum(yy);
+}
+
 double shift_stencil(const StencilRows& s, const DiscTerms& disc, float x, float y,
                      float* transmission_before, HalfFloat* kept_before) {
     Vector change = hn::Zero(kTag);
@@ -190,17 +277,19 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace grainfield::tracking {
 
+HWY_EXPORT(draw_stencil);
+HWY_EXPORT(misfit_stencil);
 HWY_EXPORT(place_stencil);
 HWY_EXPORT(lift_stencil);
 HWY_EXPORT(explained_stencil);
 HWY_EXPORT(linearise_stencil);
+HWY_EXPORT(couple_rows);
 HWY_EXPORT(shift_stencil);
 
 namespace {
 
-StencilRows rows_of(const StencilView& view) {
+StencilRows rows_of(const StencilView& view, const std::vector<DiscStencil::Row>& rows) {
     const Anchor a = view.anchor;
-    const std::vector<DiscStencil::Row>& rows = view.stencil.rows();
     return {rows.data(),
             static_cast<int>(rows.size()),
             view.darkness.row(a.y) + a.x,
@@ -208,6 +297,10 @@ StencilRows rows_of(const StencilView& view) {
             view.transmission.row(a.y) + a.x,
             view.transmission.pitch(),
             view.kept};
+}
+
+StencilRows rows_of(const StencilView& view) {
+    return rows_of(view, view.stencil.rows());
 }
 
 float along(double centre, int anchor) {
@@ -226,6 +319,33 @@ DiscStencil::DiscStencil(const DiscProfile& disc) : disc_(disc) {
         const int count = (1 - 2 * first + kLanes - 1) / kLanes * kLanes;
         rows_.push_back({dy, first, count, static_cast<int>(size_)});
         size_ += static_cast<std::size_t>(count);
+        add_edge_row(rows_.back());
+    }
+}
+
+void DiscStencil::add_edge_row(const Row& row) {
+    const double outer = disc_.edge_reach();
+    const double inner = std::max(0.0, disc_.diameter - outer);
+    const int distance = std::abs(row.dy);
+    const double height = std::max(0.0, distance - kRoom);
+    if (height >= outer) return;
+    const double chord = std::sqrt(outer * outer - height * height) + kRoom;
+    const int reach = std::min(static_cast<int>(std::floor(chord)), -row.first);
+    const int count = (2 * reach + kLanes) / kLanes * kLanes;
+    const int first = std::min(-reach, row.first + row.count - count);
+    edge_spans_.push_back({row.dy, first, count, row.at + first - row.first});
+    // Columns |dx| ≤ core lie in the core wherever the centre may be.
+    const double low = distance + kRoom;
+    const double core = std::sqrt(std::max(0.0, inner * inner - low * low)) - kRoom;
+    for (int x = first; x < first + count; x += kLanes) {
+        if (std::max(std::abs(x), std::abs(x + kLanes - 1)) <= core) continue;
+        const int at = row.at + x - row.first;
+        if (!edge_rows_.empty() && edge_rows_.back().at + edge_rows_.back().count == at &&
+            edge_rows_.back().dy == row.dy) {
+            edge_rows_.back().count += kLanes;
+        } else {
+            edge_rows_.push_back({row.dy, x, kLanes, at});
+        }
     }
 }
 
@@ -262,6 +382,18 @@ double place(const StencilView& view, Vec2 centre) {
                                                along(centre.y, view.anchor.y));
 }
 
+void draw(const StencilView& view, Vec2 centre) {
+    HWY_DYNAMIC_DISPATCH(draw_stencil)
+    (rows_of(view), terms_of(view.stencil.disc()), along(centre.x, view.anchor.x),
+     along(centre.y, view.anchor.y));
+}
+
+double local_residual(const StencilView& view) {
+    double sums[2] = {};
+    HWY_DYNAMIC_DISPATCH(misfit_stencil)(rows_of(view), sums);
+    return sums[1] > 0 ? std::sqrt(sums[0] / sums[1]) : std::numeric_limits<double>::quiet_NaN();
+}
+
 double lift(const StencilView& view) {
     return HWY_DYNAMIC_DISPATCH(lift_stencil)(rows_of(view));
 }
@@ -273,27 +405,57 @@ double explained(const StencilView& view) {
 NormalEquations linearise(const StencilView& view, Vec2 centre) {
     double sums[6] = {};
     HWY_DYNAMIC_DISPATCH(linearise_stencil)
-    (rows_of(view), terms_of(view.stencil.disc()), along(centre.x, view.anchor.x),
-     along(centre.y, view.anchor.y), sums);
+    (rows_of(view, view.stencil.edge_rows()), terms_of(view.stencil.disc()),
+     along(centre.x, view.anchor.x), along(centre.y, view.anchor.y), sums);
     return {sums[0], sums[1], sums[2], sums[3], sums[4], sums[5]};
 }
 
-double shift(const StencilView& view, Vec2 to, BeforeShift& before) {
+CrossBlock coupling(const StencilView& a, Vec2 centre_a, const StencilView& b, Vec2 centre_b) {
+    thread_local std::vector<SharedRow> rows;
+    rows.clear();
+    const std::vector<DiscStencil::Row>& spans = a.stencil.edge_spans();
+    const int lines = static_cast<int>(spans.size());
+    const int down = a.anchor.y - b.anchor.y;
+    const int right = a.anchor.x - b.anchor.x;
+    for (int j = std::max(0, -down); j < std::min(lines, lines - down); ++j) {
+        const DiscStencil::Row& in_a = spans[static_cast<std::size_t>(j)];
+        const DiscStencil::Row& in_b = spans[static_cast<std::size_t>(j + down)];
+        // Columns seen from the anchor of a.
+        const int first = std::max(in_a.first, in_b.first - right);
+        const int end = std::min(in_a.first + in_a.count, in_b.first - right + in_b.count);
+        if (end <= first) continue;
+        const int x = a.anchor.x + first;
+        const int y = a.anchor.y + in_a.dy;
+        rows.push_back({a.transmission.row(y) + x, a.kept + in_a.at + (first - in_a.first),
+                        b.kept + in_b.at + (first + right - in_b.first),
+                        static_cast<float>(x - centre_a.x), static_cast<float>(y - centre_a.y),
+                        static_cast<float>(x - centre_b.x), static_cast<float>(y - centre_b.y),
+                        end - first});
+    }
+    double sums[4] = {};
+    HWY_DYNAMIC_DISPATCH(couple_rows)
+    (rows.data(), static_cast<int>(rows.size()), terms_of(a.stencil.disc()), sums);
+    return {sums[0], sums[1], sums[2], sums[3]};
+}
+
+double shift(const StencilView& view, Vec2 to, Redraw redraw, BeforeShift& before) {
+    before.redraw = redraw;
     before.transmission.resize(view.stencil.size());
     before.kept.resize(view.stencil.size());
     return HWY_DYNAMIC_DISPATCH(shift_stencil)(
-        rows_of(view), terms_of(view.stencil.disc()), along(to.x, view.anchor.x),
-        along(to.y, view.anchor.y), before.transmission.data(), before.kept.data());
+        rows_of(view, view.stencil.redrawn(redraw)), terms_of(view.stencil.disc()),
+        along(to.x, view.anchor.x), along(to.y, view.anchor.y), before.transmission.data(),
+        before.kept.data());
 }
 
 void undo(const StencilView& view, const BeforeShift& before) {
-    const StencilRows s = rows_of(view);
+    const StencilRows s = rows_of(view, view.stencil.redrawn(before.redraw));
     for (int j = 0; j < s.n; ++j) {
         const DiscStencil::Row& row = s.rows[j];
         std::copy_n(before.transmission.data() + row.at, row.count,
                     s.transmission + row.dy * s.transmission_pitch + row.first);
+        std::copy_n(before.kept.data() + row.at, row.count, view.kept + row.at);
     }
-    std::copy(before.kept.begin(), before.kept.end(), view.kept);
 }
 
 }  // namespace grainfield::tracking

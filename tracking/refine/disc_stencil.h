@@ -10,6 +10,10 @@
 
 namespace grainfield::tracking {
 
+/// Which pixels of a window a shift redraws. Those away from the edge hardly change in a small
+/// step; they stay as they are, still in keeping with the t that is kept.
+enum class Redraw { whole, edge };
+
 /// The pixels that a disc can reach whose centre lies within kRoom of a pixel, its anchor, row by
 /// row in whole vectors. The same for all discs of a scene, so that a disc's transmission t there
 /// can be kept from one step to the next: half of a step's work is then only read.
@@ -27,12 +31,24 @@ class DiscStencil {
         int at;     ///< where the row begins among the kept values
     };
     const std::vector<Row>& rows() const { return rows_; }
+    /// Of these only the vectors with pixels that may lie within kEdgeInWidths w of the edge: the
+    /// gradient is small everywhere else. `at` as in rows().
+    const std::vector<Row>& edge_rows() const { return edge_rows_; }
+    /// The same with the core: one row for each line, from the topmost down.
+    const std::vector<Row>& edge_spans() const { return edge_spans_; }
+    const std::vector<Row>& redrawn(Redraw redraw) const {
+        return redraw == Redraw::whole ? rows_ : edge_rows_;
+    }
     std::size_t size() const { return size_; }  ///< values kept per disc
     const DiscProfile& disc() const { return disc_; }
 
  private:
+    void add_edge_row(const Row& row);
+
     DiscProfile disc_;
     std::vector<Row> rows_;
+    std::vector<Row> edge_rows_;
+    std::vector<Row> edge_spans_;
     std::size_t size_ = 0;
 };
 
@@ -64,6 +80,12 @@ void fetch(const StencilView& view);
 /// T ← T · t_centre, t kept. Returns the change of Σ (I − M)².
 double place(const StencilView& view, Vec2 centre);
 
+/// The same without the answer.
+void draw(const StencilView& view, Vec2 centre);
+
+/// RMS of I − M on the pixels of the image within reach of a disc; NaN if there are none.
+double local_residual(const StencilView& view);
+
 /// T ← T / t. Returns the change of Σ (I − M)².
 double lift(const StencilView& view);
 
@@ -75,20 +97,28 @@ double explained(const StencilView& view);
 struct NormalEquations {
     double xx = 0, xy = 0, yy = 0;  ///< A [1/px²]
     double bx = 0, by = 0;          ///< b [1/px]
-    double misfit = 0;              ///< Σ (I − M)² over the stencil
+    double misfit = 0;              ///< Σ (I − M)² over the edge rows
 };
 
-/// `centre` is where t was kept.
+/// Summed over the edge rows. `centre` is where t was kept.
 NormalEquations linearise(const StencilView& view, Vec2 centre);
+
+/// Σ J_a J_bᵀ over the pixels that both edges reach: what couples the positions of two discs.
+struct CrossBlock {
+    double xx = 0, xy = 0, yx = 0, yy = 0;  ///< [1/px²]
+};
+/// Each centre is where the t of that disc was kept.
+CrossBlock coupling(const StencilView& a, Vec2 centre_a, const StencilView& b, Vec2 centre_b);
 
 /// T and t before a shift.
 struct BeforeShift {
+    Redraw redraw = Redraw::whole;
     std::vector<float> transmission;
     std::vector<HalfFloat> kept;
 };
 
 /// T ← T · t_to / t, t kept anew; the anchor must hold `to`. Returns the change of Σ (I − M)².
-double shift(const StencilView& view, Vec2 to, BeforeShift& before);
+double shift(const StencilView& view, Vec2 to, Redraw redraw, BeforeShift& before);
 
 /// Undoes the last shift.
 void undo(const StencilView& view, const BeforeShift& before);

@@ -11,15 +11,14 @@
 
 #include "core/parallel.h"
 #include "tracking/point_grid.h"
-#include "tracking/refine/disc_kernel.h"
 
 namespace grainfield::tracking {
 namespace {
 
-constexpr double kWeakest = 1e-4;   // squared coupling below which a pair counts as independent
-constexpr double kSettled = 0.03;   // relative change of the error that ends the search
-constexpr double kHidden = 1e-6;    // of the information of an isolated disc
-constexpr double kBandHeight = 10;  // [reach]
+constexpr double kWeakest = 1e-4;  // squared coupling below which a pair counts as independent
+constexpr double kSettled = 0.03;  // relative change of the error that ends the search
+constexpr double kHidden = 1e-6;   // of the information of an isolated disc
+constexpr std::size_t kChunk = 256;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 using Block = Eigen::Matrix2d;
@@ -41,66 +40,6 @@ struct Information {
     std::vector<char> is_hidden;
 };
 
-struct Band {
-    std::vector<std::uint32_t> own, all;
-    std::vector<Pair> pairs;
-};
-
-/// Own discs in [top, top + height), and all those that may be coupled to them from below.
-std::vector<Band> bands_of(const std::vector<Vec2>& positions, int image_height, double height,
-                           double range) {
-    std::vector<Band> bands(static_cast<std::size_t>(image_height / height) + 1);
-    const auto last = static_cast<int>(bands.size()) - 1;
-    for (std::uint32_t i = 0; i < positions.size(); ++i) {
-        const double y = positions[i].y;
-        const int own = std::clamp(static_cast<int>(y / height), 0, last);
-        bands[static_cast<std::size_t>(own)].own.push_back(i);
-        bands[static_cast<std::size_t>(own)].all.push_back(i);
-        if (own > 0 && y - own * height <= range) {
-            bands[static_cast<std::size_t>(own - 1)].all.push_back(i);
-        }
-    }
-    return bands;
-}
-
-void sum_band(const JointFit& fit, double range, Band& band, std::vector<Block>& diagonal) {
-    const auto& positions = fit.positions();
-    // Kept from band to band: several megabytes of fresh pages would cost more than the sums.
-    thread_local std::vector<DiscWindow> windows;
-    thread_local std::vector<DiscGradient> gradients;
-    if (windows.size() < band.all.size()) windows.resize(band.all.size());
-    if (gradients.size() < band.all.size()) gradients.resize(band.all.size());
-    PointGrid grid(fit.darkness().width(), fit.darkness().height(), range);
-    for (std::size_t k = 0; k < band.all.size(); ++k) {
-        gradient(fit.transmission(), positions[band.all[k]], fit.disc(), windows[k], gradients[k]);
-        grid.add(positions[band.all[k]], static_cast<std::uint32_t>(k));
-    }
-    const auto comes_before = [&](std::uint32_t a, std::uint32_t b) {
-        return positions[a].y != positions[b].y ? positions[a].y < positions[b].y : a < b;
-    };
-    std::size_t next = 0;
-    std::vector<std::uint32_t> near;
-    for (std::size_t k = 0; k < band.all.size(); ++k) {
-        const std::uint32_t i = band.all[k];
-        if (next == band.own.size() || band.own[next] != i) continue;
-        ++next;
-        const CrossBlock own = cross_block(windows[k], gradients[k], windows[k], gradients[k]);
-        diagonal[i] << own.xx, own.xy, own.yx, own.yy;
-        near.clear();
-        grid.near(positions[i], range, [&](std::uint32_t other, Vec2) {
-            if (comes_before(i, band.all[other])) near.push_back(other);
-        });
-        std::sort(near.begin(), near.end());
-        for (const std::uint32_t other : near) {
-            const CrossBlock c =
-                cross_block(windows[k], gradients[k], windows[other], gradients[other]);
-            Pair pair{i, band.all[other], {}};
-            pair.block << c.xx, c.xy, c.yx, c.yy;
-            band.pairs.push_back(pair);
-        }
-    }
-}
-
 double smallest_eigenvalue(const Block& m) {
     const double half = 0.5 * m.trace();
     return half - std::hypot(0.5 * (m(0, 0) - m(1, 1)), m(0, 1));
@@ -111,10 +50,31 @@ Information information_of(const JointFit& fit, int threads) {
     const DiscProfile& disc = fit.disc();
     Information info;
     info.diagonal.resize(positions.size(), Block::Zero());
-    const double range = disc.diameter + 4 * disc.edge_width;
-    auto bands = bands_of(positions, fit.darkness().height(), kBandHeight * disc.reach(), range);
-    parallel_for(static_cast<std::int64_t>(bands.size()), threads, [&](std::int64_t b) {
-        sum_band(fit, range, bands[static_cast<std::size_t>(b)], info.diagonal);
+    // Beyond, edges overlap by less than a thousandth of either's information.
+    const double range = disc.diameter + 2.5 * disc.edge_width;
+    PointGrid grid(fit.darkness().width(), fit.darkness().height(), range);
+    for (std::uint32_t i = 0; i < positions.size(); ++i) grid.add(positions[i], i);
+    std::vector<std::vector<Pair>> parts((positions.size() + kChunk - 1) / kChunk);
+    parallel_for(static_cast<std::int64_t>(parts.size()), threads, [&](std::int64_t part) {
+        std::vector<Pair>& pairs = parts[static_cast<std::size_t>(part)];
+        std::vector<std::uint32_t> near;
+        const std::size_t first = static_cast<std::size_t>(part) * kChunk;
+        for (std::size_t k = first; k < std::min(positions.size(), first + kChunk); ++k) {
+            const auto i = static_cast<std::uint32_t>(k);
+            const JointFit::Information own = fit.information(i);
+            info.diagonal[i] << own.xx, own.xy, own.xy, own.yy;
+            near.clear();
+            grid.near(positions[i], range, [&](std::uint32_t other, Vec2) {
+                if (other > i) near.push_back(other);
+            });
+            std::sort(near.begin(), near.end());
+            for (const std::uint32_t j : near) {
+                const CrossBlock c = fit.coupling(i, j);
+                Pair pair{i, j, {}};
+                pair.block << c.xx, c.xy, c.yx, c.yy;
+                pairs.push_back(pair);
+            }
+        }
     });
 
     const double isolated = std::numbers::pi * disc.diameter / (6 * disc.edge_width);
@@ -127,9 +87,9 @@ Information information_of(const JointFit& fit, int threads) {
                4 * pair.block.squaredNorm() >
                    kWeakest * info.diagonal[pair.i].trace() * info.diagonal[pair.j].trace();
     };
-    for (Band& band : bands) {
-        std::erase_if(band.pairs, [&](const Pair& pair) { return !is_coupled(pair); });
-        for (const Pair& pair : band.pairs) {
+    for (std::vector<Pair>& pairs : parts) {
+        std::erase_if(pairs, [&](const Pair& pair) { return !is_coupled(pair); });
+        for (const Pair& pair : pairs) {
             ++degree[pair.i];
             ++degree[pair.j];
         }
@@ -138,8 +98,8 @@ Information information_of(const JointFit& fit, int threads) {
     std::partial_sum(degree.begin(), degree.end(), info.begin.begin() + 1);
     info.entry.resize(info.begin.back());
     auto at = info.begin;
-    for (const Band& band : bands) {
-        for (const Pair& pair : band.pairs) {
+    for (const std::vector<Pair>& pairs : parts) {
+        for (const Pair& pair : pairs) {
             info.entry[at[pair.i]++] = {pair.j, pair.block};
             info.entry[at[pair.j]++] = {pair.i, pair.block.transpose()};
         }
@@ -147,62 +107,131 @@ Information information_of(const JointFit& fit, int threads) {
     return info;
 }
 
-/// The discs within a number of steps of disc i, i itself last, and their local numbers.
-class Shells {
- public:
-    explicit Shells(std::size_t discs) : local_(discs, -1) {}
+Block inverse_of(const Block& m) {
+    Block result;
+    result << m(1, 1), -m(0, 1), -m(1, 0), m(0, 0);
+    return result / (m(0, 0) * m(1, 1) - m(0, 1) * m(1, 0));
+}
 
-    const std::vector<std::uint32_t>& gather(const Information& info, std::uint32_t i, int steps) {
-        for (const std::uint32_t member : members_) local_[member] = -1;
-        members_.assign(1, i);
-        local_[i] = 0;
-        std::size_t shell = 0;
-        for (int step = 0; step < steps; ++step) {
-            const std::size_t end = members_.size();
-            for (; shell < end; ++shell) {
-                const std::uint32_t m = members_[shell];
-                for (std::size_t e = info.begin[m]; e < info.begin[m + 1]; ++e) {
-                    const std::uint32_t other = info.entry[e].other;
-                    if (local_[other] >= 0) continue;
-                    local_[other] = 0;
-                    members_.push_back(other);
-                }
+/// What is left of the information about one disc when its neighbours are unknown too. Kept from
+/// disc to disc to save allocations.
+class Neighbourhood {
+ public:
+    explicit Neighbourhood(std::size_t discs) : local_(discs, kFar) {}
+
+    /// Disc i and those coupled to it, exactly: the last 2×2 block of the Cholesky factor, times
+    /// its transpose. Zero if they are not determined.
+    Block shell(const Information& info, std::uint32_t i) {
+        gather(info, i);
+        fill(info);
+        return last_block();
+    }
+
+    /// After shell(): those coupled to the shell are unknown as well, each eliminated as if it were
+    /// coupled to nobody else.
+    Block second_shell(const Information& info) {
+        fill(info);
+        outer_.clear();
+        const std::size_t shell = members_.size() - 1;
+        for (std::size_t k = 0; k < shell; ++k) {
+            const std::uint32_t m = members_[k];
+            for (std::size_t e = info.begin[m]; e < info.begin[m + 1]; ++e) {
+                const std::uint32_t other = info.entry[e].other;
+                if (local_[other] != kFar) continue;
+                local_[other] = kOuter;
+                outer_.push_back(other);
             }
         }
-        std::reverse(members_.begin(), members_.end());
+        for (const std::uint32_t k : outer_) {
+            eliminate(info, k);
+            local_[k] = kFar;
+        }
+        return last_block();
+    }
+
+ private:
+    static constexpr int kFar = -1;
+    static constexpr int kOuter = -2;
+
+    double* row(std::size_t r) { return matrix_.data() + r * 2 * members_.size(); }
+
+    void gather(const Information& info, std::uint32_t i) {
+        for (const std::uint32_t member : members_) local_[member] = kFar;
+        members_.clear();
+        for (std::size_t e = info.begin[i]; e < info.begin[i + 1]; ++e) {
+            members_.push_back(info.entry[e].other);
+        }
+        members_.push_back(i);
         for (std::size_t k = 0; k < members_.size(); ++k) {
             local_[members_[k]] = static_cast<int>(k);
         }
-        return members_;
     }
-    int local(std::uint32_t i) const { return local_[i]; }
 
- private:
-    std::vector<int> local_;
-    std::vector<std::uint32_t> members_;
-};
-
-/// What is left of the information about disc i when its shells are unknown too: the last 2×2
-/// block of the Cholesky factor, times its transpose. Zero if the shells are not determined.
-Block marginal_information(const Information& info, std::uint32_t i, int steps, Shells& shells) {
-    const auto& members = shells.gather(info, i, steps);
-    const auto n = static_cast<Eigen::Index>(2 * members.size());
-    if (members.size() == 1) return info.diagonal[i];
-    Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(n, n);
-    for (std::size_t k = 0; k < members.size(); ++k) {
-        const std::uint32_t m = members[k];
-        const auto row = static_cast<Eigen::Index>(2 * k);
-        matrix.block<2, 2>(row, row) = info.diagonal[m];
-        for (std::size_t e = info.begin[m]; e < info.begin[m + 1]; ++e) {
-            const int column = shells.local(info.entry[e].other);
-            if (column >= 0) matrix.block<2, 2>(row, 2 * column) = info.entry[e].block;
+    /// The lower triangle.
+    void fill(const Information& info) {
+        matrix_.assign(4 * members_.size() * members_.size(), 0.0);
+        for (std::size_t k = 0; k < members_.size(); ++k) {
+            const std::uint32_t m = members_[k];
+            add(k, k, info.diagonal[m], 1);
+            for (std::size_t e = info.begin[m]; e < info.begin[m + 1]; ++e) {
+                const int column = local_[info.entry[e].other];
+                if (column >= 0 && static_cast<std::size_t>(column) < k) {
+                    add(k, static_cast<std::size_t>(column), info.entry[e].block, 1);
+                }
+            }
         }
     }
-    const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(matrix);
-    if (factor.info() != Eigen::Success) return Block::Zero();
-    const Eigen::Matrix2d last = matrix.bottomRightCorner<2, 2>().triangularView<Eigen::Lower>();
-    return last * last.transpose();
-}
+
+    void add(std::size_t k, std::size_t column, const Block& block, double sign) {
+        double* upper = row(2 * k) + 2 * column;
+        double* lower = row(2 * k + 1) + 2 * column;
+        upper[0] += sign * block(0, 0);
+        upper[1] += sign * block(0, 1);
+        lower[0] += sign * block(1, 0);
+        lower[1] += sign * block(1, 1);
+    }
+
+    void eliminate(const Information& info, std::uint32_t k) {
+        const Block inverse = inverse_of(info.diagonal[k]);
+        for (std::size_t e = info.begin[k]; e < info.begin[k + 1]; ++e) {
+            const int one = local_[info.entry[e].other];
+            if (one < 0) continue;
+            const Block left = info.entry[e].block.transpose() * inverse;
+            for (std::size_t f = info.begin[k]; f < info.begin[k + 1]; ++f) {
+                const int other = local_[info.entry[f].other];
+                if (other < 0 || other > one) continue;
+                add(static_cast<std::size_t>(one), static_cast<std::size_t>(other),
+                    left * info.entry[f].block, -1);
+            }
+        }
+    }
+
+    Block last_block() {
+        const std::size_t n = 2 * members_.size();
+        for (std::size_t r = 0; r < n; ++r) {
+            double* here = row(r);
+            for (std::size_t c = 0; c <= r; ++c) {
+                const double* other = row(c);
+                double sum = here[c];
+                for (std::size_t k = 0; k < c; ++k) sum -= here[k] * other[k];
+                if (c < r) {
+                    here[c] = sum * other[c];
+                } else {
+                    if (!(sum > 0)) return Block::Zero();
+                    // The diagonal is kept inverted.
+                    here[c] = 1 / std::sqrt(sum);
+                }
+            }
+        }
+        Block last;
+        last << 1 / row(n - 2)[n - 2], 0, row(n - 1)[n - 2], 1 / row(n - 1)[n - 1];
+        return last * last.transpose();
+    }
+
+    std::vector<int> local_;
+    std::vector<std::uint32_t> members_, outer_;
+    std::vector<double> matrix_;
+};
 
 PositionCovariance inverse(const Block& m) {
     const double determinant = m.determinant();
@@ -310,20 +339,19 @@ std::vector<PositionCovariance> joint_covariance(const JointFit& fit, int thread
     const std::size_t n = info.diagonal.size();
     std::vector<PositionCovariance> result(n, {kNaN, kNaN, kNaN});
     std::vector<char> is_strong(n, 0);
-    constexpr std::size_t kChunk = 256;
     const auto chunks = static_cast<std::int64_t>((n + kChunk - 1) / kChunk);
     parallel_for(chunks, threads, [&](std::int64_t chunk) {
-        Shells shells(n);
+        Neighbourhood around(n);
         const std::size_t first = static_cast<std::size_t>(chunk) * kChunk;
         for (std::size_t j = first; j < std::min(n, first + kChunk); ++j) {
             if (info.is_hidden[j]) continue;
             const auto i = static_cast<std::uint32_t>(j);
-            Block near = marginal_information(info, i, 1, shells);
+            Block near = around.shell(info, i);
             const double alone = error(info.diagonal[i]);
             // One shell raises the error; the next raise is smaller still, by about that factor.
             if (error(near) - alone > std::sqrt(kSettled) * alone) {
                 const Block nearer = near;
-                near = marginal_information(info, i, 2, shells);
+                near = around.second_shell(info);
                 const double raise = error(near) / error(nearer) - 1;
                 is_strong[j] = !(raise < kSettled);
             }

@@ -17,12 +17,13 @@ struct PositionCovariance {
 ///
 ///   A_ij = Σ_x J_i J_jᵀ,   J_i = ∂M/∂(x_i, y_i),
 ///
-/// whose off-diagonal blocks are summed for pairs nearer than D + 4w (beyond that they are below
-/// 1e-4 of the diagonal). A disc without coupled neighbours has the inverse of its own block. For
-/// the others the information of a few shells of neighbours is factorised, whoever lies beyond held
-/// fixed, until one more shell changes the error by less than 3 %; those that want more than
-/// two shells (dense crystals) are solved together, by a sparse Cholesky factor and the recursion
-/// of `takahashi1973` for the entries of the inverse. Discs that are all but hidden
+/// whose off-diagonal blocks are summed for pairs nearer than D + 2.5w (beyond that they hardly
+/// matter). A disc without coupled neighbours has the inverse of its own block. For
+/// the others the information of its neighbours is factorised, whoever lies beyond held fixed.
+/// Where that raises the error by more than 17 %, their neighbours are unknown too, couplings among
+/// these left out; if that changes the error by another 3 % (dense crystals), such discs are solved
+/// together, by a sparse Cholesky factor and the recursion of `takahashi1973` for the entries of
+/// the inverse. Discs that are all but hidden
 /// (smallest eigenvalue below 1e-6 of an isolated disc's) are left out and given NaN.
 /// Independent of the number of threads. About 3 µs a disc in a liquid.
 std::vector<PositionCovariance> joint_covariance(const JointFit& fit, int threads);

@@ -13,9 +13,11 @@ namespace {
 
 constexpr int kFullSteps = 30;
 constexpr float kFresh = std::numeric_limits<float>::max();
-constexpr float kUnmoved = 0.05F;
+constexpr float kUnmoved = 0.2F;
 constexpr double kLeastRoom = 0.25;
 constexpr double kLag = 1;  // tolerances
+// Beyond the edge a disc changes by less than 0.1 % of the contrast over this path.
+constexpr double kMostStale = 0.05;  // [w]
 constexpr int kInnerSweeps = 2;
 // Two images of this size and their surroundings stay in the second-level cache.
 constexpr double kTile = 128;
@@ -85,9 +87,9 @@ void JointFit::restart(const Image& darkness) {
     slots_ = 0;
 }
 
-StencilView JointFit::view(const Disc& disc) {
-    return {stencil_, darkness_, transmission_, disc.anchor,
-            kept_.data() + disc.slot * stencil_.size()};
+StencilView JointFit::view(const Disc& disc) const {
+    return {stencil_, darkness_, const_cast<PaddedImage&>(transmission_), disc.anchor,
+            const_cast<HalfFloat*>(kept_.data()) + disc.slot * stencil_.size()};
 }
 
 std::uint32_t JointFit::free_slot() {
@@ -96,7 +98,9 @@ std::uint32_t JointFit::free_slot() {
         free_.pop_back();
         return slot;
     }
-    const std::size_t needed = (slots_ + std::size_t{1}) * stencil_.size();
+    // Vectors may run beyond the last one.
+    const std::size_t needed =
+        (slots_ + std::size_t{1}) * stencil_.size() + std::size_t{DiscStencil::kLanes};
     if (kept_.size() < needed) kept_.resize(std::max(needed, 3 * kept_.size() / 2));
     return slots_++;
 }
@@ -121,17 +125,17 @@ void JointFit::append(Vec2 position, std::optional<double> explained) {
 
 void JointFit::add(Vec2 position, std::optional<double> explained) {
     append(position, explained);
-    place(view(discs_.back()), positions_.back());
+    draw(view(discs_.back()), positions_.back());
 }
 
-void JointFit::add_all(const std::vector<Vec2>& positions) {
+void JointFit::add_all(const std::vector<Vec2>& positions, const std::vector<double>& explained) {
     std::vector<std::uint32_t> added;
-    for (const Vec2 p : positions) {
+    for (std::size_t i = 0; i < positions.size(); ++i) {
         added.push_back(static_cast<std::uint32_t>(discs_.size()));
-        append(p, {});
+        append(positions[i], explained.empty() ? std::nullopt : std::optional(explained[i]));
     }
     in_tiles(added, [&](const std::vector<std::uint32_t>& tile) {
-        for (const std::uint32_t j : tile) place(view(discs_[j]), positions_[j]);
+        for (const std::uint32_t j : tile) draw(view(discs_[j]), positions_[j]);
     });
 }
 
@@ -148,6 +152,8 @@ double JointFit::move_to(std::size_t j, Vec2 to) {
     const double lifted = lift(view(disc));
     disc.anchor = Anchor::of(to);
     disc.placed = to;
+    disc.stale = 0;
+    disc.information.xx = -1;
     positions_[j] = to;
     return lifted + place(view(disc), to);
 }
@@ -186,6 +192,7 @@ double JointFit::step(std::size_t j, double relaxation, double lag) {
     const Vec2 start = positions_[j];
     const Vec2 from = disc.placed;
     const NormalEquations n = linearise(view(disc), from);
+    disc.information = {n.xx, n.xy, n.yy};
     // A fully hidden disc has no information; the damping keeps it where it is.
     const double damping = 1e-3 * (n.xx + n.yy) + 1e-3;
     const double xx = n.xx + damping;
@@ -206,8 +213,13 @@ double JointFit::step(std::size_t j, double relaxation, double lag) {
     for (int attempt = 0; attempt < 4; ++attempt) {
         const Vec2 to = inside(from + d);
         const bool in_window = disc.anchor.holds(to);
-        const double change = in_window ? shift(view(disc), to, before) : move_to(j, to);
+        const auto path = disc.stale + static_cast<float>(norm(to - from));
+        const Redraw redraw = static_cast<double>(path) <= kMostStale * profile_.edge_width
+                                  ? Redraw::edge
+                                  : Redraw::whole;
+        const double change = in_window ? shift(view(disc), to, redraw, before) : move_to(j, to);
         if (change <= 1e-5 * (n.misfit + 1e-6)) {
+            if (in_window) disc.stale = redraw == Redraw::edge ? path : 0;
             disc.placed = to;
             positions_[j] = to;
             return norm(to - start);
@@ -324,11 +336,22 @@ const std::vector<double>& JointFit::explained() {
     return explained_;
 }
 
+JointFit::Information JointFit::information(std::size_t j) const {
+    const Disc& disc = discs_[j];
+    if (disc.information.xx >= 0) return disc.information;
+    const NormalEquations n = linearise(view(disc), disc.placed);
+    return {n.xx, n.xy, n.yy};
+}
+
+CrossBlock JointFit::coupling(std::size_t i, std::size_t j) const {
+    return tracking::coupling(view(discs_[i]), discs_[i].placed, view(discs_[j]), discs_[j].placed);
+}
+
 std::vector<double> JointFit::residuals() const {
     std::vector<double> rms(positions_.size());
     parallel_for(static_cast<std::int64_t>(rms.size()), threads_, [&](std::int64_t i) {
         const auto j = static_cast<std::size_t>(i);
-        rms[j] = local_residual(darkness_, transmission_, positions_[j], profile_);
+        rms[j] = local_residual(view(discs_[j]));
     });
     return rms;
 }

@@ -44,8 +44,8 @@ class JointFit {
 
     /// `explained`: what the disc is known to explain, until something near it moves.
     void add(Vec2 position, std::optional<double> explained = {});
-    /// The same as add() one by one, in parallel.
-    void add_all(const std::vector<Vec2>& positions);
+    /// The same as add() one by one, in parallel; `explained` empty, or one value a disc.
+    void add_all(const std::vector<Vec2>& positions, const std::vector<double>& explained = {});
     void move(std::size_t j, Vec2 to);
     /// Removes the discs whose entry in `keep` is zero.
     void keep_only(const std::vector<char>& keep);
@@ -66,8 +66,15 @@ class JointFit {
     const DiscProfile& disc() const { return profile_; }
 
     /// Σ (I − M)² that each disc explains (disc_stencil.h, explained). Discs in whose neighbourhood
-    /// nothing has moved by more than 0.05 px since the last call keep their value.
+    /// nothing has moved by more than 0.2 px since the last call keep their value.
     const std::vector<double>& explained();
+
+    /// Σ J Jᵀ of one disc [1/px²], as of its last step, and Σ J_i J_jᵀ of two.
+    struct Information {
+        double xx = 0, xy = 0, yy = 0;
+    };
+    Information information(std::size_t j) const;
+    CrossBlock coupling(std::size_t i, std::size_t j) const;
 
     /// RMS of I − M within reach of each disc [contrast].
     std::vector<double> residuals() const;
@@ -79,15 +86,18 @@ class JointFit {
     /// One disc: where it is and what is known of it.
     struct Disc {
         Anchor anchor;
-        Vec2 placed;             ///< where it is in the image of all discs [px]
-        std::uint32_t slot = 0;  ///< of its transmissions
-        float last_step = 0;     ///< [px]; large for discs that have not moved yet
-        float left = 0;          ///< [px] expected of the next step; large likewise
-        float drift = 0;         ///< [px] path since `explained`; large for new discs
-        double explained = 0;    ///< as of the last call of explained()
+        Vec2 placed;                        ///< where it is in the image of all discs [px]
+        std::uint32_t slot = 0;             ///< of its transmissions
+        float last_step = 0;                ///< [px]; large for discs that have not moved yet
+        float left = 0;                     ///< [px] expected of the next step; large likewise
+        float stale = 0;                    ///< [px] path since it was drawn as a whole
+        float drift = 0;                    ///< [px] path since `explained`; large for new discs
+        double explained = 0;               ///< as of the last call of explained()
+        Information information{-1, 0, 0};  ///< of the last step; negative: none yet
     };
 
-    StencilView view(const Disc& disc);
+    /// What is seen through a const fit is only read.
+    StencilView view(const Disc& disc) const;
     std::uint32_t free_slot();
     void append(Vec2 position, std::optional<double> explained);
     Vec2 inside(Vec2 p) const;

@@ -61,6 +61,31 @@ TEST(DiscCorrelation, GainIsTheFallOfTheMisfitWhenOneDiscIsAdded) {
     }
 }
 
+TEST(DiscCorrelation, GainOfAPartIsThatOfTheWhole) {
+    const Image darkness = random_image(101, 83, 0, 1, 2);
+    const Image transmission = random_image(101, 83, 0.1, 1, 3);
+    const PaddedImage d = padded_darkness(darkness, kDisc);
+    const PaddedImage t(transmission, 20, 0.0F);
+    for (const int factor : {1, 2, 3}) {
+        DiscCorrelation correlation(101, 83, kDisc, factor);
+        const Image whole = correlation.gain(d, t);
+        const std::vector<PixelBlock> places{{0, 0, 13, 13}, {39, 26, 65, 39}, {91, 78, 101, 83}};
+        const Image part = correlation.gain_in(places, d, t);
+        ASSERT_EQ(part.width(), whole.width());
+        for (const PixelBlock& p : places) {
+            // One block more on each side.
+            const int x1 = std::min(whole.width(), (p.x1 - 1) / factor + 2);
+            const int y1 = std::min(whole.height(), (p.y1 - 1) / factor + 2);
+            for (int y = std::max(0, p.y0 / factor - 1); y < y1; ++y) {
+                for (int x = std::max(0, p.x0 / factor - 1); x < x1; ++x) {
+                    EXPECT_NEAR(part(x, y), whole(x, y), 1e-3) << factor << " " << x << " " << y;
+                }
+            }
+        }
+        EXPECT_EQ(part(part.width() / 4, part.height() - 2), 0);
+    }
+}
+
 TEST(DiscCorrelation, FullGainIsWhatAnIsolatedDiscExplains) {
     Image darkness(61, 61);
     for (int y = 0; y < 61; ++y) {

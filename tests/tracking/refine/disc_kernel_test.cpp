@@ -49,51 +49,6 @@ TEST(DiscKernel, TheMarginNeverChanges) {
     }
 }
 
-TEST(DiscKernel, LocalResidualIsTheRmsOverThePixelsOfTheImageInReach) {
-    const PaddedImage darkness = noisy_darkness();
-    const PaddedImage t = model(kCentres);
-    for (const Vec2 c : kCentres) {
-        double sum = 0;
-        int n = 0;
-        for (int y = 0; y < 33; ++y) {
-            for (int x = 0; x < 33; ++x) {
-                if (std::hypot(x - c.x, y - c.y) >= kDisc.reach()) continue;
-                const double r = static_cast<double>(darkness(x, y) - 1 + t(x, y));
-                sum += r * r;
-                ++n;
-            }
-        }
-        EXPECT_NEAR(local_residual(darkness, t, c, kDisc), std::sqrt(sum / n), 1e-5);
-    }
-}
-
-TEST(DiscKernel, CrossBlocksAreSumsOfProductsOfGradients) {
-    const PaddedImage t = model(kCentres);
-    DiscWindow a;
-    DiscWindow b;
-    DiscGradient ga;
-    DiscGradient gb;
-    gradient(t, kCentres[0], kDisc, a, ga);
-    gradient(t, kCentres[1], kDisc, b, gb);
-    const CrossBlock block = cross_block(a, ga, b, gb);
-    double xy = 0;
-    double yx = 0;
-    for (int y = 0; y < 33; ++y) {
-        for (int x = 0; x < 33; ++x) {
-            const auto j = [&](Vec2 c) {
-                const double r = std::hypot(x - c.x, y - c.y);
-                const double p = r < kDisc.reach() ? kDisc.darkness(r) : 0;
-                const double g = static_cast<double>(t(x, y)) * 2 / kDisc.edge_width * p / r;
-                return Vec2{g * (x - c.x), g * (y - c.y)};
-            };
-            xy += j(kCentres[0]).x * j(kCentres[1]).y;
-            yx += j(kCentres[0]).y * j(kCentres[1]).x;
-        }
-    }
-    EXPECT_NEAR(block.xy, xy, 2e-3);
-    EXPECT_NEAR(block.yx, yx, 2e-3);
-}
-
 TEST(DiscKernel, ExplainedMisfitIsWhatLiftingCosts) {
     const PaddedImage darkness = noisy_darkness();
     const PaddedImage t = model(kCentres);

@@ -1,0 +1,173 @@
+#include "tracking/layers/bilayer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "core/errors.h"
+#include "core/random.h"
+#include "tests/support/slit_spheres.h"
+
+namespace grainfield::tracking {
+namespace {
+
+constexpr double kPixels = 16;
+
+/// Positions in pixels with Gaussian errors [px].
+Snapshot seen(const testing::SlitScene& scene, double error) {
+    RandomStream random(4, "seen");
+    Snapshot s;
+    for (const Vec2 p : scene.position) {
+        s.position.push_back(kPixels * p + error * Vec2{random.normal(), random.normal()});
+        s.position_error.push_back({error, error});
+        s.quality.push_back(0.02);
+        s.id.push_back(static_cast<std::int64_t>(s.id.size()));
+    }
+    return s;
+}
+
+/// Whether heights exist, by trying all orders of height of the spheres of a small graph.
+bool fits(const OverlapGraph& graph, const std::vector<std::uint32_t>& spheres) {
+    std::vector<std::uint32_t> order = spheres;
+    std::sort(order.begin(), order.end());
+    do {
+        std::vector<double> z(graph.size(), 0);
+        for (const auto i : order) {
+            for (const auto link : graph.links(i)) {
+                for (const auto below : order) {
+                    if (below == i) break;
+                    if (below != link.sphere) continue;
+                    z[i] = std::max(z[i], z[below] + graph.pairs()[link.pair].rise);
+                }
+            }
+        }
+        if (std::all_of(order.begin(), order.end(),
+                        [&](auto i) { return z[i] <= graph.slack() + 1e-9; })) {
+            return true;
+        }
+    } while (std::next_permutation(order.begin(), order.end()));
+    return false;
+}
+
+TEST(Bilayer, ImpossibleSetsAreThosePairsAndTriplesThatNoHeightsFit) {
+    RandomStream random(7, "triples");
+    int impossible = 0;
+    for (int trial = 0; trial < 300; ++trial) {
+        std::vector<Vec2> points(3);
+        for (Vec2& p : points) p = kPixels * Vec2{random.uniform(0, 1.1), random.uniform(0, 1.1)};
+        const OverlapGraph graph({kPixels, 1.94}, points, {});
+        const auto sets = impossible_sets(graph);
+        bool any_pair = false;
+        for (const std::vector<std::uint32_t>& pair :
+             {std::vector<std::uint32_t>{0, 1}, {0, 2}, {1, 2}}) {
+            const bool listed = std::find(sets.begin(), sets.end(), pair) != sets.end();
+            EXPECT_EQ(listed, !fits(graph, pair));
+            any_pair = any_pair || listed;
+        }
+        EXPECT_EQ(sets.empty(), fits(graph, {0, 1, 2})) << trial;
+        impossible += !sets.empty() && !any_pair;
+    }
+    EXPECT_GT(impossible, 20);
+}
+
+TEST(Bilayer, ClosestPairAndTriangleAreThoseOfTheHeight) {
+    // physics.md §4: 0.34 a and 0.883 a at L_z = 1.94 a; 0.54 a and 0.907 a at 1.84 a.
+    for (const auto& [height, pair, side] :
+         {std::tuple{1.94, 0.3412, 0.8827}, std::tuple{1.84, 0.5426, 0.9075}}) {
+        for (const double change : {-1e-3, 1e-3}) {
+            const double d = kPixels * (pair + change);
+            EXPECT_EQ(impossible_sets({{kPixels, height}, {{0, 0}, {d, 0}}, {}}).size(),
+                      change < 0 ? 1u : 0u);
+            const double s = kPixels * (side + change);
+            const std::vector<Vec2> triangle{{0, 0}, {s, 0}, {s / 2, s * std::sqrt(0.75)}};
+            EXPECT_EQ(impossible_sets({{kPixels, height}, triangle, {}}).size(),
+                      change < 0 ? 1u : 0u);
+        }
+    }
+}
+
+TEST(Bilayer, LeavesEverySphereThatIsThere) {
+    for (const double error : {0.0, 0.05, 0.2}) {
+        for (const double spacing : {0.72, 0.81, 0.9243}) {
+            const auto scene = testing::shaken_bilayer(
+                50, 1.94, spacing, spacing > 0.9 ? 0.15 : 0.02, spacing > 0.9 ? 400 : 60, 3);
+            Snapshot s = seen(scene, error);
+            const std::size_t before = s.size();
+            Bilayer bilayer({kPixels, 1.94});
+            bilayer.admit(s, std::vector<double>(before, 1));
+            // Two standard errors are granted to each overlap: none at all without errors.
+            const std::size_t lost = before - s.size();
+            if (error == 0) {
+                EXPECT_EQ(lost, 0u) << spacing;
+            } else {
+                EXPECT_LE(static_cast<double>(lost), 0.002 * static_cast<double>(before))
+                    << error << " " << spacing;
+            }
+        }
+    }
+}
+
+TEST(Bilayer, TakesOutFalseSpheresOfWeakEvidence) {
+    const auto scene = testing::shaken_bilayer(40, 1.94, 0.8, 0.02, 60, 3);
+    Snapshot s = seen(scene, 0.03);
+    std::vector<double> evidence(s.size(), 1);
+    const std::size_t there = s.size();
+    RandomStream random(9, "false spheres");
+    std::size_t close = 0;
+    for (std::size_t i = 0; i < there; i += 20) {
+        // In the middle between a sphere and its neighbour, or hidden behind one.
+        const double distance = i % 40 == 0 ? 0.2 : 0.4;
+        const double angle = random.uniform(0, 2 * M_PI);
+        s.position.push_back(s.position[i] +
+                             distance * kPixels * Vec2{std::cos(angle), std::sin(angle)});
+        s.position_error.push_back({0.03, 0.03});
+        s.quality.push_back(0.1);
+        evidence.push_back(0.2);
+        close += distance < 0.3;
+    }
+    const std::size_t added = s.size() - there;
+    s.id.clear();
+    Bilayer bilayer({kPixels, 1.94});
+    bilayer.admit(s, evidence);
+    EXPECT_TRUE(bilayer.summary().is_exact);
+    EXPECT_EQ(s.size(), s.quality.size());
+    // All false ones go (a dense crystal has room nowhere), and none that is there.
+    EXPECT_EQ(s.size(), there);
+    EXPECT_EQ(std::count(s.quality.begin(), s.quality.end(), 0.1), 0);
+    EXPECT_GE(bilayer.summary().rejected_pairs, static_cast<std::int64_t>(close));
+    EXPECT_EQ(bilayer.summary().rejected_pairs + bilayer.summary().rejected_triples,
+              static_cast<std::int64_t>(added));
+}
+
+TEST(Bilayer, SidesOfACrystalStayFromFrameToFrame) {
+    const auto scene = testing::shaken_bilayer(30, 1.94, 0.8, 0.02, 60, 3);
+    Bilayer bilayer({kPixels, 1.94});
+    Snapshot first = seen(scene, 0);
+    bilayer.admit(first, std::vector<double>(first.size(), 1));
+    bilayer.label(first);
+    ASSERT_GT(std::count(first.layer.begin(), first.layer.end(), Layer::top), 100);
+    // The same spheres in another order, without the first fifth: the naming convention alone
+    // would go by index and majority.
+    Snapshot next;
+    for (std::size_t i = first.size(); i-- > first.size() / 5;) {
+        next.position.push_back(first.position[i]);
+        next.position_error.push_back({0, 0});
+        next.id.push_back(first.id[i]);
+    }
+    bilayer.admit(next, std::vector<double>(next.size(), 1));
+    bilayer.label(next);
+    for (std::size_t i = 0; i < next.size(); ++i) {
+        if (next.layer[i] == Layer::unknown) continue;
+        EXPECT_EQ(next.layer[i], first.layer[static_cast<std::size_t>(next.id[i])]);
+    }
+}
+
+TEST(Bilayer, EvidenceMustBeThereForEverySphere) {
+    Snapshot s = seen(testing::shaken_bilayer(5, 1.94, 0.8, 0.02, 1, 3), 0);
+    Bilayer bilayer({kPixels, 1.94});
+    EXPECT_THROW(bilayer.admit(s, {1.0}), InputError);
+}
+
+}  // namespace
+}  // namespace grainfield::tracking

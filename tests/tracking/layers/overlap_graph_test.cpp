@@ -1,0 +1,86 @@
+#include "tracking/layers/overlap_graph.h"
+
+#include <cmath>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "core/errors.h"
+#include "core/random.h"
+
+namespace grainfield::tracking {
+namespace {
+
+constexpr SphereCell kCell{10, 1.94};
+
+std::vector<Vec2> random_points(std::size_t n, double side) {
+    RandomStream random(1, "points");
+    std::vector<Vec2> points(n);
+    for (Vec2& p : points) p = {random.uniform(-20, side), random.uniform(5, side)};
+    return points;
+}
+
+TEST(OverlapGraph, HoldsEveryOverlapAndItsLeastDifferenceOfHeight) {
+    const auto points = random_points(300, 200);
+    std::vector<Vec2> errors(points.size());
+    RandomStream random(2, "errors");
+    for (Vec2& e : errors) e = {random.uniform(0, 0.3), random.uniform(0, 0.3)};
+    const OverlapGraph graph(kCell, points, errors);
+    std::map<std::pair<std::uint32_t, std::uint32_t>, OverlapPair> found;
+    for (const OverlapPair& pair : graph.pairs()) found[{pair.first, pair.second}] = pair;
+    EXPECT_EQ(found.size(), graph.pairs().size());
+    std::size_t expected = 0;
+    for (std::uint32_t i = 0; i < points.size(); ++i) {
+        for (std::uint32_t j = i + 1; j < points.size(); ++j) {
+            const Vec2 step = points[j] - points[i];
+            const double d = norm(step);
+            const double sigma =
+                std::sqrt((std::pow(errors[i].x, 2) + std::pow(errors[j].x, 2)) * step.x * step.x +
+                          (std::pow(errors[i].y, 2) + std::pow(errors[j].y, 2)) * step.y * step.y) /
+                d;
+            const double near = (d + 2 * sigma) / 10;
+            if (near >= 1 - 1e-6) continue;
+            ++expected;
+            ASSERT_TRUE(found.contains({i, j}));
+            const OverlapPair& pair = found[{i, j}];
+            EXPECT_NEAR(pair.rise, std::sqrt(1 - near * near), 1e-9);
+            const double sure = (d + 4 * sigma) / 10;
+            EXPECT_NEAR(pair.sure_rise, sure < 1 - 1e-6 ? std::sqrt(1 - sure * sure) : 0, 1e-6);
+        }
+    }
+    EXPECT_EQ(found.size(), expected);
+    EXPECT_GT(expected, 200u);
+}
+
+TEST(OverlapGraph, LinksAreThePairsSeenFromEitherEnd) {
+    const OverlapGraph graph(kCell, random_points(100, 100), {});
+    std::size_t links = 0;
+    for (std::uint32_t i = 0; i < graph.size(); ++i) {
+        for (const auto link : graph.links(i)) {
+            const OverlapPair& pair = graph.pairs()[link.pair];
+            EXPECT_TRUE((pair.first == i && pair.second == link.sphere) ||
+                        (pair.second == i && pair.first == link.sphere));
+            ++links;
+        }
+    }
+    EXPECT_EQ(links, 2 * graph.pairs().size());
+}
+
+TEST(OverlapGraph, ASphereOfUnknownErrorTakesPartInNoPair) {
+    const std::vector<Vec2> points{{0, 0}, {5, 0}, {9, 0}};
+    const OverlapGraph graph(kCell, points, {{0, 0}, {NAN, 0}, {0, 0}});
+    ASSERT_EQ(graph.pairs().size(), 1u);
+    EXPECT_EQ(graph.pairs()[0].second, 2u);
+}
+
+TEST(OverlapGraph, RefusesACellLowerThanASphereAndPositionsThatAreNone) {
+    const std::vector<Vec2> one{{1, 1}};
+    EXPECT_THROW(OverlapGraph({10, 0.9}, one, {}), OptionError);
+    EXPECT_THROW(OverlapGraph({0, 1.94}, one, {}), OptionError);
+    EXPECT_THROW(OverlapGraph(kCell, {{NAN, 1}}, {}), InputError);
+    EXPECT_THROW(OverlapGraph(kCell, one, {{0, 0}, {0, 0}}), InputError);
+    EXPECT_EQ(OverlapGraph(kCell, {}, {}).size(), 0u);
+}
+
+}  // namespace
+}  // namespace grainfield::tracking

@@ -1,0 +1,69 @@
+#include "tracking/detect/residual_blocks.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <numeric>
+
+namespace grainfield::tracking {
+
+ResidualBlocks::ResidualBlocks(const PaddedImage& darkness, const PaddedImage& transmission,
+                               int block)
+    : width_(darkness.width()),
+      height_(darkness.height()),
+      block_(std::max(1, block)),
+      columns_((width_ + block_ - 1) / block_),
+      rows_((height_ + block_ - 1) / block_),
+      sums_(static_cast<std::size_t>(columns_ + 2) * static_cast<std::size_t>(rows_ + 2), 0.0) {
+    const auto padded = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(block_);
+    std::vector<float> column(padded);
+    for (int row = 0; row < rows_; ++row) {
+        std::fill(column.begin(), column.end(), 0.0F);
+        float* sum = column.data();
+        for (int y = row * block_; y < std::min(height_, (row + 1) * block_); ++y) {
+            const float* d = darkness.row(y);
+            const float* t = transmission.row(y);
+#pragma omp simd
+            for (int x = 0; x < width_; ++x) {
+                const float r = d[x] - 1.0F + t[x];
+                sum[x] += r * r;
+            }
+        }
+        double* out = sums_.data() + static_cast<std::ptrdiff_t>(row + 1) * (columns_ + 2) + 1;
+        for (int c = 0; c < columns_; ++c) {
+            const auto first = column.begin() + static_cast<std::ptrdiff_t>(c) * block_;
+            out[c] = static_cast<double>(std::accumulate(first, first + block_, 0.0F));
+            total_ += out[c];
+        }
+    }
+}
+
+double ResidualBlocks::around(int column, int row) const {
+    double sum = 0;
+    for (int r = row; r < row + 3; ++r) {
+        const double* first =
+            sums_.data() + static_cast<std::ptrdiff_t>(r) * (columns_ + 2) + column;
+        sum += first[0] + first[1] + first[2];
+    }
+    return sum;
+}
+
+std::vector<PixelBlock> ResidualBlocks::holding(double least) const {
+    std::vector<PixelBlock> runs;
+    for (int row = 0; row < rows_; ++row) {
+        bool is_open = false;
+        for (int column = 0; column < columns_; ++column) {
+            const bool holds = around(column, row) >= least;
+            const int end = std::min(width_, (column + 1) * block_);
+            if (holds && is_open) {
+                runs.back().x1 = end;
+            } else if (holds) {
+                runs.push_back(
+                    {column * block_, row * block_, end, std::min(height_, (row + 1) * block_)});
+            }
+            is_open = holds;
+        }
+    }
+    return runs;
+}
+
+}  // namespace grainfield::tracking

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <vector>
+
+#include "tracking/padded_image.h"
+
+namespace grainfield::tracking {
+
+/// Pixels [x0, x1) × [y0, y1).
+struct PixelBlock {
+    int x0, y0, x1, y1;
+};
+
+/// What the model leaves unexplained, by place: Σ (I − M)² over square blocks. One pass over the
+/// image.
+class ResidualBlocks {
+ public:
+    ResidualBlocks(const PaddedImage& darkness, const PaddedImage& transmission, int block);
+
+    /// Over the whole image [contrast² px].
+    double total() const { return total_; }
+
+    /// Runs of blocks in a row of blocks, those with at least `least` on themselves and the eight
+    /// around them together: whatever explains that much within one block's length of its centre
+    /// has its centre in one of these.
+    std::vector<PixelBlock> holding(double least) const;
+
+ private:
+    double around(int column, int row) const;
+
+    int width_, height_, block_;
+    int columns_, rows_;
+    double total_ = 0;
+    std::vector<double> sums_;  ///< with a margin of one empty block
+};
+
+}  // namespace grainfield::tracking

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+#include "core/option_table.h"
+#include "core/snapshot.h"
+#include "tracking/layers/layer_labels.h"
+#include "tracking/layers/overlap_graph.h"
+
+namespace grainfield::tracking {
+
+struct LayerOptions {
+    std::optional<double> height;  ///< distance of the plates L_z [a]; empty: no layers
+};
+
+OptionTable describe(LayerOptions& options);
+
+/// Sets of spheres that no heights fit: pairs with δ > H, that is d < sqrt(a² − (L_z − a)²), and
+/// triples whose two smaller δ add up to more than H (all sides below sqrt(1 − ((L_z − a)/2a)²) a,
+/// for instance). Each ascending. O(pairs times neighbours).
+std::vector<std::vector<std::uint32_t>> impossible_sets(const OverlapGraph& graph);
+
+/// The likeliest spheres without any impossible pair or triple among them:
+///
+///     maximise Σ_kept evidence   subject to   one of every impossible set is left out.
+///
+/// One value a sphere, 0: left out. `evidence` is what each sphere explains, any unit; it is exact
+/// unless a group of conflicts needs too many branches (`is_exact`). No sphere of a scene that fits
+/// between the plates is ever left out.
+struct Admissible {
+    std::vector<char> kept;
+    std::int64_t pairs = 0, triples = 0;  ///< spheres left out, by the smallest set they were in
+    bool is_exact = true;
+};
+Admissible admissible_spheres(const OverlapGraph& graph, const std::vector<double>& evidence);
+
+/// What the height of the cell says about the spheres of a film: who cannot be there (admit), and
+/// in which layer the others lie (label: label_layers; the sides of a cluster are kept from frame
+/// to frame by the identities of its spheres).
+class Bilayer {
+ public:
+    explicit Bilayer(const SphereCell& cell) : cell_(cell) {}
+
+    /// Takes spheres without room out of the snapshot, which has positions, errors [px] and
+    /// quality, and is not yet linked. `evidence`: one value a sphere.
+    void admit(Snapshot& snapshot, const std::vector<double>& evidence);
+
+    /// Fills `layer`; call after admit() and linking.
+    void label(Snapshot& snapshot);
+
+    struct Summary {
+        std::int64_t rejected_pairs = 0, rejected_triples = 0;
+        std::int64_t spheres = 0;        ///< kept, all frames
+        std::int64_t labelled = 0;       ///< of those
+        std::int64_t contradictory = 0;  ///< in clusters that no heights fit
+        bool is_exact = true;            ///< what is kept is proven to be the likeliest
+    };
+    const Summary& summary() const { return summary_; }
+
+ private:
+    SphereCell cell_;
+    std::optional<OverlapGraph> graph_;
+    std::vector<char> kept_;
+    std::unordered_map<std::int64_t, Layer> earlier_;  ///< by identity
+    Summary summary_;
+};
+
+}  // namespace grainfield::tracking

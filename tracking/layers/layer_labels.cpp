@@ -1,0 +1,214 @@
+#include "tracking/layers/layer_labels.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
+
+namespace grainfield::tracking {
+namespace {
+
+constexpr double kTolerance = 1e-9;  // of a height [a]
+
+class SideInference {
+ public:
+    SideInference(const OverlapGraph& graph, const std::vector<char>& kept)
+        : graph_(graph),
+          kept_(kept),
+          parent_(graph.size()),
+          opposite_(graph.size(), 0),
+          members_(graph.size()),
+          low_(graph.size(), graph.slack() / 2),
+          high_(graph.size(), graph.slack()),
+          broken_(graph.size(), 0),
+          queued_(graph.pairs().size(), 0) {
+        std::iota(parent_.begin(), parent_.end(), 0U);
+    }
+
+    void run() {
+        for (std::uint32_t e = 0; e < graph_.pairs().size(); ++e) {
+            // Weaker overlaps say nothing until their spheres are bound.
+            if (graph_.pairs()[e].sure_rise > graph_.slack() / 2) enqueue(e);
+        }
+        for (std::size_t k = 0; k < queue_.size(); ++k) {
+            queued_[queue_[k]] = 0;
+            apply(graph_.pairs()[queue_[k]]);
+        }
+    }
+
+    LayerLabels labels();
+
+ private:
+    std::uint32_t root(std::uint32_t i) const {
+        while (parent_[i] != i) i = parent_[i];
+        return i;
+    }
+    /// Root, and whether i lies on the other side of it. Unions by size keep the paths short.
+    std::pair<std::uint32_t, bool> side(std::uint32_t i) const {
+        bool other = false;
+        for (; parent_[i] != i; i = parent_[i]) other ^= opposite_[i] != 0;
+        return {i, other};
+    }
+
+    void enqueue(std::uint32_t e) {
+        const OverlapPair& pair = graph_.pairs()[e];
+        if (queued_[e] != 0 || pair.sure_rise <= 0 || kept_[pair.first] == 0 ||
+            kept_[pair.second] == 0) {
+            return;
+        }
+        queued_[e] = 1;
+        queue_.push_back(e);
+    }
+    void enqueue_around(std::uint32_t i) {
+        for (const auto link : graph_.links(i)) enqueue(link.pair);
+    }
+
+    void apply(const OverlapPair& pair) {
+        const std::uint32_t i = pair.first;
+        const std::uint32_t j = pair.second;
+        const double rise = pair.sure_rise;
+        const double slack = graph_.slack();
+        auto [root_i, other_i] = side(i);
+        auto [root_j, other_j] = side(j);
+        if (broken_[root_i] != 0 || broken_[root_j] != 0) return;
+        const bool i_may_be_higher = high_[i] >= low_[j] + rise - kTolerance;
+        const bool j_may_be_higher = high_[j] >= low_[i] + rise - kTolerance;
+        const bool may_be_alike = i_may_be_higher || j_may_be_higher;
+        const bool may_be_opposite = high_[i] + high_[j] >= slack + rise - kTolerance;
+        if (root_i != root_j) {
+            if (may_be_alike && may_be_opposite) return;
+            join(root_i, root_j, (other_i != other_j) != may_be_opposite);
+            if (!may_be_alike && !may_be_opposite) broken_[root(i)] = 1;
+            other_j = other_i != may_be_opposite;
+        }
+        const bool opposite = other_i != other_j;
+        if (opposite ? !may_be_opposite : !may_be_alike) {
+            broken_[root(i)] = 1;
+        } else if (opposite) {
+            raise(i, slack + rise - high_[j]);
+            raise(j, slack + rise - high_[i]);
+        } else if (!j_may_be_higher) {
+            raise(i, low_[j] + rise);
+            lower(j, high_[i] - rise);
+        } else if (!i_may_be_higher) {
+            raise(j, low_[i] + rise);
+            lower(i, high_[j] - rise);
+        }
+    }
+
+    void join(std::uint32_t one, std::uint32_t other, bool opposite) {
+        if (members_[one].size() < members_[other].size()) std::swap(one, other);
+        parent_[other] = one;
+        opposite_[other] = opposite ? 1 : 0;
+        broken_[one] |= broken_[other];
+        auto& joined = members_[one];
+        joined.push_back(other);
+        joined.insert(joined.end(), members_[other].begin(), members_[other].end());
+        enqueue_around(other);
+        for (const auto i : members_[other]) enqueue_around(i);
+        members_[other] = {};
+    }
+
+    void raise(std::uint32_t i, double value) {
+        if (value <= low_[i] + 1e-12) return;
+        low_[i] = value;
+        settle(i);
+    }
+    void lower(std::uint32_t i, double value) {
+        if (value >= high_[i] - 1e-12) return;
+        high_[i] = value;
+        settle(i);
+    }
+    void settle(std::uint32_t i) {
+        if (low_[i] > high_[i] + kTolerance) {
+            broken_[root(i)] = 1;
+        } else {
+            enqueue_around(i);
+        }
+    }
+
+    const OverlapGraph& graph_;
+    const std::vector<char>& kept_;
+    std::vector<std::uint32_t> parent_;
+    std::vector<char> opposite_;                       ///< to the parent
+    std::vector<std::vector<std::uint32_t>> members_;  ///< of a root, itself left out
+    std::vector<double> low_, high_;                   ///< of w [a]
+    std::vector<char> broken_, queued_;                ///< by root; by pair
+    std::vector<std::uint32_t> queue_;
+};
+
+LayerLabels SideInference::labels() {
+    const std::size_t n = graph_.size();
+    const double slack = graph_.slack();
+    LayerLabels result;
+    result.slack = slack;
+    result.layer.assign(n, Layer::unknown);
+    result.cluster.assign(n, -1);
+    result.lowest.assign(n, 0);
+    result.highest.assign(n, slack);
+    std::vector<std::int32_t> number(n, -1);  // of a root's cluster
+    std::vector<char> bottom_is_other(n, 0);
+    for (std::uint32_t i = 0; i < n; ++i) {
+        const auto [root, other] = side(i);
+        if (members_[root].empty()) continue;
+        if (broken_[root] != 0) {
+            ++result.contradictory;
+            continue;
+        }
+        if (number[root] < 0) {
+            number[root] = result.clusters++;
+            const auto others =
+                static_cast<std::size_t>(std::count_if(members_[root].begin(), members_[root].end(),
+                                                       [this](auto m) { return side(m).second; }));
+            const std::size_t size = members_[root].size() + 1;
+            bottom_is_other[root] = 2 * others == size ? other : 2 * others > size;
+        }
+        const bool bottom = other == (bottom_is_other[root] != 0);
+        result.cluster[i] = number[root];
+        result.layer[i] = bottom ? Layer::bottom : Layer::top;
+        result.lowest[i] = bottom ? slack - high_[i] : low_[i];
+        result.highest[i] = bottom ? slack - low_[i] : high_[i];
+    }
+    return result;
+}
+
+}  // namespace
+
+LayerLabels label_layers(const OverlapGraph& graph, const std::vector<char>& kept) {
+    if (kept.size() != graph.size()) {
+        throw InputError(ErrorText{"spheres and their marks differ in number",
+                                   fmt::format("{} marks", kept.size()),
+                                   fmt::format("{}", graph.size()), ""});
+    }
+    SideInference inference(graph, kept);
+    inference.run();
+    return inference.labels();
+}
+
+void keep_sides(LayerLabels& labels, const std::vector<Layer>& earlier) {
+    if (earlier.size() != labels.layer.size()) {
+        throw InputError(ErrorText{"spheres and their earlier layers differ in number",
+                                   fmt::format("{} layers", earlier.size()),
+                                   fmt::format("{}", labels.layer.size()), ""});
+    }
+    std::vector<std::int64_t> agreement(static_cast<std::size_t>(labels.clusters), 0);
+    for (std::size_t i = 0; i < earlier.size(); ++i) {
+        if (labels.cluster[i] < 0 || earlier[i] == Layer::unknown) continue;
+        agreement[static_cast<std::size_t>(labels.cluster[i])] +=
+            earlier[i] == labels.layer[i] ? 1 : -1;
+    }
+    for (std::size_t i = 0; i < earlier.size(); ++i) {
+        if (labels.cluster[i] < 0 || agreement[static_cast<std::size_t>(labels.cluster[i])] >= 0) {
+            continue;
+        }
+        labels.layer[i] = labels.layer[i] == Layer::top ? Layer::bottom : Layer::top;
+        const double lowest = labels.lowest[i];
+        labels.lowest[i] = labels.slack - labels.highest[i];
+        labels.highest[i] = labels.slack - lowest;
+    }
+}
+
+}  // namespace grainfield::tracking

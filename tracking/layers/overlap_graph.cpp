@@ -1,0 +1,172 @@
+#include "tracking/layers/overlap_graph.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
+
+namespace grainfield::tracking {
+namespace {
+
+constexpr double kContact = 1 - 1e-6;  // [a]
+
+void require_valid(const SphereCell& cell, const std::vector<Vec2>& positions,
+                   const std::vector<Vec2>& errors, const OverlapOptions& options) {
+    if (!(cell.diameter > 0) || !std::isfinite(cell.diameter)) {
+        throw OptionError(ErrorText{"the sphere diameter must be positive",
+                                    fmt::format("{} px", cell.diameter), "more than 0",
+                                    "give --sphere-diameter"});
+    }
+    if (!(cell.height >= 1) || !std::isfinite(cell.height)) {
+        throw OptionError(ErrorText{"the cell is lower than a sphere",
+                                    fmt::format("height {} a", cell.height), "at least 1 a",
+                                    "give the distance of the plates in sphere diameters"});
+    }
+    if (!(options.significance >= 0) || !(options.label_significance >= options.significance)) {
+        throw OptionError(ErrorText{"the significance of an overlap is out of range",
+                                    fmt::format("{} for rejections, {} for labels",
+                                                options.significance, options.label_significance),
+                                    "0 or more, for labels not less than for rejections", ""});
+    }
+    if (!errors.empty() && errors.size() != positions.size()) {
+        throw InputError(ErrorText{"positions and their errors differ in number",
+                                   fmt::format("{} errors", errors.size()),
+                                   fmt::format("{} or none", positions.size()), ""});
+    }
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        if (!is_finite(positions[i])) {
+            throw InputError(
+                ErrorText{fmt::format("the position of sphere {} is not finite", i), "", "", ""});
+        }
+    }
+}
+
+/// Points sorted into square cells (counting sort).
+struct SortedPoints {
+    SortedPoints(const std::vector<Vec2>& points, double range) {
+        Vec2 low = points[0];
+        Vec2 high = points[0];
+        for (const Vec2 p : points) {
+            low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+            high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+        }
+        const double extent = std::max(high.x - low.x, high.y - low.y);
+        const double finest = extent / (2 * std::sqrt(static_cast<double>(points.size())) + 1);
+        const double size = std::max(range, finest);
+        columns = static_cast<std::size_t>((high.x - low.x) / size) + 1;
+        rows = static_cast<std::size_t>((high.y - low.y) / size) + 1;
+        first.assign(columns * rows + 1, 0);
+        std::vector<std::uint32_t> cell(points.size());
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            cell[i] = static_cast<std::uint32_t>(
+                static_cast<std::size_t>((points[i].y - low.y) / size) * columns +
+                static_cast<std::size_t>((points[i].x - low.x) / size));
+            ++first[cell[i] + 1];
+        }
+        for (std::size_t c = 1; c < first.size(); ++c) first[c] += first[c - 1];
+        auto next = first;
+        order.resize(points.size());
+        point.resize(points.size());
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const std::uint32_t k = next[cell[i]]++;
+            order[k] = static_cast<std::uint32_t>(i);
+            point[k] = points[i];
+        }
+    }
+
+    /// Calls action(k, l, squared distance) once for every two points within `range`.
+    template <class Action>
+    void each_pair(double range, Action&& action) const {
+        const double limit = range * range;
+        const auto scan = [&](std::uint32_t k, std::uint32_t begin, std::uint32_t end) {
+            const Vec2 p = point[k];
+            for (std::uint32_t l = begin; l < end; ++l) {
+                const double square = squared_norm(point[l] - p);
+                if (square < limit) action(k, l, square);
+            }
+        };
+        for (std::size_t y = 0; y < rows; ++y) {
+            for (std::size_t x = 0; x < columns; ++x) {
+                const std::size_t here = y * columns + x;
+                const std::size_t right = x + 1 < columns ? here + 1 : here;
+                const std::size_t below = here + columns;
+                for (std::uint32_t k = first[here]; k < first[here + 1]; ++k) {
+                    scan(k, k + 1, first[right + 1]);
+                    if (y + 1 == rows) continue;
+                    scan(k, first[x > 0 ? below - 1 : below], first[(right - here) + below + 1]);
+                }
+            }
+        }
+    }
+
+    std::size_t columns = 0, rows = 0;
+    std::vector<std::uint32_t> first, order;
+    std::vector<Vec2> point;
+};
+
+/// Standard error of the distance of two points [px].
+double distance_error(Vec2 step, double distance, Vec2 one, Vec2 other) {
+    const Vec2 variance{one.x * one.x + other.x * other.x, one.y * one.y + other.y * other.y};
+    if (distance <= 0) return std::sqrt(std::max(variance.x, variance.y));
+    const Vec2 along = (1 / distance) * step;
+    return std::sqrt(variance.x * along.x * along.x + variance.y * along.y * along.y);
+}
+
+/// δ for a distance in a [a].
+double rise_at(double distance) {
+    return distance < kContact ? std::sqrt((1 - distance) * (1 + distance)) : 0;
+}
+
+}  // namespace
+
+OverlapGraph::OverlapGraph(const SphereCell& cell, const std::vector<Vec2>& positions,
+                           const std::vector<Vec2>& errors, const OverlapOptions& options)
+    : slack_(cell.slack()) {
+    require_valid(cell, positions, errors, options);
+    if (!positions.empty()) {
+        const SortedPoints sorted(positions, cell.diameter);
+        pairs_.reserve(2 * positions.size());
+        const auto add = [&](std::uint32_t k, std::uint32_t l, double square) {
+            const auto [i, j] = std::minmax(sorted.order[k], sorted.order[l]);
+            const double distance = std::sqrt(square) / cell.diameter;
+            double error = 0;
+            if (!errors.empty()) {
+                error = distance_error(positions[j] - positions[i], distance * cell.diameter,
+                                       errors[i], errors[j]) /
+                        cell.diameter;
+                if (!std::isfinite(error)) return;
+            }
+            const double rise = rise_at(distance + options.significance * error);
+            if (rise <= 0) return;
+            pairs_.push_back({i, j, rise, rise_at(distance + options.label_significance * error)});
+        };
+        sorted.each_pair(kContact * cell.diameter, add);
+    }
+    link_pairs(positions.size());
+}
+
+OverlapGraph::OverlapGraph(double slack, std::size_t spheres, std::vector<OverlapPair> pairs)
+    : slack_(slack), pairs_(std::move(pairs)) {
+    link_pairs(spheres);
+}
+
+void OverlapGraph::link_pairs(std::size_t spheres) {
+    first_link_.assign(spheres + 1, 0);
+    for (const OverlapPair& pair : pairs_) {
+        ++first_link_[pair.first + 1];
+        ++first_link_[pair.second + 1];
+    }
+    for (std::size_t i = 0; i < spheres; ++i) first_link_[i + 1] += first_link_[i];
+    links_.resize(2 * pairs_.size());
+    auto next = first_link_;
+    for (std::size_t e = 0; e < pairs_.size(); ++e) {
+        const auto pair = static_cast<std::uint32_t>(e);
+        links_[next[pairs_[e].first]++] = {pairs_[e].second, pair};
+        links_[next[pairs_[e].second]++] = {pairs_[e].first, pair};
+    }
+}
+
+}  // namespace grainfield::tracking
