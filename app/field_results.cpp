@@ -1,7 +1,11 @@
 #include "app/field_results.h"
 
+#include <algorithm>
+#include <utility>
+
 #include <fmt/format.h>
 
+#include "analysis/curve_fit.h"
 #include "analysis/field_analysis.h"
 #include "core/progress.h"
 #include "io/field_file.h"
@@ -9,6 +13,37 @@
 namespace grainfield::app {
 
 namespace {
+
+// A field has no pre-peak that is the end of the range: without a range there is a reason.
+void add_fit(std::vector<ObservableResult>& observables, const analysis::FitOptions& fit) {
+    for (std::size_t i = 0; i < observables.size(); ++i) {
+        if (observables[i].name != "sk") continue;
+        observables.insert(observables.begin() + static_cast<std::ptrdiff_t>(i) + 1,
+                           analysis::curve_fit(observables[i], fit));
+        return;
+    }
+}
+
+// The last stored fields as pictures: ρ, and ψ where there is one.
+std::vector<Preview> pictures(io::FieldFile& file) {
+    if (file.count() == 0) return {};
+    const FieldFrame last = file.read(file.count() - 1);
+    if (last.dimension != 2) return {};
+    std::vector<Preview> previews;
+    const auto add = [&](const DensityField& field) {
+        if (field.value.empty()) return;
+        Preview preview;
+        preview.frame.index = preview.snapshot.frame = static_cast<std::int64_t>(previews.size());
+        preview.frame.image = Image(field.nx, field.ny);
+        std::ranges::transform(field.value, preview.frame.image.pixels().begin(),
+                               [](double v) { return static_cast<float>(v); });
+        preview.snapshot.box = field.box();
+        previews.push_back(std::move(preview));
+    };
+    add(last.density.front());
+    add(last.order);
+    return previews;
+}
 
 // Estimators speak of the particle diameter a; the lengths of a field are in its own unit l.
 std::string in_l(std::string text) {
@@ -32,7 +67,8 @@ void name_lengths(std::vector<ObservableResult>& observables) {
 }  // namespace
 
 Results field_results(const std::filesystem::path& path, bool from_fields,
-                      const analysis::StructureFactorOptions& options, Session& session) {
+                      const analysis::StructureFactorOptions& options,
+                      const analysis::FitOptions& fit, Session& session) {
     io::FieldFile file(path);
     Results results;
     results.frames = file.count();
@@ -50,13 +86,16 @@ Results field_results(const std::filesystem::path& path, bool from_fields,
     }
     if (session.common.explain) return results;
     if (!file.record().command.empty()) results.sources = {file.record()};
+    results.previews = pictures(file);
     if (accumulated) {
         results.observables = file.statistics();
+        add_fit(results.observables, fit);
         name_lengths(results.observables);
         return results;
     }
     Progress progress("analysing", file.count(), "fields", session.common.verbosity());
     results.observables = analysis::analyze_fields(file, options, progress);
+    add_fit(results.observables, fit);
     name_lengths(results.observables);
     return results;
 }
