@@ -14,6 +14,7 @@
 #include "io/points_csv.h"
 #include "io/results_file.h"
 #include "io/trajectory_file.h"
+#include "report/run_identity.h"
 #include "report/text.h"
 
 namespace grainfield::app {
@@ -112,7 +113,11 @@ Command::Inputs AnalyzeCommand::inputs() const {
 std::vector<OptionTable> AnalyzeCommand::options() {
     OptionTable own("");
     own.text("output", output_, "results file to write");
-    own.text("label", label_, "name in plots; by default the name of the input file");
+    own.text(
+        "label", label_,
+        "name in plots; by default origin and control parameter if known, else the input's name");
+    own.number("gamma", gamma_, "-", {0, 1e6},
+               "acceleration of the vibration, A omega^2/g; auto: as the simulation says");
     own.text("box", box_, "box of the points as LX,LY in their length unit");
     own.choice("boundary", boundary_,
                {{"as-in-file", BoundaryChoice::as_in_file},
@@ -127,6 +132,14 @@ std::vector<OptionTable> AnalyzeCommand::options() {
     std::vector<OptionTable> tables{own};
     for (OptionTable& table : analysis::describe(analysis_)) tables.push_back(std::move(table));
     return tables;
+}
+
+// Origin and control parameter where the records know them, else the name of the file.
+std::string AnalyzeCommand::label_of(const Results& results,
+                                     const std::filesystem::path& input) const {
+    if (!label_.empty()) return label_;
+    const report::RunIdentity identity = report::identity_of(results);
+    return identity.value ? report::legend_of(identity) : input.stem().string();
 }
 
 Adjustment AnalyzeCommand::adjustment() const {
@@ -147,8 +160,8 @@ Summary AnalyzeCommand::run_fields(Session& session) const {
     Results results = field_results(input, from_fields_,
                                     {analysis_.sk, analysis_.fit, analysis_.synthetic}, session);
     if (session.common.explain) return explanation(session.plan);
-    results.label = label_.empty() ? input.stem().string() : label_;
     results.record = session.record();
+    results.label = label_of(results, input);
     io::write_results(std::move(*output), results);
     session.outputs.push_back(output_);
     return {.text = words(session, results), .facts = facts(results), .signal = 0};
@@ -209,7 +222,6 @@ Summary AnalyzeCommand::work(Session& session) const {
             results.observables.push_back(analysis::run_series(tracks->curves()));
         }
     }
-    results.label = label_.empty() ? input.stem().string() : label_;
     results.frames = snapshots.count();
     results.particles_mean = snapshots.particles_mean();
     if (results.frames > 0) results.box = snapshots.read(0).box;
@@ -221,6 +233,7 @@ Summary AnalyzeCommand::work(Session& session) const {
         session.plan.warn(fmt::format("'{}' has no particles", input.string()));
     }
     results.record = session.record();
+    results.label = label_of(results, input);
     throw_if_interrupted("analysis");
     io::write_results(std::move(*output), results);
     session.outputs.push_back(output_);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -24,6 +25,7 @@ class AnalyzeCommand : public Command {
     enum class BoundaryChoice { as_in_file, periodic, walls };
 
     Adjustment adjustment() const;
+    std::string label_of(const Results& results, const std::filesystem::path& input) const;
 
     std::string output_;
     std::string label_;
@@ -31,6 +33,7 @@ class AnalyzeCommand : public Command {
     BoundaryChoice boundary_ = BoundaryChoice::as_in_file;
     std::optional<double> fps_;
     std::optional<double> diameter_;
+    std::optional<double> gamma_;
     bool from_fields_ = false;
     analysis::AnalysisOptions analysis_;
 };

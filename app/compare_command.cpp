@@ -1,6 +1,7 @@
 #include "app/compare_command.h"
 
 #include <optional>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -14,6 +15,27 @@
 namespace grainfield::app {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+// What cannot be read is left out with a warning that names it; nothing at all is an error.
+std::vector<Results> read_inputs(Session& session) {
+    std::vector<Results> results;
+    std::optional<InputError> first;
+    for (const fs::path& input : session.inputs) {
+        throw_if_interrupted("comparison");
+        try {
+            results.push_back(io::read_results(input));
+        } catch (const InputError& error) {
+            if (!first) first = error;
+            session.plan.warn(fmt::format("left out: {}", error.what()));
+        }
+    }
+    if (results.empty() && first) throw InputError(*first);
+    return results;
+}
+
+}  // namespace
 
 std::string CompareCommand::purpose() const {
     return "make one report of one or more results";
@@ -29,7 +51,8 @@ std::vector<OptionTable> CompareCommand::options() {
     OptionTable own("");
     own.text("output", output_, "HTML page to write; figures go into a folder beside it");
     own.text("title", report_.title, "title of the page; by default made from the labels");
-    own.flag("figures", report_.figures, "write every plot as SVG and CSV beside the page");
+    own.flag("figures", report_.figures, "write every plot as SVG, PDF and CSV beside the page");
+    own.flag("paper", report_.paper, "begin with the values of the paper and how ours compare");
     return {own};
 }
 
@@ -45,11 +68,7 @@ Summary CompareCommand::work(Session& session) const {
         if (!report_.figures) session.plan.skip("figures", "--no-figures", "their files");
         return explanation(session.plan);
     }
-    std::vector<Results> results;
-    for (const fs::path& input : session.inputs) {
-        throw_if_interrupted("comparison");
-        results.push_back(io::read_results(input));
-    }
+    const std::vector<Results> results = read_inputs(session);
     const auto overwrite = session.common.force ? io::Overwrite::force : io::Overwrite::refuse;
     io::OutputFile html(output_, overwrite);
     std::optional<FiguresFolder> figures;
@@ -66,6 +85,9 @@ Summary CompareCommand::work(Session& session) const {
 
     Summary summary;
     summary.text = fmt::format("{}: report of {} results\n", output_, results.size());
+    const std::size_t left_out = session.inputs.size() - results.size();
+    if (left_out > 0) summary.text += fmt::format("  left out   {}, see the warnings\n", left_out);
+    summary.facts["left_out"] = left_out;
     if (figures) summary.text += fmt::format("  figures    {}\n", figures->path().string());
     summary.facts["labels"] = nlohmann::ordered_json::array();
     for (const Results& r : results) summary.facts["labels"].push_back(r.label);

@@ -76,10 +76,10 @@ Gathered as_fitted(const std::vector<Results>& results, const std::vector<double
             gathered.points.push_back({x[i], *m->value, *m->error});
             continue;
         }
-        const std::string why = falls                  ? no_rise
-                                : fit == nullptr       ? "it has no fit; analyse it again (density "
-                                                         "fields have none)"
-                                : !fit->reason.empty() ? fit->reason
+        const std::string why = falls            ? no_rise
+                                : fit == nullptr ? "it has no fit; analyse it again (a density "
+                                                   "field with --fit-k-max)"
+                                : !fit->reason.empty()     ? fit->reason
                                 : m != nullptr && m->value ? "S0/S1 has no error"
                                                            : "it has no S0/S1";
         plan.warn(fmt::format("'{}' is left out: {}", results[i].label, why));
@@ -152,6 +152,7 @@ std::vector<OptionTable> CriticalCommand::options() {
     own.text("values", values_, "control parameter of each input, as V1,V2,… in their order");
     own.text("parameter", parameter_,
              "name of the control parameter; without --values an option that the inputs record");
+    own.text("label", label_, "name in plots");
     own.choice("line", line_,
                {{"free", analysis::CriticalLine::free},
                 {"through-zero", analysis::CriticalLine::through_zero}},
@@ -233,7 +234,7 @@ Summary CriticalCommand::work(Session& session) const {
     }
     const std::string parameter = parameter_.empty() ? "control parameter" : parameter_;
     Results out;
-    out.label = "critical point";
+    out.label = label_;
     out.box = results.front().box;
     out.source.source = "results";
     out.observables = {

@@ -27,6 +27,7 @@ class CriticalCommand : public Command {
     std::string output_;
     std::string values_;
     std::string parameter_;
+    std::string label_ = "critical point";
     analysis::CriticalLine line_ = analysis::CriticalLine::free;
     Exponent exponent_ = Exponent::as_fitted;
 };

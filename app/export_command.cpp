@@ -4,6 +4,7 @@
 
 #include "app/interrupt_deadline.h"
 #include "core/errors.h"
+#include "io/colour_video.h"
 #include "io/export_files.h"
 #include "io/file_kind.h"
 #include "io/open_snapshots.h"
@@ -64,7 +65,7 @@ Results curves_of(const fs::path& input) {
 }  // namespace
 
 std::string ExportCommand::purpose() const {
-    return "write a trajectory as CSV or XYZ, or curves as CSV";
+    return "write a trajectory as CSV, XYZ or video, or curves as CSV";
 }
 
 Command::Inputs ExportCommand::inputs() const {
@@ -76,11 +77,48 @@ Command::Inputs ExportCommand::inputs() const {
 std::vector<OptionTable> ExportCommand::options() {
     OptionTable own("");
     own.text("output", output_, "FILE.csv or FILE.xyz for trajectories, a folder for curves");
+    own.text("overlay", overlay_.output,
+             "FILE.mp4: the film with detections, trails and |Q4| colours; in place of --output");
+    own.text(
+        "film", overlay_.film,
+        "of --overlay: the video or folder of frames that was tracked; by default as recorded");
+    own.integer("trail", overlay_.trail, "frames", {0, 10000},
+                "of --overlay: length of the trails");
+    own.number("overlay-fps", overlay_.fps, "1/s", {0.01, 1000},
+               "of --overlay: rate of the video; auto: as filmed, 25 above 60");
     return {own};
 }
 
 Summary ExportCommand::run(Session& session) {
+    if (!overlay_.output.empty()) return run_overlay(session);
     return run_or_discard("export", output_, [&] { return work(session); });
+}
+
+Summary ExportCommand::run_overlay(Session& session) const {
+    if (!output_.empty()) {
+        throw OptionError({.problem = "--output and --overlay exclude each other",
+                           .actual = fmt::format("'{}' and '{}'", output_, overlay_.output),
+                           .expected = "one of them",
+                           .suggestion = "run export twice"});
+    }
+    require_output(session, overlay_.output);
+    if (!io::is_colour_video_name(overlay_.output)) {
+        throw OptionError(
+            {.problem = fmt::format("cannot tell what video '{}' is to be", overlay_.output),
+             .actual = {},
+             .expected = "a name that ends in .mp4, .mkv or .mov",
+             .suggestion = {}});
+    }
+    const fs::path& input = session.inputs.front();
+    const auto snapshots = io::open_snapshots(input, std::nullopt, {});
+    session.plan.run("overlay",
+                     fmt::format("{} of '{}' to '{}'", counted(snapshots->count(), "frame"),
+                                 input.string(), overlay_.output));
+    if (session.common.explain) return explanation(session.plan);
+    const auto* tracks = dynamic_cast<const io::TrajectoryFile*>(snapshots.get());
+    const auto overwrite = session.common.force ? io::Overwrite::force : io::Overwrite::refuse;
+    return write_overlay(session, *snapshots, tracks == nullptr ? nullptr : &tracks->record(),
+                         overlay_, overwrite);
 }
 
 Summary ExportCommand::work(Session& session) const {

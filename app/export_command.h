@@ -3,10 +3,11 @@
 #include <string>
 
 #include "app/command.h"
+#include "app/overlay_job.h"
 
 namespace grainfield::app {
 
-/// `grainfield export`: trajectories and results to plain text files.
+/// `grainfield export`: trajectories and results to plain text files, or to a video.
 class ExportCommand : public Command {
  public:
     std::string name() const override { return "export"; }
@@ -17,8 +18,10 @@ class ExportCommand : public Command {
 
  private:
     Summary work(Session& session) const;
+    Summary run_overlay(Session& session) const;
 
     std::string output_;
+    OverlayRequest overlay_;
 };
 
 }  // namespace grainfield::app

@@ -1,6 +1,8 @@
 #include "app/field_results.h"
 
+#include <algorithm>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -10,6 +12,27 @@
 namespace grainfield::app {
 
 namespace {
+
+// The last stored fields as pictures: ρ, and ψ where there is one.
+std::vector<Preview> pictures(io::FieldFile& file) {
+    if (file.count() == 0) return {};
+    const FieldFrame last = file.read(file.count() - 1);
+    if (last.dimension != 2) return {};
+    std::vector<Preview> previews;
+    const auto add = [&](const DensityField& field) {
+        if (field.value.empty()) return;
+        Preview preview;
+        preview.frame.index = preview.snapshot.frame = static_cast<std::int64_t>(previews.size());
+        preview.frame.image = Image(field.nx, field.ny);
+        std::ranges::transform(field.value, preview.frame.image.pixels().begin(),
+                               [](double v) { return static_cast<float>(v); });
+        preview.snapshot.box = field.box();
+        previews.push_back(std::move(preview));
+    };
+    add(last.density.front());
+    add(last.order);
+    return previews;
+}
 
 // Estimators speak of the particle diameter a; the lengths of a field are in its own unit l.
 std::string in_l(std::string text) {
@@ -51,6 +74,7 @@ Results field_results(const std::filesystem::path& path, bool from_fields,
     }
     if (session.common.explain) return results;
     if (!file.record().command.empty()) results.sources = {file.record()};
+    results.previews = pictures(file);
     if (accumulated) {
         results.observables = file.statistics();
         std::optional<FieldFrame> like;
@@ -61,6 +85,7 @@ Results field_results(const std::filesystem::path& path, bool from_fields,
     }
     Progress progress("analysing", file.count(), "fields", session.common.verbosity());
     results.observables = analysis::analyze_fields(file, options, progress);
+    add_fit(results.observables, fit);
     name_lengths(results.observables);
     return results;
 }

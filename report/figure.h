@@ -55,6 +55,7 @@ struct Figure {
     Axis x, y;
     bool may_be_linear = false;  ///< a button switches the logarithmic axes to linear ones
     std::vector<std::string> runs;
+    std::vector<std::string> origins;  ///< one a run, for switching all of an origin; may be empty
     std::vector<Kind> kinds;
     std::vector<Series> series;
     std::vector<Absence> absent;  ///< runs without this curve, and why

@@ -1,5 +1,6 @@
 #include "report/figure_files.h"
 
+#include <array>
 #include <fstream>
 #include <iterator>
 #include <system_error>
@@ -8,6 +9,7 @@
 
 #include "core/errors.h"
 #include "report/gnuplot_script.h"
+#include "report/map_pdf.h"
 #include "report/map_svg.h"
 #include "report/text.h"
 
@@ -33,7 +35,8 @@ void remove_earlier(const fs::path& folder) {
     std::ifstream list(folder / list_name);
     for (std::string name; std::getline(list, name);) {
         const fs::path file(name);
-        const bool is_figure = file.extension() == ".svg" || file.extension() == ".csv";
+        const bool is_figure =
+            file.extension() == ".svg" || file.extension() == ".csv" || file.extension() == ".pdf";
         if (!is_figure || file != file.filename()) continue;
         std::error_code ignored;
         if (fs::is_regular_file(fs::symlink_status(folder / file, ignored))) {
@@ -42,37 +45,42 @@ void remove_earlier(const fs::path& folder) {
     }
 }
 
-// One gnuplot for all figures; each SVG appears under its name when it is complete.
+constexpr std::array<const char*, 2> drawn_forms{".svg", ".pdf"};
+
+// One gnuplot for all figures; each SVG and PDF appears under its name when it is complete.
 std::vector<std::string> write_plots(const std::vector<const Figure*>& figures,
                                      const fs::path& folder, const Gnuplot& gnuplot,
                                      RunPlan& plan) {
-    const auto temporary = [](const Figure& figure) { return figure.name + ".svg.part"; };
     std::string script;
+    std::vector<std::string> wanted;
     for (const Figure* figure : figures) {
-        std::error_code ignored;
-        fs::remove(folder / temporary(*figure), ignored);
-        script += gnuplot_script(*figure, temporary(*figure));
+        for (const char* form : drawn_forms) {
+            wanted.push_back(figure->name + form);
+            std::error_code ignored;
+            fs::remove(folder / (wanted.back() + ".part"), ignored);
+        }
+        script += gnuplot_script(*figure, figure->name + ".svg.part", figure->name + ".pdf.part");
     }
     const Gnuplot::Outcome outcome = gnuplot.run(script, folder);
     if (!outcome.started) {
-        plan.skip("SVG of the plots",
+        plan.skip("SVG and PDF of the plots",
                   "gnuplot cannot be started (" + outcome.message +
                       "); install it (Debian: gnuplot-nox) and write the report again",
                   "");
         return {};
     }
     std::vector<std::string> written;
-    for (const Figure* figure : figures) {
+    for (const std::string& name : wanted) {
         std::error_code problem;
         if (outcome.succeeded) {
-            fs::rename(folder / temporary(*figure), folder / (figure->name + ".svg"), problem);
-            if (!problem) written.push_back(figure->name + ".svg");
+            fs::rename(folder / (name + ".part"), folder / name, problem);
+            if (!problem) written.push_back(name);
         } else {
-            fs::remove(folder / temporary(*figure), problem);
+            fs::remove(folder / (name + ".part"), problem);
         }
     }
-    if (written.size() != figures.size()) {
-        plan.skip("SVG of the plots", "gnuplot failed: " + clean_text(outcome.message), "");
+    if (written.size() != wanted.size()) {
+        plan.skip("SVG and PDF of the plots", "gnuplot failed: " + clean_text(outcome.message), "");
     }
     return written;
 }
@@ -115,6 +123,7 @@ std::vector<std::string> write_figure_files(const std::vector<Figure>& figures,
     for (const ParticleMap& map : maps) {
         write(map.name + ".csv", map_csv(map));
         write(map.name + ".svg", map_svg(map, labels[map.run]));
+        write(map.name + ".pdf", map_pdf(map, labels[map.run]));
     }
     if (!with_data.empty()) {
         const auto plots = write_plots(with_data, folder, gnuplot, plan);

@@ -6,19 +6,18 @@
 #include <optional>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "report/figure_source.h"
 #include "report/further_figures.h"
+#include "report/panels.h"
+#include "report/run_identity.h"
+#include "report/scaled_spectrum.h"
 #include "report/text.h"
 
 namespace grainfield::report {
 
 namespace {
-
-using Runs = std::vector<Results>;
-
-// Where the values of a series stand in the results.
-struct Source {
-    std::string observable, curve, x, y, error;
-};
 
 std::string first_characters(const std::string& text, std::size_t count) {
     std::size_t characters = 0;
@@ -27,78 +26,6 @@ std::string first_characters(const std::string& text, std::size_t count) {
         if (starts && ++characters > count) return text.substr(0, i) + "…";
     }
     return text;
-}
-
-Figure empty_figure(const std::vector<std::string>& labels, std::string name, std::string title,
-                    Axis x, Axis y) {
-    Figure figure;
-    figure.name = std::move(name);
-    figure.title = std::move(title);
-    figure.x = std::move(x);
-    figure.y = std::move(y);
-    figure.runs = labels;
-    return figure;
-}
-
-// Why a run has no such curve.
-std::string absence(const Results& run, const Source& source) {
-    const ObservableResult* observable = run.find(source.observable);
-    if (observable == nullptr) return "not among the observables of this run";
-    if (!observable->reason.empty()) return observable->reason;
-    const Curve* curve = observable->find_curve(source.curve);
-    if (curve == nullptr) return "the results hold no curve '" + source.curve + "'";
-    if (curve->find(source.x) == nullptr || curve->find(source.y) == nullptr) {
-        return "the curve '" + source.curve + "' lacks the column '" +
-               (curve->find(source.x) == nullptr ? source.x : source.y) + "'";
-    }
-    return "the curve '" + source.curve + "' has no finite value";
-}
-
-const Curve* find_curve(const Results& run, const Source& source) {
-    const ObservableResult* observable = run.find(source.observable);
-    const Curve* curve = observable == nullptr ? nullptr : observable->find_curve(source.curve);
-    if (curve == nullptr) return nullptr;
-    const Column* x = curve->find(source.x);
-    const Column* y = curve->find(source.y);
-    return x == nullptr || y == nullptr || x->values.size() != y->values.size() ? nullptr : curve;
-}
-
-// The rows of a curve that `wanted` accepts; nothing if no row has finite numbers.
-template <class Wanted>
-std::optional<Series> take(const Curve& curve, const Source& source, const Wanted& wanted) {
-    const std::vector<double>& x = curve.find(source.x)->values;
-    const std::vector<double>& y = curve.find(source.y)->values;
-    const Column* error = source.error.empty() ? nullptr : curve.find(source.error);
-    if (error != nullptr && error->values.size() != x.size()) error = nullptr;
-    Series series;
-    for (std::size_t i = 0; i < x.size(); ++i) {
-        if (!std::isfinite(x[i]) || !std::isfinite(y[i]) || !wanted(i)) continue;
-        series.x.push_back(x[i]);
-        series.y.push_back(y[i]);
-        if (error != nullptr) series.error.push_back(error->values[i]);
-    }
-    if (series.x.empty()) return std::nullopt;
-    return series;
-}
-
-// Adds the series of this kind of every run; with `required`, runs without it are listed as absent.
-void add_kind(Figure& figure, const Runs& runs, Kind kind, const Source& source, bool required) {
-    const std::size_t place = figure.kinds.size();
-    bool found = false;
-    for (std::size_t r = 0; r < runs.size(); ++r) {
-        const Curve* curve = find_curve(runs[r], source);
-        std::optional<Series> series;
-        if (curve != nullptr) series = take(*curve, source, [](std::size_t) { return true; });
-        if (series) {
-            series->run = r;
-            series->kind = place;
-            figure.series.push_back(std::move(*series));
-            found = true;
-        } else if (required) {
-            figure.absent.push_back({r, absence(runs[r], source)});
-        }
-    }
-    if (found || required) figure.kinds.push_back(std::move(kind));
 }
 
 // What the curve calls itself, if all runs agree.
@@ -145,19 +72,6 @@ void entitle(Figure& figure, const std::string& title) {
     } else if (figure.has_data()) {
         figure.note = "The runs were measured in different ways, see the key numbers";
     }
-}
-
-// The unit of a column, if the runs that have it agree: lengths are in a, those of fields in l.
-std::string common_unit(const Runs& runs, const Source& source, const std::string& otherwise) {
-    std::string unit;
-    for (const Results& run : runs) {
-        const Curve* curve = find_curve(run, source);
-        if (curve == nullptr) continue;
-        const std::string& own = curve->find(source.x)->unit;
-        if (!unit.empty() && own != unit) return unit.append(" or ").append(own);
-        unit = own;
-    }
-    return unit.empty() ? otherwise : unit;
 }
 
 Figure structure_factor(const Runs& runs, const std::vector<std::string>& labels) {
@@ -323,15 +237,36 @@ Figure phase_fractions(const Runs& runs, const std::vector<std::string>& labels)
     return figure;
 }
 
-Figure critical(const Runs& runs, const std::vector<std::string>& labels) {
-    Figure figure = empty_figure(labels, "critical", "S₀/S₁ against the control parameter",
-                                 {"x", "Control parameter", "", Scale::linear, false},
-                                 {"s0_over_s1", "S₀/S₁", "", Scale::linear, true});
-    add_kind(figure, runs, {"S₀/S₁", Mark::line, true},
-             {"critical", "critical", "x", "s0_over_s1", "err"}, true);
-    add_kind(figure, runs, {"weighted line", Mark::curve, true},
-             {"critical", "critical_line", "x", "s0_over_s1", "err"}, false);
-    return figure;
+// One figure for each control parameter: Γ and ν share no axis.
+std::vector<Figure> critical(const Runs& runs, const std::vector<std::string>& labels) {
+    std::vector<Figure> figures;
+    const Source points{"critical", "critical", "x", "s0_over_s1", "err"};
+    const Source line{"critical", "critical_line", "x", "s0_over_s1", "err"};
+    std::vector<std::string> parameters;
+    for (const Results& run : runs) {
+        const Curve* curve = find_curve(run, points);
+        if (curve == nullptr) continue;
+        const std::string& parameter = curve->find("x")->meaning;
+        if (std::ranges::find(parameters, parameter) == parameters.end()) {
+            parameters.push_back(parameter);
+        }
+    }
+    for (std::size_t p = 0; p < parameters.size(); ++p) {
+        const std::string name = clean_text(parameters[p]);
+        Figure figure =
+            empty_figure(labels, p == 0 ? "critical" : fmt::format("critical_{}", p + 1),
+                         "S₀/S₁ against " + name, {"x", name, "", Scale::linear, false},
+                         {"s0_over_s1", "S₀/S₁", "", Scale::linear, true});
+        add_kind(figure, runs, {"S₀/S₁", Mark::line, true}, points, false);
+        add_kind(figure, runs, {"weighted line", Mark::curve, true}, line, false);
+        std::erase_if(figure.series, [&](const Series& series) {
+            const Curve* curve = find_curve(runs[series.run], points);
+            return curve == nullptr || curve->find("x")->meaning != parameters[p];
+        });
+        figure.note = "Where a line meets zero is the critical value, see the key numbers.";
+        figures.push_back(std::move(figure));
+    }
+    return figures;
 }
 
 /// Columns of the time series of a simulation, against its time.
@@ -403,17 +338,31 @@ std::vector<std::string> run_labels(const std::vector<Results>& runs) {
 
 std::vector<Figure> make_figures(const std::vector<Results>& runs,
                                  const std::vector<std::string>& labels) {
-    std::vector<Figure> figures{histogram(runs, labels), structure_factor(runs, labels),
-                                number_variance(runs, labels), displacement(runs, labels),
-                                phase_fractions(runs, labels)};
-    if (any_has(runs, "critical")) figures.insert(figures.begin(), critical(runs, labels));
-    if (any_has(runs, "s4")) figures.push_back(order_structure_factor(runs, labels));
-    for (Figure& figure : further_figures(runs, labels)) figures.push_back(std::move(figure));
+    std::vector<Figure> figures = critical(runs, labels);
+    const auto add = [&](Figure figure) { figures.push_back(std::move(figure)); };
+    const std::vector<RunIdentity> identities = identities_of(runs);
+    const auto add_with_panels = [&](Figure figure) {
+        std::vector<Figure> panels = panels_by_origin(figure, identities);
+        add(std::move(figure));
+        for (Figure& panel : panels) add(std::move(panel));
+    };
+    add(histogram(runs, labels));
+    add(structure_factor(runs, labels));
+    if (any_has(runs, "fit")) add_with_panels(scaled_spectrum(runs, labels));
+    add_with_panels(number_variance(runs, labels));
+    add(displacement(runs, labels));
+    add(phase_fractions(runs, labels));
+    if (any_has(runs, "s4")) add(order_structure_factor(runs, labels));
+    for (Figure& figure : further_figures(runs, labels)) add(std::move(figure));
     if (any_has(runs, "series")) {
-        figures.push_back(energies(runs, labels));
-        figures.push_back(collisions(runs, labels));
-        const Figure order = order_of_run(runs, labels);
-        if (order.has_data()) figures.push_back(order);
+        add(energies(runs, labels));
+        add(collisions(runs, labels));
+        Figure order = order_of_run(runs, labels);
+        if (order.has_data()) add(std::move(order));
+    }
+    for (Figure& figure : figures) {
+        if (figure.runs.size() != identities.size()) continue;  // a panel has one origin
+        for (const RunIdentity& identity : identities) figure.origins.push_back(identity.origin);
     }
     return figures;
 }

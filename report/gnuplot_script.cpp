@@ -162,7 +162,7 @@ std::string gnuplot_string(std::string_view text) {
     return out + "'";
 }
 
-std::string gnuplot_script(const Figure& figure, const std::string& svg) {
+std::string gnuplot_script(const Figure& figure, const std::string& svg, const std::string& pdf) {
     const std::size_t entries = key_entries(figure);
     const std::size_t key_rows = (entries + 2) / 3;
     std::string out = fmt::format(
@@ -182,7 +182,13 @@ std::string gnuplot_script(const Figure& figure, const std::string& svg) {
             out += data_block(figure, figure.series[s], s);
         }
     }
-    return out + plot_clauses(figure) + "unset output\n";
+    out += plot_clauses(figure) + "unset output\n";
+    if (pdf.empty()) return out;
+    return out + fmt::format(
+                     "set terminal pdfcairo size {:.2f}cm,{:.2f}cm noenhanced font 'sans-serif,9' "
+                     "linewidth 0.8\nset output {}\nreplot\nunset output\n",
+                     15.0, 15.0 * (480 + 20 * static_cast<double>(key_rows)) / 720,
+                     gnuplot_string(pdf));
 }
 
 }  // namespace grainfield::report

@@ -232,6 +232,10 @@ std::vector<KeyNumberRow> key_numbers(const std::vector<Results>& runs) {
     return table.take();
 }
 
+std::string quantity_title(const std::string& observable, const std::string& measurement) {
+    return title_of(observable_titles(), observable) + ": " + quantity_of(measurement, "|Q₄|");
+}
+
 std::string key_numbers_html(const std::vector<KeyNumberRow>& rows,
                              const std::vector<std::string>& labels) {
     const bool one_run = labels.size() == 1;

@@ -27,6 +27,9 @@ struct KeyNumberRow {
 /// first. An observable without any measurement has one row with its reason.
 std::vector<KeyNumberRow> key_numbers(const std::vector<Results>& runs);
 
+/// A quantity in words, "Fit of S(k): S₀/S₁", from the names in the results file.
+std::string quantity_title(const std::string& observable, const std::string& measurement);
+
 /// The table as HTML. One run: samples and note in columns of their own; several: one column a run,
 /// notes numbered and listed once below.
 std::string key_numbers_html(const std::vector<KeyNumberRow>& rows,

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -39,7 +41,7 @@ std::string percent_encoded(std::string_view path) {
 // Links to those of the files that exist.
 std::string file_links(const PageContent& content, const std::string& name) {
     std::string links;
-    for (const char* kind : {"svg", "csv"}) {
+    for (const char* kind : {"svg", "pdf", "csv"}) {
         const std::string file = name + "." + kind;
         if (std::ranges::find(content.files, file) == content.files.end()) continue;
         links += fmt::format("{}<a href=\"{}\">{}</a>", links.empty() ? "" : " · ",
@@ -72,6 +74,33 @@ std::string header_html(const PageContent& content) {
     return out + "</ul></header>\n";
 }
 
+// Runs without this curve, those with one reason together; a long list is folded.
+std::string absent_html(const Figure& figure) {
+    if (figure.absent.empty()) return "";
+    std::vector<std::pair<std::string, std::vector<std::string>>> reasons;
+    for (const Figure::Absence& absence : figure.absent) {
+        auto known = std::ranges::find_if(
+            reasons, [&](const auto& entry) { return entry.first == absence.reason; });
+        if (known == reasons.end()) {
+            reasons.push_back({absence.reason, {}});
+            known = reasons.end() - 1;
+        }
+        known->second.push_back(figure.runs[absence.run]);
+    }
+    std::string list = "<ul class=\"absent\">";
+    for (const auto& [reason, runs] : reasons) {
+        std::string who;
+        for (const std::string& run : runs) who.append(who.empty() ? "" : "; ").append(run);
+        list += fmt::format("<li>Without {}</li>", escape_html(who + ": " + reason));
+    }
+    list += "</ul>\n";
+    constexpr std::size_t most_open = 3;
+    if (figure.absent.size() <= most_open) return list;
+    return fmt::format(
+        "<details class=\"absent\"><summary>{} runs are not here</summary>{}</details>\n",
+        figure.absent.size(), list);
+}
+
 std::string figure_html(const PageContent& content, const Figure& figure) {
     std::string out =
         fmt::format("<figure id=\"figure-{0}\"><div class=\"head\"><figcaption><h3>{1}</h3>",
@@ -89,14 +118,7 @@ std::string figure_html(const PageContent& content, const Figure& figure) {
         "</figcaption><div class=\"tools\"></div></div>\n<div class=\"legend\"></div>\n"
         "<div class=\"plot\" id=\"plot-{}\" role=\"img\" aria-label=\"{}\"></div>\n",
         figure.name, escape_html(figure.y.title() + " against " + figure.x.title()));
-    if (!figure.absent.empty()) {
-        out += "<ul class=\"absent\">";
-        for (const Figure::Absence& absence : figure.absent) {
-            out += "<li>Without " + escape_html(figure.runs[absence.run] + ": " + absence.reason) +
-                   "</li>";
-        }
-        out += "</ul>\n";
-    }
+    out += absent_html(figure);
     return out + file_links(content, figure.name) + "</figure>\n";
 }
 
@@ -124,7 +146,11 @@ std::string map_html(const PageContent& content) {
     out += fmt::format(
         "<figure id=\"map\"><div class=\"controls\">\n"
         "<label{}>Run <select class=\"pick-run\">{}</select></label>\n"
-        "<label>Preview <select class=\"pick-frame\"></select></label>\n"
+        "<label>Frame <input type=\"range\" class=\"pick-frame\" min=\"0\" value=\"0\"></label>\n"
+        "<label>Colour <select class=\"pick-colour\"><option value=\"order\">order</option>"
+        "<option value=\"identity\">identity</option><option value=\"layer\">layer</option>"
+        "</select></label>\n"
+        "<button type=\"button\" class=\"trails\" aria-pressed=\"false\">trails</button>\n"
         "<span class=\"marks\" role=\"group\" aria-label=\"Marks\">",
         one_run ? " hidden" : "", options);
     for (const char* marks : {"discs", "outlines", "centres", "none"}) {
@@ -142,7 +168,9 @@ std::string map_html(const PageContent& content) {
     if (content.maps.size() > 2) {
         links = "<details class=\"files\"><summary>Files</summary>" + links + "</details>\n";
     }
-    return out + links + "</figure></section>\n";
+    out += links + "</figure>\n";
+    if (!one_run) out += "<div class=\"gallery\" aria-label=\"One map of each run\"></div>\n";
+    return out + "</section>\n";
 }
 
 std::string tables_html(const PageContent& content) {
@@ -150,7 +178,7 @@ std::string tables_html(const PageContent& content) {
     for (const Table& table : content.tables) {
         out += table_html(table) + file_links(content, table.name);
     }
-    return out.empty() ? "" : "<section class=\"tables\"><h2>Scores</h2>\n" + out + "</section>\n";
+    return out.empty() ? "" : "<section class=\"tables\"><h2>Tables</h2>\n" + out + "</section>\n";
 }
 
 std::string data_json(const PageContent& content) {
@@ -164,8 +192,12 @@ std::string data_json(const PageContent& content) {
     for (int level = 0; level < 255; ++level) {
         colours += fmt::format("{}\"{}\"", level == 0 ? "" : ",", hex(viridis(level / 254.0)));
     }
-    return "{\"colours\":[" + colours + "],\n\"figures\":[" + figures + "],\n\"maps\":[" + maps +
-           "]}";
+    std::string labels;
+    for (const std::string& label : content.labels) {
+        labels.append(labels.empty() ? "" : ",").append(json_string(label));
+    }
+    return R"({"runs":[)" + labels + "],\n\"colours\":[" + colours + "],\n\"figures\":[" + figures +
+           "],\n\"maps\":[" + maps + "]}";
 }
 
 }  // namespace

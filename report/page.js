@@ -56,6 +56,7 @@
     const runShown = figure.runs.map(() => true);
     const kindShown = figure.kinds.map((kind) => kind.shown);
     const isGuide = (kind) => figure.kinds[kind].guide;
+    const runButtons = new Map();
     const update = () =>
       Plotly.restyle(plot, {
         visible: figure.traces.map(
@@ -66,8 +67,27 @@
       const row = element("div", { className: "runs" });
       figure.runs.forEach((run, r) => {
         if (!present.has(r)) return;
-        row.append(legendButton(run, true, (value) => { runShown[r] = value; update(); }));
+        const button = legendButton(run, true, (value) => { runShown[r] = value; update(); });
+        runButtons.set(r, button);
+        row.append(button);
       });
+      legend.append(row);
+    }
+    // All runs of one origin at once.
+    const groups = (figure.groups || []).map((group) => ({
+      label: group.label, runs: group.runs.filter((r) => present.has(r)),
+    })).filter((group) => group.runs.length > 1);
+    if (groups.length > 1) {
+      const row = element("div", { className: "groups" });
+      for (const group of groups) {
+        row.append(legendButton({ label: "all " + group.label, colour: "#777" }, true, (value) => {
+          for (const r of group.runs) {
+            runShown[r] = value;
+            runButtons.get(r).setAttribute("aria-pressed", String(value));
+          }
+          update();
+        }));
+      }
       legend.append(row);
     }
     if (figure.kinds.length > 1) {
@@ -126,6 +146,9 @@
     map.px = new Float32Array(count);
     map.py = new Float32Array(count);
     map.q = bytes(map.order);
+    map.layer = bytes(map.layers);
+    const identity = new DataView(bytes(map.ids).buffer);
+    map.identity = Array.from({ length: identity.byteLength / 4 }, (_, i) => identity.getUint32(4 * i, true));
     map.levels = Array.from({ length: 256 }, () => []);
     for (let i = 0; i < count; i++) {
       map.px[i] = map.pointsX[0] + sx * view.getUint16(4 * i, true);
@@ -142,15 +165,66 @@
     }
   }
 
-  function drawMaps(maps, colours) {
+  // Identities get colours that neighbours in number do not share.
+  const hues = Array.from({ length: 48 }, (_, i) => `hsl(${(i * 137.5) % 360} 65% ${40 + 8 * (i % 3)}%)`);
+
+  // One small map of each run side by side: discs at 85 % of the diameter, or the field.
+  function drawGallery(maps, colours, labels, pick) {
+    const gallery = document.querySelector(".gallery");
+    if (!gallery) return;
+    const seen = new Map();
+    for (const map of maps) {
+      const known = seen.get(map.run) || [];
+      if (known.length === 0 || (map.unit === "cells" && known.length < 2)) seen.set(map.run, [...known, map]);
+    }
+    for (const map of [...seen.values()].flat()) {
+      const side = 230;
+      const aspect = (map.y[1] - map.y[0]) / (map.x[1] - map.x[0]);
+      const canvas = element("canvas", { width: 2 * side, height: Math.round(2 * side * Math.min(aspect, 2)) });
+      const button = element("button", { type: "button", title: "Show large" }, canvas,
+        element("span", {}, labels[map.run] + (map.unit === "cells" ? ": " + map.title.split(" from ")[0] : "")));
+      button.addEventListener("click", () => pick(map.run));
+      gallery.append(button);
+      const draw = () => {
+        unpack(map);
+        const context = canvas.getContext("2d");
+        const scale = canvas.width / (map.x[1] - map.x[0]);
+        if (map.unit === "cells") {
+          map.loaded.then(() => context.drawImage(map.picture, 0, 0, canvas.width, canvas.height));
+          return;
+        }
+        const r = Math.max(0.8, 0.5 * 0.85 * map.diameter * scale);
+        map.levels.forEach((members, level) => {
+          if (!members.length) return;
+          context.fillStyle = level === 255 ? "#999999" : colours[level];
+          context.beginPath();
+          for (const i of members) {
+            const x = (map.px[i] - map.x[0]) * scale;
+            const y = (map.yDown ? map.py[i] - map.y[0] : map.y[1] - map.py[i]) * scale;
+            context.rect(x - r, y - r, 2 * r, 2 * r);
+          }
+          context.fill();
+        });
+      };
+      waitingMaps.push(draw);
+    }
+  }
+  const waitingMaps = [];  // drawn once the page stands, one an idle moment
+
+  function drawMaps(maps, colours, labels) {
     const box = document.getElementById("map");
     if (!box) return Promise.resolve();
     const plot = box.querySelector(".plot");
     const canvas = box.querySelector("canvas");
     const readout = box.querySelector(".readout");
-    const select = { run: box.querySelector(".pick-run"), frame: box.querySelector(".pick-frame") };
+    const select = {
+      run: box.querySelector(".pick-run"), frame: box.querySelector(".pick-frame"),
+      colour: box.querySelector(".pick-colour"), trails: box.querySelector(".trails"),
+    };
     let map = maps[0];
+    let frames = [];  // the maps of the run shown
     let marks = "discs";
+    let colouring = "order";
     let waiting = 0;
     const margin = { l: 52, r: 8, t: 8, b: 44 };
 
@@ -173,6 +247,48 @@
         context.moveTo(x + r, y);
         context.arc(x, y, r, 0, 2 * Math.PI);
       }
+    }
+
+    // Particles that are drawn alike, by colour.
+    function classes() {
+      const out = new Map();
+      const put = (colour, i) => {
+        if (!out.has(colour)) out.set(colour, []);
+        out.get(colour).push(i);
+      };
+      if (colouring === "identity" && map.identity.length) {
+        map.identity.forEach((id, i) => put(hues[id % hues.length], i));
+      } else if (colouring === "layer" && map.layer.length) {
+        map.layer.forEach((layer, i) => put(["#0072b2", "#d55e00"][layer] || "#999999", i));
+      } else {
+        map.levels.forEach((members, level) => {
+          if (members.length) out.set(level === 255 ? "#999999" : colours[level], members);
+        });
+      }
+      return out;
+    }
+
+    // Where each particle was in the frames before this one, as far as they are on the page.
+    function paintTrails(context, f) {
+      const at = frames.indexOf(map);
+      if (select.trails.getAttribute("aria-pressed") !== "true" || at < 1 || !map.identity.length) return;
+      context.strokeStyle = "#e8590c";
+      context.lineWidth = Math.max(1, 0.06 * map.diameter * f.scale);
+      const reach = 3 * map.diameter;  // a longer step is a boundary crossed, or an identity lost
+      context.beginPath();
+      for (let n = at; n > 0; n--) {
+        unpack(frames[n - 1]);
+        const before = new Map(frames[n - 1].identity.map((id, i) => [id, i]));
+        frames[n].identity.forEach((id, i) => {
+          const j = before.get(id);
+          if (j === undefined) return;
+          const [x0, y0, x1, y1] = [frames[n - 1].px[j], frames[n - 1].py[j], frames[n].px[i], frames[n].py[i]];
+          if (Math.hypot(x1 - x0, y1 - y0) > reach) return;
+          context.moveTo(f.x(x0), f.y(y0));
+          context.lineTo(f.x(x1), f.y(y1));
+        });
+      }
+      context.stroke();
     }
 
     function paint() {
@@ -200,8 +316,7 @@
       }
       if (marks !== "none") {
         const r = 0.5 * 0.85 * map.diameter * f.scale;
-        map.levels.forEach((members, level) => {
-          if (!members.length) return;
+        for (const [colour, members] of classes()) {
           context.beginPath();
           for (const i of members) {
             const x = f.x(map.px[i]);
@@ -210,16 +325,16 @@
             addMark(context, x, y, r);
           }
           // Outlines and centres are for judging the detection: they must show on black and white.
-          const plain = marks === "outlines" || marks === "centres";
-          context.fillStyle = context.strokeStyle =
-            plain ? "#e8590c" : level === 255 ? "#999999" : colours[level];
+          const plain = (marks === "outlines" || marks === "centres") && colouring === "order";
+          context.fillStyle = context.strokeStyle = plain ? "#e8590c" : colour;
           if (marks === "outlines") {
             context.lineWidth = 1.5;
             context.stroke();
           } else {
             context.fill();
           }
-        });
+        }
+        paintTrails(context, f);
       }
       context.restore();
     }
@@ -277,14 +392,33 @@
     }
 
     function listFrames(run) {
-      select.frame.replaceChildren(...maps.flatMap((m, i) =>
-        m.run === run ? [element("option", { value: i }, m.title)] : []));
-      select.frame.parentElement.hidden = select.frame.options.length < 2;
-      return maps[Number(select.frame.value)];
+      frames = maps.filter((m) => m.run === run);
+      select.frame.max = String(frames.length - 1);
+      select.frame.value = "0";
+      select.frame.parentElement.hidden = frames.length < 2;
+      const has = (column) => frames.some((m) => m[column]);
+      select.trails.hidden = frames.length < 2 || !has("ids");
+      const option = (value) => [...select.colour.options].find((o) => o.value === value);
+      option("identity").hidden = !has("ids");
+      option("layer").hidden = !has("layers");
+      if (option(colouring).hidden) select.colour.value = colouring = "order";
+      select.colour.parentElement.hidden = !has("ids") && !has("layers");
+      return frames[0];
     }
 
     select.run.addEventListener("change", () => show(listFrames(Number(select.run.value))));
-    select.frame.addEventListener("change", () => show(maps[Number(select.frame.value)]));
+    select.frame.addEventListener("input", () => show(frames[Number(select.frame.value)]));
+    select.colour.addEventListener("change", () => { colouring = select.colour.value; paint(); });
+    select.trails.addEventListener("click", () => {
+      select.trails.setAttribute("aria-pressed", String(select.trails.getAttribute("aria-pressed") !== "true"));
+      paint();
+    });
+    const pick = (run) => {
+      select.run.value = String(run);
+      box.scrollIntoView({ block: "nearest" });
+      return show(listFrames(run));
+    };
+    drawGallery(maps, colours, labels, pick);
     box.querySelectorAll(".marks button").forEach((button) =>
       button.addEventListener("click", () => {
         box.querySelectorAll(".marks button").forEach((other) =>
@@ -312,9 +446,11 @@
   document.addEventListener("DOMContentLoaded", async () => {
     try {
       const data = JSON.parse(document.getElementById("report-data").textContent);
-      await Promise.all([drawMaps(data.maps, data.colours), ...data.figures.map(drawFigure)]);
+      await Promise.all([drawMaps(data.maps, data.colours, data.runs), ...data.figures.map(drawFigure)]);
       root.dataset.milliseconds = String(Math.round(performance.now()));
       root.dataset.ready = String(document.querySelectorAll(".js-plotly-plot").length);
+      const next = () => { const draw = waitingMaps.shift(); if (draw) { draw(); setTimeout(next, 0); } };
+      next();
     } catch (error) {
       problem(String(error && error.stack || error));
     }

@@ -8,6 +8,7 @@
 #include "core/errors.h"
 #include "core/parallel.h"
 #include "report/png.h"
+#include "report/run_identity.h"
 #include "report/text.h"
 
 namespace grainfield::report {
@@ -59,19 +60,31 @@ void set_extent(ParticleMap& map, const Preview& preview) {
     }
 }
 
+// "density ρ from −2.1 to 2.3": grey runs from the least to the largest value.
+std::string field_title(const Preview& preview) {
+    const auto [low, high] = std::ranges::minmax(preview.frame.image.pixels());
+    return fmt::format("{} from {:.3g} (black) to {:.3g} (white)",
+                       preview.frame.index == 0 ? "density ρ" : "order field ψ", low, high);
+}
+
 ParticleMap describe(const Results& run, std::size_t index, const Preview& preview) {
     ParticleMap map;
     map.run = index;
     map.frame = preview.snapshot.frame;
     map.name = fmt::format("map_run{}_frame{}", index + 1, map.frame);
-    map.title = fmt::format("frame {}, {} particles", map.frame,
-                            count_text(static_cast<double>(preview.snapshot.size())));
-    map.y_down = run.source.length_unit == LengthUnit::pixel;
-    map.unit = map.y_down ? "px" : "a";
+    const bool is_field = identity_of(run).is_field;
+    map.title = is_field ? field_title(preview)
+                         : fmt::format("frame {}, {} particles", map.frame,
+                                       count_text(static_cast<double>(preview.snapshot.size())));
+    map.y_down = is_field || run.source.length_unit == LengthUnit::pixel;
+    map.unit = is_field ? "cells" : map.y_down ? "px" : "a";
     const double diameter = run.source.diameter;
     map.diameter = std::isfinite(diameter) && diameter > 0 ? diameter : 1;
     map.position = preview.snapshot.position;
     map.id = preview.snapshot.id;
+    const std::vector<Layer>& layer = preview.snapshot.layer;
+    const auto is_known = [](Layer l) { return l != Layer::unknown; };
+    if (std::ranges::any_of(layer, is_known)) map.layer = layer;
     map.abs_q4 = preview.abs_q4;
     map.order = order_symbol(run);
     set_extent(map, preview);
@@ -92,6 +105,21 @@ void encode(ParticleMap& map, const Image& image, std::size_t budget) {
     if (r > 1) map.title += fmt::format(" (image reduced {}×)", r);
 }
 
+// How many previews each run gives: one more in turn, while the budget lasts and it has more.
+std::vector<std::size_t> shares(const std::vector<Results>& runs, std::size_t budget) {
+    constexpr std::size_t most = 20;
+    std::vector<std::size_t> share(runs.size(), 1);
+    std::size_t given = runs.size();
+    for (std::size_t round = 2; round <= most && given < budget; ++round) {
+        for (std::size_t r = 0; r < runs.size() && given < budget; ++r) {
+            if (runs[r].previews.size() < round) continue;
+            share[r] = round;
+            ++given;
+        }
+    }
+    return share;
+}
+
 void append_uint16(std::vector<std::uint8_t>& bytes, double part) {
     const auto step = static_cast<unsigned>(std::lround(std::clamp(part, 0.0, 1.0) * 65535));
     bytes.push_back(static_cast<std::uint8_t>(step & 255U));
@@ -103,10 +131,9 @@ void append_uint16(std::vector<std::uint8_t>& bytes, double part) {
 std::vector<ParticleMap> make_maps(const std::vector<Results>& runs, const MapBudget& budget) {
     std::vector<ParticleMap> maps;
     std::vector<const Image*> images;
-    const std::size_t each =
-        std::max<std::size_t>(1, budget.maps / std::max<std::size_t>(1, runs.size()));
+    const std::vector<std::size_t> share = shares(runs, budget.maps);
     for (std::size_t r = 0; r < runs.size(); ++r) {
-        for (const Preview* preview : spread(runs[r].previews, each)) {
+        for (const Preview* preview : spread(runs[r].previews, share[r])) {
             maps.push_back(describe(runs[r], r, *preview));
             images.push_back(&preview->frame.image);
         }
@@ -135,14 +162,25 @@ std::string map_json(const ParticleMap& map) {
                             ? static_cast<std::uint8_t>(std::lround(std::clamp(q, 0.0, 1.0) * 254))
                             : std::uint8_t{255});
     }
+    std::vector<std::uint8_t> ids;
+    for (const std::int64_t id : map.id) {
+        const auto low = static_cast<std::uint32_t>(static_cast<std::uint64_t>(id));
+        for (unsigned shift = 0; shift < 32; shift += 8) {
+            ids.push_back(static_cast<std::uint8_t>(low >> shift & 255U));
+        }
+    }
+    std::vector<std::uint8_t> layers;
+    for (const Layer layer : map.layer) {
+        layers.push_back(layer == Layer::unknown ? 255 : static_cast<std::uint8_t>(layer));
+    }
     const std::string image = map.png.empty() ? "" : "data:image/png;base64," + base64(map.png);
     return fmt::format(
         R"({{"run":{},"title":{},"x":[{},{}],"y":[{},{}],"yDown":{},"unit":"{}","diameter":{},)"
         R"("imageSize":[{},{}],"image":"{}","pointsX":[{},{}],"pointsY":[{},{}],"points":"{}",)"
-        R"("order":"{}","orderName":{}}})",
+        R"("order":"{}","orderName":{},"ids":"{}","layers":"{}"}})",
         map.run, json_string(map.title), map.x[0], map.x[1], map.y[0], map.y[1], map.y_down,
         map.unit, map.diameter, map.image_size[0], map.image_size[1], image, x[0], x[1], y[0], y[1],
-        base64(points), base64(order), json_string(map.order));
+        base64(points), base64(order), json_string(map.order), base64(ids), base64(layers));
 }
 
 std::string map_csv(const ParticleMap& map) {

@@ -25,23 +25,27 @@ struct ParticleMap {
     int reduction = 1;                   ///< pixels of the camera per pixel of the PNG, per axis
     std::vector<Vec2> position;          ///< [length unit]
     std::vector<std::int64_t> id;        ///< empty: not linked
+    std::vector<Layer> layer;            ///< empty: not known
     std::string order = "|Q₄|";          ///< what `abs_q4` is called
     std::vector<double> abs_q4;          ///< [-]; empty: not analysed; NaN: undefined
 };
 
 /// How much of the previews goes into a report.
 struct MapBudget {
-    std::size_t maps = 24;                ///< shared evenly by the runs, at least one each
+    std::size_t maps = 44;                ///< shared by the runs, at least one each, 20 at most
     std::size_t image_bytes = 6'000'000;  ///< of all PNGs; images are reduced to keep it
     int threads = 0;                      ///< that encode images; 0: all of the machine
 };
 
-/// The previews of all runs, as many as the budget allows, spread over each run. Previews whose
-/// snapshot is inconsistent or empty and without image are left out.
+/// The previews of all runs, as many as the budget allows, spread over each run: every run gets as
+/// many as the others until it has no more, so that one film among single frames keeps its frames.
+/// Previews whose snapshot is inconsistent or empty and without image are left out. Of a field the
+/// previews are pictures of ρ and ψ.
 std::vector<ParticleMap> make_maps(const std::vector<Results>& runs, const MapBudget& budget);
 
 /// The map for the page: discs as base64 of little-endian uint16 x, y (65535 steps over `x` and
-/// `y`, padded by half a diameter) and uint8 |Q4| (0 … 254, 255 undefined), the image as data URI.
+/// `y`, padded by half a diameter) and uint8 |Q4| (0 … 254, 255 undefined), the image as data URI;
+/// with identities uint32 of each (its lowest bits), with layers uint8 (0, 1, 255 unknown).
 std::string map_json(const ParticleMap& map);
 
 /// frame, particle, x, y, abs_q4

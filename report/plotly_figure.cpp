@@ -134,12 +134,26 @@ std::string plotly_json(const Figure& figure) {
         runs.push_back({{"label", clean_text(figure.runs[r])},
                         {"colour", hex(distinct_colour(r, figure.runs.size()))}});
     }
+    json groups = json::array();
+    for (std::size_t r = 0; r < figure.origins.size(); ++r) {
+        const std::string origin = clean_text(figure.origins[r]);
+        const auto known = std::ranges::find_if(
+            groups, [&](const json& group) { return group["label"] == origin; });
+        if (known == groups.end()) {
+            groups.push_back({{"label", origin}, {"runs", json::array({r})}});
+        } else {
+            (*known)["runs"].push_back(r);
+        }
+    }
     json traces = json::array();
     for (const Series& series : figure.series) traces.push_back(trace(figure, series));
-    const json whole{
-        {"name", figure.name}, {"toggle", figure.may_be_linear},
-        {"runs", runs},        {"kinds", kinds},
-        {"traces", traces},    {"layout", {{"xaxis", axis(figure.x)}, {"yaxis", axis(figure.y)}}}};
+    const json whole{{"name", figure.name},
+                     {"toggle", figure.may_be_linear},
+                     {"runs", runs},
+                     {"kinds", kinds},
+                     {"groups", groups},
+                     {"traces", traces},
+                     {"layout", {{"xaxis", axis(figure.x)}, {"yaxis", axis(figure.y)}}}};
     return escape_json_for_script(whole.dump());
 }
 

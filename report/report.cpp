@@ -3,10 +3,13 @@
 #include <utility>
 
 #include "core/errors.h"
+#include "report/differences.h"
 #include "report/figure_files.h"
 #include "report/figures.h"
 #include "report/page.h"
+#include "report/paper_table.h"
 #include "report/particle_map.h"
+#include "report/run_identity.h"
 #include "report/text.h"
 
 namespace grainfield::report {
@@ -31,6 +34,14 @@ void write_report(const std::vector<Results>& runs, const ReportOptions& options
                                     "make one with 'grainfield analyze'"});
     }
     const std::vector<std::string> labels = run_labels(runs);
+    const std::vector<RunIdentity> identities = identities_of(runs);
+    std::vector<Table> tables;
+    if (options.paper) tables.push_back(paper_table(runs, labels, identities));
+    for (const Table& table : additions.tables) tables.push_back(table);
+    if (additions.tables.empty()) {
+        if (auto table = differences(runs, labels, identities)) tables.push_back(*std::move(table));
+    }
+    for (const std::string& text : mismatches(runs, labels, identities)) plan.warn(text);
     std::vector<Figure> figures = additions.figures;
     for (Figure& figure : make_figures(runs, labels)) figures.push_back(std::move(figure));
     const std::vector<ParticleMap> maps = make_maps(runs, {.threads = options.threads});
@@ -40,14 +51,14 @@ void write_report(const std::vector<Results>& runs, const ReportOptions& options
     std::vector<std::string> files;
     if (options.figures) {
         files = write_figure_files(figures, maps, labels, figures_dir, Gnuplot(), plan);
-        for (const Table& table : additions.tables) {
+        for (const Table& table : tables) {
             files.push_back(table.name + ".csv");
             write_file(figures_dir / files.back(), table_csv(table));
         }
     }
     write_file(html, page_html({title, runs, labels, figures, maps,
                                 options.figures ? relative_folder(figures_dir, html) : "", files,
-                                plan, additions.tables}));
+                                plan, tables}));
 }
 
 }  // namespace grainfield::report

@@ -13,8 +13,9 @@ namespace grainfield::report {
 
 struct ReportOptions {
     std::string title;    ///< heading of the page; empty: made from the runs
-    bool figures = true;  ///< also write every figure as SVG and CSV into the folder beside
+    bool figures = true;  ///< also write every figure as SVG, PDF and CSV into the folder beside
     int threads = 0;      ///< 0: all of the machine
+    bool paper = false;   ///< begin with the table of the paper's values (paper_table)
 };
 
 /// What a command adds to a report of its own: tables before the key numbers, figures before those
@@ -25,7 +26,9 @@ struct ReportAdditions {
 };
 
 /// Writes the report of one or more runs, side by side: one HTML file that needs no network and no
-/// other file, and, in `figures_dir`, every figure as SVG and CSV and every table as CSV. `html` is
+/// other file, and, in `figures_dir`, every figure as SVG, PDF and CSV and every table as CSV. Two
+/// runs, or runs that differ in origin only, also get a table of their differences; what stands in
+/// the way of comparing runs becomes a warning of the plan. `html` is
 /// written as it is named (the caller renames it when all is well). What could not be drawn is said
 /// in the plan: without gnuplot the plots have no SVG.
 ///

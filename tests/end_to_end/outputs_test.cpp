@@ -145,5 +145,27 @@ TEST_F(Outputs, OfASingleFrameAndOfAllCommandsLeaveNoTemporaryFiles) {
     EXPECT_EQ(folder_.entries(), 5U);
 }
 
+TEST_F(Outputs, OverlayShowsTheFilmAsTrackedOrSaysThatItIsGone) {
+    const std::vector<std::string> film = testing::write_disc_sequence(folder_, 4);
+    std::vector<std::string> words{"track", "-o", tracks_};
+    words.insert(words.end(), film.begin(), film.end());
+    ASSERT_EQ(run_grainfield(words).code, 0);
+    const std::string video = folder_ / "overlay.mp4";
+    const Outcome drawn = run_grainfield({"export", tracks_, "--overlay", video, "--json"});
+    EXPECT_EQ(drawn.code, 0) << drawn.err;
+    EXPECT_THAT(drawn.out, HasSubstr("\"frames\": 4"));
+    EXPECT_THAT(drawn.out, ::testing::Not(HasSubstr("is not there")));
+    EXPECT_EQ(read_all(video).substr(4, 4), "ftyp") << "an MP4 file";
+
+    for (const std::string& frame : film) std::filesystem::remove(frame);
+    const Outcome white = run_grainfield({"export", tracks_, "--overlay", video, "--force"});
+    EXPECT_EQ(white.code, 0) << white.err;
+    EXPECT_THAT(white.err, HasSubstr("drawn on white"));
+    EXPECT_EQ(run_grainfield({"export", tracks_, "--overlay", folder_ / "o.gif"}).code, 2);
+    EXPECT_EQ(run_grainfield({"export", tracks_, "--overlay", video}).code, 4) << "it exists";
+    EXPECT_EQ(run_grainfield({"export", tracks_, "--overlay", video, "-o", folder_ / "x.csv"}).code,
+              2);
+}
+
 }  // namespace
 }  // namespace grainfield

@@ -1,0 +1,145 @@
+#include "app/compare_command.h"
+
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/errors.h"
+#include "io/results_file.h"
+#include "tests/support/scratch_folder.h"
+
+namespace grainfield::app {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// Results with S(k) and its fit; without errors if asked.
+std::filesystem::path write_run(const std::filesystem::path& path, const std::string& label,
+                                bool has_errors = true, const std::string& version = "0.1.0") {
+    Results run;
+    run.label = label;
+    run.box = {{0, 0}, {10, 10}, {}, 0};
+    run.record.command = "analyze";
+    run.record.version = version;
+    ObservableResult sk;
+    sk.name = "sk";
+    Curve curve{
+        "sk", "S", {{"k", "1/a", "k", {}}, {"s", "-", "S", {}}, {"s_err", "-", "e", {}}}, {}};
+    for (int i = 1; i <= 50; ++i) {
+        curve.columns[0].values.push_back(0.1 * i);
+        curve.columns[1].values.push_back(0.2 + 0.1 * i);
+        curve.columns[2].values.push_back(has_errors ? 0.01 : std::nan(""));
+    }
+    sk.curves = {curve};
+    ObservableResult fit;
+    fit.name = "fit";
+    fit.measurements = {{"s0", "-", 0.2, std::nullopt, 10, has_errors ? "" : "too few frames"},
+                        {"s1", "-", 1.0, std::nullopt, 10, "no error"}};
+    if (has_errors) fit.measurements[0].error = 0.01;
+    run.observables = {sk, fit};
+    io::write_results(path, run, io::Overwrite::force);
+    return path;
+}
+
+struct Compared {
+    Summary summary;
+    std::vector<std::string> warnings;
+    std::string page;
+};
+
+Compared compare(const testing::ScratchFolder& folder, std::vector<std::filesystem::path> inputs,
+                 bool figures = false) {
+    CompareCommand command;
+    std::vector<OptionTable> tables = command.options();
+    tables.front().set("output", OptionValue(folder / "report.html"));
+    tables.front().set("figures", OptionValue(figures));
+    Session session;
+    session.command = "compare";
+    session.common.force = true;
+    session.inputs = std::move(inputs);
+    Compared out;
+    out.summary = command.run(session);
+    out.warnings = session.plan.warnings();
+    std::stringstream text;
+    text << std::ifstream(folder / "report.html").rdbuf();
+    out.page = text.str();
+    return out;
+}
+
+void cut(const std::filesystem::path& path) {
+    std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
+}
+
+TEST(CompareCommand, LeavesOutWhatCannotBeReadNamesItAndComparesTheRest) {
+    const testing::ScratchFolder folder;
+    const auto good = write_run(folder / "good.h5", "good");
+    const auto short_file = write_run(folder / "short.h5", "short");
+    cut(short_file);
+    const auto other = write_run(folder / "other.h5", "other");
+    std::ofstream(folder / "text.h5") << "no results";
+    const Compared out =
+        compare(folder, {good, short_file, folder / "text.h5", folder / "absent.h5", other});
+    EXPECT_EQ(out.summary.facts["labels"].size(), 2U);
+    EXPECT_EQ(out.summary.facts["left_out"], 3);
+    for (const char* name : {"short.h5", "text.h5", "absent.h5"}) {
+        EXPECT_THAT(out.warnings, Contains(HasSubstr(name)));
+        EXPECT_THAT(out.page, HasSubstr(name)) << "the page says it too";
+    }
+    EXPECT_THAT(out.page, HasSubstr("2 runs side by side"));
+}
+
+TEST(CompareCommand, OfNothingReadableIsAnErrorThatNamesTheFirst) {
+    const testing::ScratchFolder folder;
+    std::ofstream(folder / "text.h5") << "no results";
+    try {
+        compare(folder, {folder / "text.h5", folder / "absent.h5"});
+        FAIL() << "no exception";
+    } catch (const InputError& error) {
+        EXPECT_THAT(error.what(), HasSubstr("text.h5"));
+    }
+    EXPECT_FALSE(std::filesystem::exists(folder / "report.html"));
+}
+
+TEST(CompareCommand, SaysWhichRunsHaveNoErrorsAndWhichAnotherVersion) {
+    const testing::ScratchFolder folder;
+    const Compared out = compare(
+        folder, {write_run(folder / "a.h5", "first"), write_run(folder / "b.h5", "bare", false),
+                 write_run(folder / "c.h5", "old", true, "0.0.9")});
+    EXPECT_THAT(out.warnings, Contains(HasSubstr("cannot be judged: bare")));
+    EXPECT_THAT(out.warnings, Contains(HasSubstr("0.0.9 (old), 0.1.0 (first and 1 more)")));
+    EXPECT_THAT(out.page, HasSubstr("not among the observables of this run"))
+        << "no |Q4| in any of them";
+}
+
+TEST(CompareCommand, OfTwoHundredRunsNamesEachOfThem) {
+    const testing::ScratchFolder folder;
+    std::vector<std::filesystem::path> inputs;
+    for (int i = 0; i < 200; ++i) {
+        const std::string name = "run " + std::to_string(i);
+        inputs.push_back(write_run(folder / (name + ".h5"), name));
+    }
+    const auto start = std::chrono::steady_clock::now();
+    const Compared out = compare(folder, inputs, true);
+    const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
+    EXPECT_EQ(out.summary.facts["labels"].size(), 200U);
+    EXPECT_THAT(out.page, HasSubstr("run 199"));
+    EXPECT_LT(out.page.size(), 15'000'000U);
+    EXPECT_LT(time.count(), 120) << "seconds, on a loaded machine; 5 are meant for 20 runs";
+}
+
+TEST(CompareCommand, KeepsMarkupInNamesAsText) {
+    const testing::ScratchFolder folder;
+    const Compared out = compare(folder, {write_run(folder / "a<b>.h5", "<b>bold</b> & \"quoted\""),
+                                          write_run(folder / "c.h5", "plain")});
+    EXPECT_THAT(out.page, HasSubstr("&lt;b&gt;bold&lt;/b&gt; &amp;"));
+    EXPECT_THAT(out.page, Not(HasSubstr("<b>bold")));
+}
+
+}  // namespace
+}  // namespace grainfield::app

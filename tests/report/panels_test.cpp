@@ -1,0 +1,61 @@
+#include "report/panels.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace grainfield::report {
+namespace {
+
+Figure shared_figure() {
+    Figure figure;
+    figure.name = "variance";
+    figure.title = "Number variance";
+    figure.x = {"l", "Window", "a or l", Scale::log, false};
+    figure.y.scale = Scale::log;
+    figure.runs = {"MD, Γ = 2", "field, ν = 1", "MD, Γ = 3"};
+    figure.kinds = {{"σ²", Mark::line, true}};
+    figure.series = {
+        {0, 0, {1, 10}, {1, 20}, {}}, {1, 0, {2, 20}, {5, 50}, {}}, {2, 0, {1, 10}, {2, 40}, {}}};
+    figure.absent = {{1, "why not"}};
+    add_power_law(figure, "β = 2", 2, 1, 1, 20);
+    return figure;
+}
+
+std::vector<RunIdentity> identities() {
+    return {{.origin = "MD"}, {.origin = "field", .is_field = true}, {.origin = "MD"}};
+}
+
+TEST(Panels, HoldTheRunsOfOneOriginEach) {
+    const std::vector<Figure> panels = panels_by_origin(shared_figure(), identities());
+    ASSERT_EQ(panels.size(), 2U);
+    EXPECT_EQ(panels[0].name, "variance_panel1");
+    EXPECT_EQ(panels[0].title, "Number variance: MD");
+    EXPECT_EQ(panels[0].runs, (std::vector<std::string>{"Γ = 2", "Γ = 3"}));
+    EXPECT_EQ(panels[0].x.unit, "a");
+    EXPECT_EQ(panels[1].x.unit, "l");
+    ASSERT_EQ(panels[0].series.size(), 3U) << "two runs and the guide";
+    EXPECT_EQ(panels[0].series[1].run, 1U);
+    EXPECT_EQ(panels[0].series[1].y, (std::vector<double>{2, 40}));
+}
+
+TEST(Panels, AnchorGuidesInTheirOwnData) {
+    const Figure field = panels_by_origin(shared_figure(), identities())[1];
+    const Series& guide = field.series.back();
+    EXPECT_DOUBLE_EQ(guide.x.front(), 2);
+    EXPECT_DOUBLE_EQ(guide.y.front(), 5);
+    EXPECT_NEAR(guide.x.back(), 20, 1e-12);
+    EXPECT_NEAR(guide.y.back(), 500, 1e-9) << "slope 2";
+}
+
+TEST(Panels, AreNotMadeForOneOrigin) {
+    EXPECT_TRUE(
+        panels_by_origin(shared_figure(), {{.origin = "MD"}, {.origin = "MD"}, {.origin = "MD"}})
+            .empty());
+    EXPECT_TRUE(panels_by_origin(shared_figure(),
+                                 {{.origin = "MD"}, {.origin = "critical"}, {.origin = "MD"}})
+                    .empty());
+}
+
+}  // namespace
+}  // namespace grainfield::report

@@ -1,0 +1,125 @@
+"""The plan of scripts/reproduce-paper, and a dry run of its workflow (skipped without snakemake).
+
+    plan_test.py REPOSITORY
+"""
+
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(sys.argv.pop(1) if len(sys.argv) > 1 else __file__).resolve()
+if ROOT.name == "plan_test.py":
+    ROOT = ROOT.parents[2]
+sys.path.insert(0, str(ROOT / "workflow"))
+
+import plan  # noqa: E402
+
+
+def option(options, name):
+    return next(o.split("=", 1)[1] for o in options if o.startswith(f"--{name}="))
+
+
+class TheScales(unittest.TestCase):
+    def test_small_takes_20_minutes_on_two_cores_and_each_scale_more_than_the_one_before(self):
+        hours = [plan.Plan(scale).hours(2) for scale in plan.SCALES]
+        self.assertLessEqual(hours[0], 20 / 60)
+        self.assertLess(hours[0], hours[1] / 5)
+        self.assertLess(hours[1], hours[2] / 5)
+        self.assertLessEqual(hours[1], 12, "a night")
+
+    def test_full_has_the_sizes_of_the_paper(self):
+        full = plan.Plan("full")
+        self.assertEqual(full.layer_grains(), 355500)
+        self.assertEqual(full.film_frames("slow1"), 3000)
+        self.assertEqual(full.film_frames("fast"), 3000)
+        self.assertEqual(full.films(), ["slow1", "slow2", "fast"])
+        self.assertEqual(full.experiment["pixels"], 1600)
+        self.assertIn("--nx=512", full.field_options("plane-b4-0.001"))
+        self.assertIn("--nx=4096", full.field_options("line-b2-0.001"))
+
+    def test_fast_films_last_at_least_the_averaging_time_of_the_phases(self):
+        for scale in plan.SCALES:
+            self.assertGreaterEqual(plan.Plan(scale).film_frames("fast") / 500, 0.4)
+
+    def test_an_unknown_scale_is_refused_by_name(self):
+        with self.assertRaisesRegex(ValueError, "unknown scale 'huge'; there are small, medium, full"):
+            plan.Plan("huge")
+
+
+class TheRuns(unittest.TestCase):
+    def test_gamma_and_amplitude_agree(self):
+        small = plan.Plan("small")
+        amplitude = float(option(small.film_options("4.5", "slow1"), "amplitude"))
+        self.assertAlmostEqual(amplitude * plan.EXPERIMENT_OMEGA**2, 4.5, places=4)
+        for gamma, given in zip(small.layer_gammas(), small.layer["amplitude"]):
+            self.assertAlmostEqual(float(option(small.layer_options(gamma), "amplitude")), given, places=6)
+
+    def test_films_have_the_frame_rates_of_the_laboratory(self):
+        period = 0.0125  # s
+        self.assertAlmostEqual(1 / (plan.SLOW_EVERY * period), 10)
+        self.assertAlmostEqual(1 / (plan.FAST_EVERY * period), 500)
+
+    def test_each_film_begins_where_the_one_before_it_ended(self):
+        full = plan.Plan("full")
+        self.assertIsNone(full.film_before("slow1"))
+        self.assertEqual(full.film_before("slow2"), "slow1")
+        self.assertEqual(full.film_before("fast"), "slow2")
+        self.assertEqual(option(full.film_options("4.5", "fast"), "discard"), "0")
+
+    def test_all_names_differ(self):
+        for scale in plan.SCALES:
+            p = plan.Plan(scale)
+            for names in (p.gammas(), p.layer_gammas(), p.fields()):
+                self.assertEqual(len(names), len(set(names)), scale)
+
+
+def reproduce(*words, **environment):
+    return subprocess.run([ROOT / "scripts/reproduce-paper", *words], capture_output=True, text=True,
+                          env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1", **environment})
+
+
+class TheScript(unittest.TestCase):
+    def test_says_what_is_wrong_with_its_words(self):
+        for words, text in [((), "--scale small, medium or full"), (("--scale", "huge"), "'huge'"),
+                            (("--scale",), "wants a value"), (("--sale", "small"), "'--sale'"),
+                            (("--scale", "small", "--cores", "two"), "'two'")]:
+            outcome = reproduce(*words)
+            self.assertEqual(outcome.returncode, 2, words)
+            self.assertIn(text, outcome.stderr)
+
+    @unittest.skipUnless(shutil.which("snakemake"), "no snakemake here (Debian: apt-get install snakemake)")
+    def test_dry_run_prints_the_hours_and_plans_every_panel(self):
+        for scale in plan.SCALES:
+            p = plan.Plan(scale)
+            with tempfile.TemporaryDirectory() as folder:
+                outcome = reproduce("--scale", scale, "--cores", "2", "--output", folder, "--dry-run")
+            self.assertEqual(outcome.returncode, 0, outcome.stderr)
+            self.assertIn("expected on 2 cores", outcome.stdout)
+            text = outcome.stdout + outcome.stderr
+            films = len(p.gammas()) * len(p.films())
+            for rule, count in [("cell", films), ("film", films), ("track", films),
+                                ("analyze_film", 2 * films), ("layer", len(p.layer_gammas())),
+                                ("analyze_layer", len(p.layer_gammas())), ("field", len(p.fields())),
+                                ("analyze_field", len(p.fields())), ("critical", 6), ("report", 1)]:
+                self.assertRegex(text, rf"(?m)^{rule}\s+{count}\b", scale)
+
+    @unittest.skipUnless(shutil.which("snakemake"), "no snakemake here (Debian: apt-get install snakemake)")
+    def test_what_is_there_is_not_made_again(self):
+        p = plan.Plan("small")
+        with tempfile.TemporaryDirectory() as folder:
+            for gamma in p.layer_gammas():
+                for name in (f"md/layer-{gamma}.h5", f"results/layer-{gamma}.h5"):
+                    path = pathlib.Path(folder, name)
+                    path.parent.mkdir(exist_ok=True)
+                    path.write_text("made before")
+            outcome = reproduce("--scale", "small", "--cores", "2", "--output", folder, "--dry-run")
+        self.assertEqual(outcome.returncode, 0, outcome.stderr)
+        self.assertNotRegex(outcome.stdout + outcome.stderr, r"(?m)^(layer|analyze_layer)\s")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,174 @@
+"""The runs behind the figures of [castillo2019] at one scale, by name, and what they cost.
+
+The Snakefile asks for names and options, scripts/reproduce-paper for the hours. Nothing is run here.
+"""
+
+import math
+import pathlib
+import tomllib
+
+SCALES = ("small", "medium", "full")
+
+EXPERIMENT_GRAINS = 11704
+EXPERIMENT_LENGTH = 100  # a
+EXPERIMENT_OMEGA = 5.075  # sqrt(g/a): 80 Hz for spheres of 1 mm
+LAYER_OMEGA = 5.0
+LAYER_DENSITY = 0.9875  # grains per a^2
+SLOW_EVERY = 8  # periods of 12.5 ms: 10 frames a second
+FAST_EVERY = 0.16  # 500 frames a second
+FIELD_STEP = 0.5  # t; its bias is below 1 % for k <= 1.2 (docs/field.md)
+PLANE_SPACING = 0.65
+LINE_SPACING = 0.25
+
+
+def text(number):
+    """A number in a file name: the shortest text, never in powers of ten."""
+    return f"{number:.6f}".rstrip("0").rstrip(".")
+
+
+class Plan:
+    """What is run at a scale. Names are those of the files: experiment-4.5, layer-2.2, plane-b4-0.002."""
+
+    def __init__(self, scale, path=None):
+        if scale not in SCALES:
+            raise ValueError(f"unknown scale '{scale}'; there are {', '.join(SCALES)}")
+        path = pathlib.Path(path) if path else pathlib.Path(__file__).parent / "scales.toml"
+        with open(path, "rb") as file:
+            scales = tomllib.load(file)
+        self.scale = scale
+        self.rates = scales["rates"]
+        self.experiment = scales[scale]["experiment"]
+        self.layer = scales[scale]["layer"]
+        self.plane = scales[scale]["plane"]
+        self.line = scales[scale]["line"]
+
+    # ---- the walled cell, filmed ------------------------------------------------------------------
+
+    def gammas(self):
+        return [text(gamma) for gamma in self.experiment["gamma"]]
+
+    def films(self):
+        """The films of each acceleration: slow1, …, fast."""
+        return [f"slow{i + 1}" for i in range(self.experiment["films"])] + ["fast"]
+
+    def film_frames(self, film):
+        return self.experiment["fast-frames" if film == "fast" else "slow-frames"]
+
+    def film_options(self, gamma, film):
+        """Options of simulate md. The first film begins disordered, each other where slow1 or the one
+        before it ended."""
+        every = FAST_EVERY if film == "fast" else SLOW_EVERY
+        relax = self.experiment["relax"] if film == "slow1" else 0
+        periods = relax + every * (self.film_frames(film) - 1)
+        return [f"--amplitude={float(gamma) / EXPERIMENT_OMEGA**2:.6g}", f"--periods={periods:.6g}",
+                f"--discard={relax}", f"--snapshot-every={every}"]
+
+    def film_before(self, film):
+        """The film whose last frame this one begins with; None for the first."""
+        films = self.films()
+        place = films.index(film)
+        return None if place == 0 else films[place - 1]
+
+    def previews(self, gamma, film):
+        """Frames kept for the report: a film to step through, and one frame of each other."""
+        return 20 if film == "fast" and gamma == text(self.experiment["map-gamma"]) else 1
+
+    def diameter_px(self):
+        return self.experiment["pixels"] / EXPERIMENT_LENGTH
+
+    # ---- the periodic layer ----------------------------------------------------------------------
+
+    def layer_gammas(self):
+        return [text(amplitude * LAYER_OMEGA**2) for amplitude in self.layer["amplitude"]]
+
+    def layer_grains(self):
+        return round(LAYER_DENSITY * self.layer["length"] ** 2)
+
+    def layer_options(self, gamma):
+        length, relax = self.layer["length"], self.layer["relax"]
+        return [f"--grains={self.layer_grains()}", f"--length-x={length}", f"--length-y={length}",
+                f"--amplitude={float(gamma) / LAYER_OMEGA**2:.6g}", f"--discard={relax}",
+                f"--periods={relax + self.layer['record']}",
+                f"--snapshot-every={self.layer['snapshot-every']}"]
+
+    # ---- the field model -------------------------------------------------------------------------
+
+    def fields(self):
+        """Names of all field runs, those behind the figures first."""
+        names = [f"plane-b4-{text(nu)}" for nu in self.plane["nu"]]
+        names += [f"plane-b2-{text(nu)}" for nu in self.plane["nu-beside"]]
+        return names + [f"line-b{b}-{text(nu)}" for b in (2, 4) for nu in self.line["nu"]]
+
+    def field_options(self, name):
+        geometry, b, nu = name.split("-")
+        size = self.plane if geometry == "plane" else self.line
+        options = [f"--nx={size['nx']}", f"--b={b[1:]}", f"--nu={nu}", f"--dt={FIELD_STEP}",
+                   f"--relax={size['relax']}", f"--record={size['record']}", "--k-max=3",
+                   f"--sample={5 if geometry == 'plane' else 10}"]
+        if geometry == "plane":
+            return options + ["--dimension=2", f"--spacing={PLANE_SPACING}"]
+        return options + ["--dimension=1", f"--spacing={LINE_SPACING}"]
+
+    def fit_options(self, name):
+        """Of analyze: a field has no pre-peak that could set the range; alpha as in the paper, 1.12 in
+        the plane and 1.58 on a line."""
+        plane = name.startswith("plane")
+        size = self.plane if plane else self.line
+        return [f"--fit-k-max={size['k-max-fit']}", f"--alpha={1.12 if plane else 1.58}"]
+
+    # ---- what it costs ---------------------------------------------------------------------------
+
+    def costs(self):
+        """(stage, seconds of one core) of all that has to be done."""
+        rate, gammas = self.rates, len(self.experiment["gamma"])
+        periods, frames = self.experiment["relax"], 0
+        for film in self.films():
+            frames += self.film_frames(film)
+            periods += self.film_frames(film) * (FAST_EVERY if film == "fast" else SLOW_EVERY)
+        films = gammas * frames
+        layer = self.layer
+        snapshots = len(layer["amplitude"]) * layer["record"] / layer["snapshot-every"]
+
+        def steps(size):
+            return (size["relax"] + size["record"]) / FIELD_STEP
+
+        sites = steps(self.plane) * self.plane["nx"] ** 2 * (
+            len(self.plane["nu"]) + len(self.plane["nu-beside"]))
+        sites += steps(self.line) * self.line["nx"] * 2 * len(self.line["nu"])
+        return [
+            ("walled cell, molecular dynamics",
+             gammas * periods * EXPERIMENT_GRAINS * rate["grain-period-experiment"]),
+            ("films", films * self.experiment["pixels"] ** 2 / 1e6 * rate["megapixel-render"]),
+            ("tracking", films * EXPERIMENT_GRAINS * rate["sphere-track"]),
+            ("periodic layer, molecular dynamics",
+             len(layer["amplitude"]) * (layer["relax"] + layer["record"]) * self.layer_grains()
+             * rate["grain-period-layer"]),
+            ("field model", sites * rate["site-step"]),
+            ("analysis", (2 * films * EXPERIMENT_GRAINS + snapshots * self.layer_grains())
+             * rate["sphere-analyze"])]
+
+    def hours(self, cores):
+        """Expected hours by the clock, were all cores busy all the time."""
+        return sum(seconds for _, seconds in self.costs()) / cores / 3600
+
+    def gigabytes(self):
+        """Disk for positions, and for the largest film, which goes when it is tracked (as does the
+        simulation that was filmed: its positions are kept in pixels)."""
+        frames = sum(self.film_frames(film) for film in self.films())
+        positions = len(self.experiment["gamma"]) * frames * EXPERIMENT_GRAINS * (72 + 80)
+        layer = self.layer
+        positions += (len(layer["amplitude"]) * layer["record"] / layer["snapshot-every"]
+                      * self.layer_grains() * 104)
+        film = max(self.film_frames(f) for f in self.films()) * self.experiment["pixels"] ** 2
+        return (positions + 2 * film) / 1e9
+
+
+def table(plan, cores):
+    """What will be done and how long it takes, for people."""
+    lines = [f"{stage:<36} {seconds / 3600:>9.2f} h of one core" for stage, seconds in plan.costs()]
+    hours = plan.hours(cores)
+    clock = f"{hours:.1f} h" if hours >= 1 else f"{60 * hours:.0f} min"
+    size = plan.gigabytes()
+    lines.append(f"expected on {cores} core{'s' if cores != 1 else ''}: {clock}, "
+                 f"{math.ceil(size) if size >= 1 else round(size, 1)} GB of disk")
+    return "\n".join(lines)
