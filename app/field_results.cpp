@@ -85,7 +85,6 @@ Results field_results(const std::filesystem::path& path, bool from_fields,
     }
     Progress progress("analysing", file.count(), "fields", session.common.verbosity());
     results.observables = analysis::analyze_fields(file, options, progress);
-    add_fit(results.observables, fit);
     name_lengths(results.observables);
     return results;
 }

@@ -10,9 +10,11 @@
 #include "app/interrupt_deadline.h"
 #include "app/lengths.h"
 #include "app/watched_frames.h"
+#include "core/errors.h"
 #include "core/interrupt.h"
 #include "io/frame_files.h"
 #include "io/frame_range.h"
+#include "io/frame_region.h"
 #include "io/output_file.h"
 #include "io/read_ahead.h"
 #include "io/trajectory_file.h"
@@ -31,12 +33,21 @@ using tracking::TrackSummary;
 /// in one frame. Counts what is written: tracks that are too short are not.
 class KeptTracks : public SnapshotSink {
  public:
-    KeptTracks(io::OutputFile output, const TrajectoryInfo& info)
-        : writer_(std::move(output), info) {}
+    /// `origin`: where the frames begin in those of the source [px]; previews stay with their
+    /// pictures.
+    KeptTracks(io::OutputFile output, const TrajectoryInfo& info, Vec2 origin)
+        : writer_(std::move(output), info), origin_(origin) {}
 
     void write(const Snapshot& snapshot) override {
         const std::lock_guard lock(mutex_);
-        writer_.write(snapshot);
+        if (origin_ == Vec2{}) {
+            writer_.write(snapshot);
+        } else {
+            Snapshot moved = snapshot;
+            for (Vec2& p : moved.position) p += origin_;
+            moved.box.origin += origin_;
+            writer_.write(moved);
+        }
         ++frames_;
         particles_ += static_cast<double>(snapshot.size());
         last_frame_ = snapshot.frame;
@@ -77,6 +88,7 @@ class KeptTracks : public SnapshotSink {
  private:
     mutable std::mutex mutex_;
     io::TrajectoryWriter writer_;
+    Vec2 origin_;
     std::vector<Preview> previews_;
     std::int64_t frames_ = 0;
     std::int64_t last_frame_ = -1;
@@ -136,6 +148,11 @@ std::string words(const Session& session, const Tracker& tracker, const TrackSum
             text +=
                 fmt::format("  residual   {:.4f} of the contrast (RMS)\n", summary.residual_rms);
     }
+    if (summary.layers.spheres > 0) {
+        text += fmt::format("  layers     {} of {} positions named, {} left out as impossible\n",
+                            summary.layers.labelled, summary.layers.spheres,
+                            summary.layers.rejected_pairs + summary.layers.rejected_triples);
+    }
     const auto& ms = summary.ms_per_frame;
     text += fmt::format(
         "  time       {:.1f} ms a frame: read {:.1f}, detect {:.1f}, refine {:.1f}, link {:.1f}, "
@@ -168,6 +185,15 @@ ordered_json facts(const Tracker& tracker, const TrackSummary& summary) {
                              {"write", ms.write}};
     facts["residual_rms"] = nullptr;
     if (has_residual(tracker, summary)) facts["residual_rms"] = summary.residual_rms;
+    facts["layers"] = nullptr;
+    if (summary.layers.spheres > 0) {
+        const auto& layers = summary.layers;
+        facts["layers"] = {{"labelled", layers.labelled},
+                           {"positions", layers.spheres},
+                           {"contradictory", layers.contradictory},
+                           {"rejected_pairs", layers.rejected_pairs},
+                           {"rejected_triples", layers.rejected_triples}};
+    }
     facts["unsettled"] = summary.unsettled;
     facts["rejected"] = summary.rejected;
     facts["warm_frames"] = summary.warm_frames;
@@ -200,12 +226,30 @@ std::vector<OptionTable> TrackCommand::options() {
     own.text("output", output_, "trajectory file to write (H5MD)");
     own.number("fps", fps_, "1/s", {1e-9, 1e9}, "frame rate; auto: as the file says");
     own.text("frames", frames_, "which frames, as FIRST:END:STEP");
+    own.text("region", region_, "part of the frames to track, as X,Y,WIDTH,HEIGHT [px]");
+    own.text("flat-field", flat_field_, "picture of the empty, lit cell to divide the frames by");
     own.integer("previews", previews_, "-", {0, 1000}, "frames kept in the output to look at");
     own.integer("max-pixels", max_pixels_, "px", {1, 1e11}, "largest frame accepted");
     own.flag("strict", strict_, "fail on the first bad frame instead of leaving it out");
     std::vector<OptionTable> tables{own};
     for (OptionTable& table : tracking::describe(tracking_)) tables.push_back(std::move(table));
     return tables;
+}
+
+std::unique_ptr<FrameSource> TrackCommand::corrected(
+    std::unique_ptr<FrameSource> frames, const std::optional<io::FrameRegion>& region) const {
+    if (!flat_field_.empty()) {
+        const auto flat = io::open_frames({flat_field_}, {.fps = {}, .max_pixels = max_pixels_});
+        const Frame frame = flat->read(0);
+        if (frame.status != FrameStatus::ok) {
+            throw InputError({.problem = fmt::format("cannot use '{}' as flat field", flat_field_),
+                              .actual = frame.message,
+                              .expected = "a whole picture",
+                              .suggestion = {}});
+        }
+        frames = io::flatten_frames(std::move(frames), frame.image);
+    }
+    return region ? io::crop_frames(std::move(frames), *region) : std::move(frames);
 }
 
 Summary TrackCommand::run(Session& session) {
@@ -221,7 +265,10 @@ Summary TrackCommand::run(Session& session) {
     deadline.emplace([&last_act](int) { last_act(); });
     auto selected = io::select_frames(
         io::open_frames(session.inputs, {.fps = fps_, .max_pixels = max_pixels_}), frames_);
-    WatchedFrames frames(io::read_ahead(std::move(selected)),
+    const auto region = io::parse_region(region_, selected->width(), selected->height());
+    const Vec2 origin =
+        region ? Vec2{static_cast<double>(region->x), static_cast<double>(region->y)} : Vec2{};
+    WatchedFrames frames(io::read_ahead(corrected(std::move(selected), region)),
                          strict_ ? BadFrames::refuse : BadFrames::allow);
     for (const std::string& warning : frames.warnings()) session.plan.warn(warning);
 
@@ -230,7 +277,7 @@ Summary TrackCommand::run(Session& session) {
     if (session.common.explain) return explanation(session.plan);
     warn_of_unit(tracker, session.plan);
 
-    tracks.emplace(std::move(*output), tracker.info());
+    tracks.emplace(std::move(*output), tracker.info(), origin);
     last_act.holds(&*tracks);
     PreviewChoice choice(previews_, frames.count());
     Progress progress("tracking", frames.count(), "frames", session.common.verbosity());

@@ -1,0 +1,145 @@
+#include "io/frame_region.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
+
+namespace grainfield::io {
+namespace {
+
+std::optional<int> whole_number(std::string_view text) {
+    while (text.starts_with(' ')) text.remove_prefix(1);
+    while (text.ends_with(' ')) text.remove_suffix(1);
+    int value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+    return value;
+}
+
+/// Passes everything on but what read() changes.
+class ChangedFrames : public FrameSource {
+ public:
+    explicit ChangedFrames(std::unique_ptr<FrameSource> source) : source_(std::move(source)) {}
+
+    std::int64_t count() const override { return source_->count(); }
+    int width() const override { return source_->width(); }
+    int height() const override { return source_->height(); }
+    int bit_depth() const override { return source_->bit_depth(); }
+    std::optional<double> frame_rate() const override { return source_->frame_rate(); }
+    std::string name() const override { return source_->name(); }
+    const std::vector<std::string>& warnings() const override { return source_->warnings(); }
+
+    Frame read(std::int64_t index) override {
+        Frame frame = source_->read(index);
+        if (frame.status == FrameStatus::ok) change(frame.image);
+        return frame;
+    }
+
+ private:
+    virtual void change(Image& image) = 0;
+
+    std::unique_ptr<FrameSource> source_;
+};
+
+class CroppedFrames : public ChangedFrames {
+ public:
+    CroppedFrames(std::unique_ptr<FrameSource> source, const FrameRegion& region)
+        : ChangedFrames(std::move(source)), region_(region) {}
+
+    int width() const override { return region_.width; }
+    int height() const override { return region_.height; }
+
+ private:
+    void change(Image& image) override {
+        Image part(region_.width, region_.height);
+        for (int y = 0; y < region_.height; ++y) {
+            std::copy_n(image.row(region_.y + y) + region_.x, region_.width, part.row(y));
+        }
+        image = std::move(part);
+    }
+
+    FrameRegion region_;
+};
+
+class FlattenedFrames : public ChangedFrames {
+ public:
+    FlattenedFrames(std::unique_ptr<FrameSource> source, Image factor)
+        : ChangedFrames(std::move(source)), factor_(std::move(factor)) {}
+
+ private:
+    void change(Image& image) override {
+        std::transform(image.pixels().begin(), image.pixels().end(), factor_.pixels().begin(),
+                       image.pixels().begin(), [](float v, float f) { return v * f; });
+    }
+
+    Image factor_;
+};
+
+}  // namespace
+
+std::optional<FrameRegion> parse_region(std::string_view text, int width, int height) {
+    if (text.empty()) return std::nullopt;
+    const auto refuse = [&](std::string actual) {
+        throw OptionError({.problem = fmt::format("region '{}' cannot be used", text),
+                           .actual = std::move(actual),
+                           .expected = fmt::format("X,Y,WIDTH,HEIGHT within {} x {} px, at least "
+                                                   "16 x 16",
+                                                   width, height),
+                           .suggestion = "for example 100,50,800,600"});
+    };
+    std::vector<int> numbers;
+    for (std::string_view rest = text;;) {
+        const std::size_t comma = rest.find(',');
+        const std::optional<int> number = whole_number(rest.substr(0, comma));
+        if (!number) refuse(fmt::format("'{}'", rest.substr(0, comma)));
+        numbers.push_back(*number);
+        if (comma == std::string_view::npos) break;
+        rest.remove_prefix(comma + 1);
+    }
+    if (numbers.size() != 4) refuse(fmt::format("{} numbers", numbers.size()));
+    const FrameRegion r{numbers[0], numbers[1], numbers[2], numbers[3]};
+    // Compared by differences, so that no number of the user can overflow.
+    if (r.x < 0 || r.y < 0 || r.x > width || r.y > height || r.width < 16 || r.height < 16 ||
+        r.width > width - r.x || r.height > height - r.y) {
+        refuse("it does not lie within the frame");
+    }
+    return r;
+}
+
+std::unique_ptr<FrameSource> crop_frames(std::unique_ptr<FrameSource> source,
+                                         const FrameRegion& region) {
+    return std::make_unique<CroppedFrames>(std::move(source), region);
+}
+
+std::unique_ptr<FrameSource> flatten_frames(std::unique_ptr<FrameSource> source,
+                                            const Image& flat) {
+    if (flat.width() != source->width() || flat.height() != source->height()) {
+        throw InputError({.problem = "the flat field is of another size than the frames",
+                          .actual = fmt::format("{} x {} px", flat.width(), flat.height()),
+                          .expected = fmt::format("{} x {} px", source->width(), source->height()),
+                          .suggestion = {}});
+    }
+    double sum = 0;
+    for (const float v : flat.pixels()) {
+        if (!(v > 0)) {
+            throw InputError({.problem = "the flat field has a pixel without light",
+                              .actual = fmt::format("{} counts", v),
+                              .expected = "more than 0",
+                              .suggestion = "take the mean of several pictures of the empty cell"});
+        }
+        sum += static_cast<double>(v);
+    }
+    const auto mean = static_cast<float>(sum / static_cast<double>(flat.size()));
+    Image factor = flat;
+    for (float& v : factor.pixels()) v = mean / v;
+    return std::make_unique<FlattenedFrames>(std::move(source), std::move(factor));
+}
+
+}  // namespace grainfield::io
