@@ -10,6 +10,8 @@
 
 #include "analysis/bond_statistics.h"
 #include "analysis/observable_set.h"
+#include "analysis/order_correlation.h"
+#include "analysis/solid_clusters.h"
 #include "core/errors.h"
 #include "core/interrupt.h"
 #include "core/parallel.h"
@@ -50,6 +52,7 @@ struct Seconds {
 struct Measured {
     Pattern pattern;
     BondStatistics::Sample bonds;
+    OrderCorrelation::Sample order_pairs;
     StructureFactor::Sample modes;
     OrderStructureFactor::Sample order_modes;
     NumberVariance::Sample windows;
@@ -75,18 +78,22 @@ class Run {
         phase_order_ = options.q4;
         phase_order_.symmetry = 4;
         if (wanted_.phase || wanted_.msd) phase_.emplace(options.phase, info, frames);
+        if (wanted_.q4) order_.emplace(box, frames);
+        if (wanted_.phase) clusters_.emplace(phase_->follows());
+        cluster_stride_ = std::max<std::int64_t>(1, (frames + 63) / 64);
         if (wanted_.msd) msd_.emplace(options.msd, frames, threads);
-        if (wanted_.sk || wanted_.fit) sk_.emplace(options.sk, box, frames);
+        if (wanted_.sk || wanted_.fit || wanted_.synthetic) sk_.emplace(options.sk, box, frames);
         if (wanted_.s4) s4_.emplace(options.s4, box, frames);
         if (wanted_.variance) variance_.emplace(options.variance, box, frames, threads);
     }
 
-    Measured measure(Pattern pattern) const {
+    Measured measure(Pattern pattern, std::int64_t ordinal) const {
         Measured m;
         m.pattern = std::move(pattern);
         if (wanted_.q4 || phase_ || s4_) {
             const Stopwatch watch(m.seconds.q4);
             m.bonds = BondStatistics::measure(m.pattern, options_.q4);
+            if (order_) m.order_pairs = order_->measure(m.pattern, m.bonds.field, ordinal);
         }
         if (sk_) {
             const Stopwatch watch(m.seconds.sk);
@@ -108,9 +115,15 @@ class Run {
         dropped_ += m.pattern.dropped;
         if (phase_) {
             const Stopwatch watch(seconds_.phase);
-            const bool same = options_.q4.symmetry == phase_order_.symmetry;
-            phase_->add(phase_sample(m.pattern,
-                                     same ? m.bonds.field : bond_order(m.pattern, phase_order_)));
+            if (options_.q4.symmetry == phase_order_.symmetry) {
+                add_phase(m.pattern, m.bonds.field);
+            } else {
+                add_phase(m.pattern, bond_order(m.pattern, phase_order_));
+            }
+        }
+        if (order_) {
+            const Stopwatch watch(seconds_.q4);
+            order_->add(m.order_pairs, m.pattern, m.bonds.field);
         }
         if (wanted_.q4) {
             const Stopwatch watch(seconds_.q4);
@@ -144,8 +157,21 @@ class Run {
             results.back().seconds = seconds;
         };
         if (phase_) phase_->close_window();
-        if (wanted_.q4) push(seconds_.q4, [&] { return bonds_.result(); });
-        if (wanted_.phase) push(seconds_.phase, [&] { return phase_->result(); });
+        if (clusters_ && phase_->follows() && !last_.id.empty()) add_clusters();
+        if (wanted_.q4) {
+            push(seconds_.q4, [&] {
+                ObservableResult q4 = bonds_.result();
+                order_->add_to(q4);
+                return q4;
+            });
+        }
+        if (wanted_.phase) {
+            push(seconds_.phase, [&] {
+                ObservableResult phase = phase_->result();
+                clusters_->add_to(phase);
+                return phase;
+            });
+        }
         if (msd_) {
             push(seconds_.msd,
                  [&] { return msd_->result(phase_ && phase_->follows() ? &*phase_ : nullptr); });
@@ -153,18 +179,82 @@ class Run {
         if (wanted_.sk) push(seconds_.sk, [&] { return sk_->result(); });
         if (s4_) push(seconds_.s4, [&] { return s4_->result(); });
         if (variance_) push(seconds_.variance, [&] { return variance_->result(); });
-        if (wanted_.fit) push(seconds_.fit, [&] { return fit_result(*sk_, options_.fit); });
+        if (wanted_.fit || wanted_.synthetic) add_fits(results);
         return results;
     }
 
     std::int64_t dropped() const { return dropped_; }
 
  private:
+    void add_phase(const Pattern& pattern, const BondOrderField& field) {
+        const std::int64_t before = phase_->windows();
+        phase_->add(phase_sample(pattern, field));
+        if (!clusters_) return;
+        if (!phase_->follows()) {
+            if (phase_frames_++ % cluster_stride_ != 0) return;
+            std::vector<bool> solid;
+            for (const auto& q : field.q)
+                solid.push_back(std::abs(q) >= options_.phase.solid_above);
+            clusters_->add({pattern.id, std::move(solid), &field, pattern.time});
+            return;
+        }
+        if (phase_->windows() > before) add_clusters();
+        last_ = {pattern.id, field, pattern.time};
+    }
+
+    // The clusters of the window that was closed last, in its last frame.
+    void add_clusters() {
+        const std::int64_t window = phase_->window_of(last_.time);
+        std::vector<bool> solid;
+        for (const std::int64_t id : last_.id) {
+            std::int64_t first = 0;
+            const auto classes = phase_->classes(id, first);
+            const std::int64_t at = window - first;
+            solid.push_back(at >= 0 && at < static_cast<std::int64_t>(classes.size()) &&
+                            classes[static_cast<std::size_t>(at)] == Phase::solid);
+        }
+        clusters_->add({std::move(last_.id), std::move(solid), &last_.field, last_.time});
+        last_ = {};
+    }
+
+    // What is made of S(k): its fit, and the number variance of other boxes.
+    void add_fits(std::vector<ObservableResult>& results) {
+        ObservableResult fit;
+        {
+            const Stopwatch watch(seconds_.fit);
+            fit = fit_result(*sk_, options_.fit);
+        }
+        fit.seconds = seconds_.fit;
+        if (wanted_.synthetic) {
+            double seconds = 0;
+            ObservableResult synthetic;
+            {
+                const Stopwatch watch(seconds);
+                synthetic = synthetic_result(synthetic_input(*sk_, fit), options_.synthetic);
+            }
+            synthetic.seconds = seconds;
+            if (wanted_.fit) results.push_back(std::move(fit));
+            results.push_back(std::move(synthetic));
+            return;
+        }
+        results.push_back(std::move(fit));
+    }
+
     const AnalysisOptions& options_;
     ObservableSet wanted_;
     BondOrderOptions phase_order_;
     BondStatistics bonds_;
+    std::optional<OrderCorrelation> order_;
     std::optional<PhaseHistory> phase_;
+    std::optional<SolidClusters> clusters_;
+    struct LastFrame {  // of the open window
+        std::vector<std::int64_t> id;
+        BondOrderField field;
+        double time = 0;
+    };
+    LastFrame last_;
+    std::int64_t phase_frames_ = 0;
+    std::int64_t cluster_stride_ = 1;
     std::optional<Displacement> msd_;
     std::optional<StructureFactor> sk_;
     std::optional<OrderStructureFactor> s4_;
@@ -197,7 +287,7 @@ void warn_if_unfilled(const Pattern& pattern, RunPlan& plan) {
 std::vector<OptionTable> describe(AnalysisOptions& options) {
     OptionTable table("analysis");
     table.text("observables", options.observables,
-               "comma list of q4, phase, msd, sk, s4, variance, fit; or all");
+               "comma list of q4, phase, msd, sk, s4, variance, fit, synthetic; or all");
     return {table,
             describe(options.q4),
             describe(options.phase),
@@ -205,7 +295,8 @@ std::vector<OptionTable> describe(AnalysisOptions& options) {
             describe(options.sk),
             describe(options.s4),
             describe(options.variance),
-            describe(options.fit)};
+            describe(options.fit),
+            describe(options.synthetic)};
 }
 
 void plan_analysis(SnapshotSource& source, const AnalysisOptions& options, RunPlan& plan) {
@@ -249,9 +340,11 @@ void plan_analysis(SnapshotSource& source, const AnalysisOptions& options, RunPl
         }
     }
     if (wanted.sk) {
-        plan.run("sk", first.box.is_periodic() ? "periodic box: raw estimator"
-                       : frames < 2            ? "one frame: raw estimator"
-                                               : "walls: connected and cosine estimators");
+        const char* estimators = first.box.is_periodic() ? "periodic box: raw estimator"
+                                 : frames < 2            ? "one frame: raw estimator"
+                                                         : "walls: connected and cosine estimators";
+        const StructureFactor sk(options.sk, first.box, frames);
+        plan.run("sk", fmt::format("{}; {}", estimators, sk.method(first.size())));
     }
     if (wanted.s4) {
         plan.run("s4", fmt::format("structure factor of Q{}, two weighted sums over the particles",
@@ -259,6 +352,9 @@ void plan_analysis(SnapshotSource& source, const AnalysisOptions& options, RunPl
     }
     if (wanted.variance) {
         plan.run("variance", frames < 2 ? "one frame: over positions" : "temporal, per position");
+    }
+    if (wanted.synthetic) {
+        plan.run("synthetic", "number variance of other boxes from S(k), where it has a fit");
     }
     if (wanted.fit) {
         if (frames < 2 && !first.box.is_periodic()) {
@@ -290,7 +386,7 @@ std::vector<ObservableResult> analyze(SnapshotSource& source, const AnalysisOpti
         std::vector<Measured> measured(static_cast<std::size_t>(count));
         parallel_for(count, workers, [&](std::int64_t i) {
             const auto at = static_cast<std::size_t>(i);
-            measured[at] = run.measure(std::move(patterns[at]));
+            measured[at] = run.measure(std::move(patterns[at]), first + i);
         });
         for (Measured& m : measured) run.add(std::move(m));
         progress.advance(count);

@@ -10,6 +10,7 @@
 #include "analysis/order_structure_factor.h"
 #include "analysis/phase.h"
 #include "analysis/structure_factor.h"
+#include "analysis/synthetic_result.h"
 #include "core/progress.h"
 #include "core/results.h"
 #include "core/run_plan.h"
@@ -18,7 +19,7 @@
 namespace grainfield::analysis {
 
 struct AnalysisOptions {
-    std::string observables = "all";  ///< comma list of q4, phase, msd, sk, s4, variance, fit
+    std::string observables = "all";  ///< comma list of the names below, or all
     BondOrderOptions q4;
     PhaseOptions phase;
     DisplacementOptions msd;
@@ -26,9 +27,10 @@ struct AnalysisOptions {
     OrderStructureFactorOptions s4;
     NumberVarianceOptions variance;
     FitOptions fit;
+    SyntheticOptions synthetic;
 };
 
-/// One table per section: analysis, q4, phase, msd, sk, s4, variance, fit.
+/// One table per section: analysis, q4, phase, msd, sk, s4, variance, fit, synthetic.
 std::vector<OptionTable> describe(AnalysisOptions& options);
 
 /// Says in `plan` what `analyze` will run and leave out, and why, from the source's properties and
@@ -41,7 +43,7 @@ void plan_analysis(SnapshotSource& source, const AnalysisOptions& options, RunPl
 /// and added in order, so the results are the same bits for any number of threads. Lengths are
 /// turned into units of a (TrajectoryInfo::diameter); times keep the unit of the trajectory.
 /// An observable that cannot be measured comes back with a `reason`. Observables come in the order
-/// q4, phase, msd, sk, s4, variance, fit.
+/// q4, phase, msd, sk, s4, variance, fit, synthetic.
 ///
 /// Memory: a few snapshots and the accumulators (see the classes); only msd grows with the number
 /// of frames, up to its bound. Throws OptionError (options), InputError (inconsistent snapshots,

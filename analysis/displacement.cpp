@@ -12,6 +12,7 @@
 #include "analysis/bond_statistics.h"
 #include "analysis/msd_result.h"
 #include "analysis/pair_sums.h"
+#include "analysis/van_hove.h"
 #include "core/parallel.h"
 
 namespace grainfield::analysis {
@@ -20,14 +21,6 @@ namespace {
 constexpr double absent = std::numeric_limits<double>::quiet_NaN();
 constexpr int most_parts = 10;     // of the median time between frames
 constexpr double tolerance = 0.1;  // of a lag time
-
-// The finaliser of SplitMix64: spreads consecutive identities evenly.
-std::uint64_t hash(std::int64_t id) {
-    auto z = static_cast<std::uint64_t>(id) + 0x9e3779b97f4a7c15U;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
-    return z ^ (z >> 31);
-}
 
 }  // namespace
 
@@ -39,13 +32,17 @@ OptionTable describe(DisplacementOptions& options) {
                   "lag times a decade when spaced logarithmically");
     table.integer("longest", options.longest, "frames", {0, 1e12},
                   "longest lag time; 0: half the duration");
+    table.text("van-hove", options.van_hove,
+               "lags in frames of the van Hove function, as 1,10,100; empty: none");
     table.number("memory", options.memory_mb, "MB", {1, 1e6},
                  "bound of the stored tracks; particles are left out beyond it");
     return table;
 }
 
 Displacement::Displacement(const DisplacementOptions& options, std::int64_t frames, int threads)
-    : options_(options), expected_frames_(frames), threads_(threads) {}
+    : options_(options), expected_frames_(frames), threads_(threads) {
+    van_hove_lags(options_.van_hove);  // refuses what is no list of lags
+}
 
 void Displacement::place(Track& track, std::size_t ordinal, Vec2 step) {
     const std::size_t at = ordinal - track.first;
@@ -71,7 +68,7 @@ void Displacement::add(Sample pattern) {
     if (pattern.id.empty() && pattern.size() > 0) linked_ = false;
     for (std::size_t i = 0; i < pattern.id.size(); ++i) {
         const std::int64_t id = pattern.id[i];
-        if (id < 0 || (hash(id) & thinning_) != 0) continue;
+        if (id < 0 || (identity_hash(id) & thinning_) != 0) continue;
         const Vec2 p = pattern.position[i];
         const auto [at, is_new] = index_.try_emplace(id, tracks_.size());
         if (is_new) tracks_.push_back({id, ordinal, p, {0, 0}, p, {}});
@@ -91,7 +88,8 @@ void Displacement::thin_out() {
 }
 
 void Displacement::drop_left_out() {
-    std::erase_if(tracks_, [this](const Track& t) { return (hash(t.id) & thinning_) != 0; });
+    std::erase_if(tracks_,
+                  [this](const Track& t) { return (identity_hash(t.id) & thinning_) != 0; });
     index_.clear();
     stored_ = 0;
     for (std::size_t t = 0; t < tracks_.size(); ++t) {
@@ -109,7 +107,7 @@ void Displacement::merge(const Displacement& later) {
     expected_frames_ = std::max(expected_frames_, static_cast<std::int64_t>(frame_.size()));
     thinning_ = std::max(thinning_, later.thinning_);
     for (const Track& from : later.tracks_) {
-        if ((hash(from.id) & thinning_) != 0) continue;
+        if ((identity_hash(from.id) & thinning_) != 0) continue;
         const std::size_t ordinal = offset + from.first;
         const auto [at, is_new] = index_.try_emplace(from.id, tracks_.size());
         if (is_new) tracks_.push_back({from.id, ordinal, from.origin, {0, 0}, from.origin, {}});
@@ -309,7 +307,7 @@ ObservableResult Displacement::result(const PhaseHistory* phases) const {
     parallel_for(groups, threads_, [&](std::int64_t group) {
         const auto g = static_cast<std::size_t>(group);
         for (const Track& track : tracks_) {
-            if ((hash(track.id) >> 56) % groups != g) continue;
+            if ((identity_hash(track.id) >> 56) % groups != g) continue;
             add_track(track, *clock, lags, phases, sums[g]);
         }
     });
@@ -341,6 +339,7 @@ ObservableResult Displacement::result(const PhaseHistory* phases) const {
                                   options_.memory_mb);
     }
     add_msd(table, result);
+    if (!options_.van_hove.empty()) add_van_hove(*clock, result);
     return result;
 }
 

@@ -21,6 +21,7 @@ struct DisplacementOptions {
     int per_decade = 8;        ///< lags a decade when logarithmic [-]
     std::int64_t longest = 0;  ///< longest lag [frames]; 0: half the duration
     double memory_mb = 1024;   ///< bound of the stored tracks [MB]
+    std::string van_hove{};    ///< lags of the van Hove function [frames], as "1,10"; empty: none
 };
 
 OptionTable describe(DisplacementOptions& options);
@@ -40,6 +41,14 @@ OptionTable describe(DisplacementOptions& options);
 /// Errors: jackknife over 16 groups of particles (particles as independent; overlapping start
 /// times are thereby allowed for). D = slope/4 over the last decade of lags with free offset, so
 /// that localisation noise (4σ²) does not enter; exponent = d ln MSD/d ln τ there.
+///
+/// On request the self part of the van Hove function, curve `van_hove`: the density of the
+/// displacements Δx and Δy at given lags, of all particles,
+///
+///   G_s(x, τ) = ⟨δ(x − Δx_j(τ))⟩,   bins of a fifth of the root mean square up to six of them,
+///
+/// and of each lag the non-Gaussian parameter α2 = ⟨Δx⁴⟩/(3 ⟨Δx²⟩²) − 1 (zero for Brownian
+/// motion), both with the error by groups.
 ///
 /// Cost O(observations × lags). Memory 16 B an observation, 120 B a track; when it would pass
 /// `memory_mb` half of the particles, chosen by a hash of their identity, are left out (and said).
@@ -89,6 +98,7 @@ class Displacement {
     std::optional<Clock> clock() const;
     std::vector<std::size_t> lags(const Clock& clock) const;
     std::vector<double> lag_times(const Clock& clock, const std::vector<std::size_t>& lags) const;
+    void add_van_hove(const Clock& clock, ObservableResult& result) const;
     void add_track(const Track& track, const Clock& clock, const std::vector<std::size_t>& lags,
                    const PhaseHistory* phases, Sums& sums) const;
 

@@ -1,18 +1,33 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
+#include "analysis/fit_result.h"
 #include "analysis/structure_factor.h"
+#include "analysis/synthetic_result.h"
 #include "core/density_field.h"
 #include "core/progress.h"
 #include "core/results.h"
 
 namespace grainfield::analysis {
 
-/// Measures all fields of a source (FieldStatistics), one after the other. Throws Interrupted,
-/// InputError.
+/// What is measured on fields, and what is made of their S(k).
+struct FieldAnalysisOptions {
+    StructureFactorOptions sk;
+    FitOptions fit;
+    SyntheticOptions synthetic;
+};
+
+/// Measures all fields of a source (FieldStatistics), one after the other, and adds "fit" and
+/// "synthetic" by the estimators of particles. Throws Interrupted, InputError.
 std::vector<ObservableResult> analyze_fields(FieldSource& source,
-                                             const StructureFactorOptions& options,
+                                             const FieldAnalysisOptions& options,
                                              Progress& progress);
+
+/// Adds "fit" and "synthetic" to what a run accumulated, from the S(k) among its results: errors
+/// from the likelihood. `like`: any field of the run, for the lattice; null: not known.
+void add_fits(std::vector<ObservableResult>& results, const FieldFrame* like,
+              const FieldAnalysisOptions& options);
 
 }  // namespace grainfield::analysis

@@ -34,6 +34,9 @@ class FieldStatistics : public FieldSink {
     std::int64_t count() const { return static_cast<std::int64_t>(diffusivity_.value.size()); }
     std::vector<ObservableResult> results() const;
 
+    /// The S(k) of the density; null before the first field.
+    const StructureFactor* density() const { return sums_ ? &sums_->density : nullptr; }
+
     void save(Checkpoint& checkpoint) const;
     /// `like`: any frame of the run, for the lattice. Throws InputError if the state does not fit.
     void restore(const Checkpoint& checkpoint, const FieldFrame& like);

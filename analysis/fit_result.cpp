@@ -18,6 +18,7 @@ namespace {
 using Estimator = StructureFactor::Estimator;
 
 constexpr std::size_t least_blocks = 8;
+constexpr double least_particles = 25;
 
 std::optional<double> alpha_of(const FitOptions& options) {
     if (options.exponent == Exponent::free) return std::nullopt;
@@ -137,6 +138,105 @@ Curve fit_curve(const SpectrumFit& fit, double first) {
     return curve;
 }
 
+// What a fit is made from.
+struct Evidence {
+    Spectrum spectrum;
+    Bootstrap values{};
+    bool resampled = false;  // errors from `values`
+    std::size_t blocks = 0;
+    std::optional<Spectrum> plane_waves{};  // beside the modes between walls
+};
+
+ObservableResult blank(const FitOptions& options, std::string reason) {
+    ObservableResult result;
+    result.name = "fit";
+    FitOptions copy = options;
+    result.options = recorded(describe(copy));
+    result.reason = std::move(reason);
+    return result;
+}
+
+Estimator best_estimator(const StructureFactor& sk) {
+    if (sk.allows(Estimator::neumann)) return Estimator::neumann;
+    return sk.is_periodic() || !sk.allows(Estimator::connected) ? Estimator::raw
+                                                                : Estimator::connected;
+}
+
+// The error of a fitted number: from the resampled blocks or from the likelihood.
+std::optional<double> error_of(const Evidence& evidence, const std::vector<double>& resampled,
+                               double from_likelihood, const FitOptions& options) {
+    if (!evidence.resampled) return from_likelihood;
+    // Resampling K blocks loses a part 1/K of their variance; the rest is Student's factor.
+    const auto k = static_cast<double>(evidence.blocks);
+    auto width = half_width(resampled, static_cast<std::size_t>(options.bootstrap));
+    // So few blocks know the error to a fifth: never less than the likelihood says.
+    if (width) *width = std::max(*width * std::sqrt(k / (k - 3)), from_likelihood);
+    return width;
+}
+
+void add_range(const Evidence& evidence, const SpectrumFit& fit, double samples,
+               const FitOptions& options, ObservableResult& result) {
+    auto& m = result.measurements;
+    const PrePeak peak = find_pre_peak(evidence.spectrum);
+    if (peak.k) {
+        const auto wanted = static_cast<std::size_t>(options.bootstrap);
+        m.push_back(measured("k_pre_peak", "1/a", *peak.k, half_width(evidence.values.peak, wanted),
+                             samples,
+                             evidence.resampled ? "" : "no resampled blocks of time: no error"));
+    } else {
+        m.push_back(missing("k_pre_peak", "1/a", peak.reason));
+    }
+    m.push_back({"k_fit", "1/a", fit.k_max, std::nullopt, 0,
+                 fmt::format("end of the fit; chi2 = {:.4g} for {} shells", fit.chi2, fit.points)});
+    if (const auto interval = ratio_interval(evidence.spectrum, fit); interval) {
+        const char* meaning = "end of the 68 % profile-likelihood interval";
+        m.push_back({"s0_over_s1_low", "-", interval->low, std::nullopt, 0, meaning});
+        m.push_back({"s0_over_s1_high", "-", interval->high, std::nullopt, 0, meaning});
+    }
+    m.push_back({"s0_s1_correlation", "-", fit.covariance / (fit.error[0] * fit.error[1]),
+                 std::nullopt, 0, "of the errors of S0 and S1, from the likelihood"});
+}
+
+ObservableResult fit_of_evidence(const Evidence& evidence, const FitOptions& options) {
+    const SpectrumFit fit = fit_of(evidence.spectrum, options);
+    ObservableResult result = blank(options, fit.reason);
+    if (!fit.ok()) return result;
+    const Spectrum& spectrum = evidence.spectrum;
+    const Bootstrap& values = evidence.values;
+    const std::string why =
+        evidence.resampled ? "" : "error from the likelihood, not from resampled blocks";
+    const auto error = [&](const std::vector<double>& of, double from_likelihood) {
+        return error_of(evidence, of, from_likelihood, options);
+    };
+    double samples = 0;
+    for (std::size_t i = 0; i < spectrum.k.size() && spectrum.k[i] <= fit.k_max; ++i) {
+        if (std::isfinite(spectrum.dof[i])) samples += spectrum.dof[i];
+    }
+    auto& m = result.measurements;
+    m.push_back(measured("s0_over_s1", "-", fit.ratio(), error(values.ratio, fit.ratio_error()),
+                         samples, why));
+    m.push_back(measured("s0", "-", fit.s0, error(values.s0, fit.error[0]), samples, why));
+    m.push_back(measured("s1", "-", fit.s1, error(values.s1, fit.error[1]), samples, why));
+    if (options.exponent == Exponent::free) {
+        m.push_back(
+            measured("alpha", "-", fit.alpha, error(values.alpha, fit.error[2]), samples, why));
+    } else {
+        m.push_back({"alpha", "-", fit.alpha, std::nullopt, 0, "given, not fitted"});
+    }
+    add_range(evidence, fit, samples, options, result);
+    if (evidence.plane_waves) {
+        const SpectrumFit plane =
+            fit_spectrum(*evidence.plane_waves, fit.k_max, fit.alpha, options.method);
+        m.push_back(plane.ok()
+                        ? measured("s0_over_s1_connected", "-", plane.ratio(), plane.ratio_error(),
+                                   samples, "plane waves, which leak; error from the likelihood")
+                        : missing("s0_over_s1_connected", "-", plane.reason));
+    }
+    add_systematics(spectrum, fit, options, result);
+    result.curves = {fit_curve(fit, spectrum.k.front())};
+    return result;
+}
+
 }  // namespace
 
 OptionTable describe(FitOptions& options) {
@@ -157,78 +257,48 @@ OptionTable describe(FitOptions& options) {
     return table;
 }
 
+Spectrum recorded_spectrum(const ObservableResult& sk) {
+    const bool walls = sk.find_curve("sk_neumann") != nullptr;
+    const Curve* s = sk.find_curve(walls ? "sk_neumann" : "sk");
+    const Curve* samples = sk.find_curve(walls ? "sk_neumann_samples" : "sk_samples");
+    const Column* dof = samples == nullptr ? nullptr : samples->find("dof");
+    if (s == nullptr || dof == nullptr) return {};
+    const Column* k = s->find("k");
+    const Column* value = s->find("s");
+    const Column* error = s->find("s_err");
+    if (k == nullptr || value == nullptr || error == nullptr) return {};
+    if (dof->values.size() != k->values.size()) return {};
+    return {k->values, value->values, dof->values, error->values};
+}
+
+Spectrum best_spectrum(const StructureFactor& sk) {
+    return sk.spectrum(best_estimator(sk));
+}
+
+ObservableResult fit_result(const Spectrum& spectrum, const FitOptions& options) {
+    if (spectrum.k.empty()) return blank(options, "no S(k) with its degrees of freedom to fit");
+    return fit_of_evidence({.spectrum = spectrum}, options);
+}
+
 ObservableResult fit_result(const StructureFactor& sk, const FitOptions& options) {
-    ObservableResult result;
-    result.name = "fit";
-    FitOptions copy = options;
-    result.options = recorded(describe(copy));
     const bool walls = !sk.is_periodic();
     if (!sk.allows(Estimator::raw) || (walls && !sk.allows(Estimator::connected))) {
-        result.reason = walls ? "one frame: S(k) has the walls in it" : "no S(k) to fit";
-        return result;
+        return blank(options, walls ? "one frame: S(k) has the walls in it" : "no S(k) to fit");
     }
-    const Estimator best = sk.allows(Estimator::neumann) ? Estimator::neumann
-                           : walls                       ? Estimator::connected
-                                                         : Estimator::raw;
-    const Spectrum spectrum = sk.spectrum(best);
-    const SpectrumFit fit = fit_of(spectrum, options);
-    if (!fit.ok()) {
-        result.reason = fit.reason;
-        return result;
+    if (sk.counts_particles() && sk.particles_mean() < least_particles) {
+        return blank(options, fmt::format("{:.3g} particles a frame: density modes are Gaussian "
+                                          "from some {:.0f} on",
+                                          sk.particles_mean(), least_particles));
     }
-    const Bootstrap values = bootstrap(sk, best, options);
-    const auto wanted = static_cast<std::size_t>(options.bootstrap);
-    const bool resampled = sk.blocks() >= least_blocks && options.bootstrap >= 40;
-    const std::string why = resampled ? "" : "error from the likelihood, not from resampled blocks";
-    const auto error = [&](const std::vector<double>& of, double from_likelihood) {
-        if (!resampled) return std::optional<double>(from_likelihood);
-        // Resampling K blocks loses a part 1/K of their variance; the rest is Student's factor.
-        const auto k = static_cast<double>(sk.blocks());
-        auto width = half_width(of, wanted);
-        // So few blocks know the error to a fifth: never less than the likelihood says.
-        if (width) *width = std::max(*width * std::sqrt(k / (k - 3)), from_likelihood);
-        return width;
-    };
-    double samples = 0;
-    for (std::size_t i = 0; i < spectrum.k.size() && spectrum.k[i] <= fit.k_max; ++i) {
-        if (std::isfinite(spectrum.dof[i])) samples += spectrum.dof[i];
+    const Estimator best = best_estimator(sk);
+    Evidence evidence{.spectrum = sk.spectrum(best)};
+    evidence.blocks = sk.blocks();
+    evidence.resampled = sk.blocks() >= least_blocks && options.bootstrap >= 40;
+    if (best == Estimator::neumann) evidence.plane_waves = sk.spectrum(Estimator::connected);
+    if (fit_of(evidence.spectrum, options).ok()) {
+        evidence.values = bootstrap(sk, best, options);
     }
-    auto& m = result.measurements;
-    m.push_back(measured("s0_over_s1", "-", fit.ratio(), error(values.ratio, fit.ratio_error()),
-                         samples, why));
-    m.push_back(measured("s0", "-", fit.s0, error(values.s0, fit.error[0]), samples, why));
-    m.push_back(measured("s1", "-", fit.s1, error(values.s1, fit.error[1]), samples, why));
-    if (options.exponent == Exponent::free) {
-        m.push_back(
-            measured("alpha", "-", fit.alpha, error(values.alpha, fit.error[2]), samples, why));
-    } else {
-        m.push_back({"alpha", "-", fit.alpha, std::nullopt, 0, "given, not fitted"});
-    }
-    const PrePeak peak = find_pre_peak(spectrum);
-    if (peak.k) {
-        m.push_back(measured("k_pre_peak", "1/a", *peak.k, half_width(values.peak, wanted), samples,
-                             resampled ? "" : "fewer than eight blocks of time: no error"));
-    } else {
-        m.push_back(missing("k_pre_peak", "1/a", peak.reason));
-    }
-    m.push_back({"k_fit", "1/a", fit.k_max, std::nullopt, 0,
-                 fmt::format("end of the fit; chi2 = {:.4g} for {} shells", fit.chi2, fit.points)});
-    if (const auto interval = ratio_interval(spectrum, fit); interval) {
-        const char* meaning = "end of the 68 % profile-likelihood interval";
-        m.push_back({"s0_over_s1_low", "-", interval->low, std::nullopt, 0, meaning});
-        m.push_back({"s0_over_s1_high", "-", interval->high, std::nullopt, 0, meaning});
-    }
-    if (best == Estimator::neumann) {
-        const SpectrumFit plane =
-            fit_spectrum(sk.spectrum(Estimator::connected), fit.k_max, fit.alpha, options.method);
-        m.push_back(plane.ok()
-                        ? measured("s0_over_s1_connected", "-", plane.ratio(), plane.ratio_error(),
-                                   samples, "plane waves, which leak; error from the likelihood")
-                        : missing("s0_over_s1_connected", "-", plane.reason));
-    }
-    add_systematics(spectrum, fit, options, result);
-    result.curves = {fit_curve(fit, spectrum.k.front())};
-    return result;
+    return fit_of_evidence(evidence, options);
 }
 
 }  // namespace grainfield::analysis

@@ -27,14 +27,27 @@ OptionTable describe(FitOptions& options);
 /// Between walls the modes that fit between them are used (sk_neumann), because plane waves leak;
 /// the fit of the connected estimator stands beside it. Measurements: s0_over_s1, s0, s1, alpha,
 /// k_pre_peak, k_fit; s0_over_s1_low and _high, the ends of the profile-likelihood interval (68 %);
-/// s0_over_s1_connected; and the systematics of s0_over_s1: half of what it moves by for α = 0.97
-/// and 1.27, for ranges of 0.5 and 0.8 k_pp (0.77 and 1.23 of a given range), and by leaving out
-/// every second shell. Curve "fit": k, s, s_err.
+/// s0_over_s1_connected; s0_s1_correlation, that of the errors of S0 and S1; and the systematics of
+/// s0_over_s1: half of what it moves by for α = 0.97 and 1.27, for ranges of 0.5 and 0.8 k_pp (0.77
+/// and 1.23 of a given range), and by leaving out every second shell. Curve "fit": k, s, s_err.
 ///
 /// Errors: half the central 68 % of `bootstrap` resamplings of the K blocks of time, the pre-peak
 /// searched anew in each, times sqrt(K/(K − 3)) for the small number of blocks, and never less
 /// than the error from the likelihood (blocks alone gave pulls 1.16 wide); with fewer than
 /// eight blocks from the likelihood, which is said. Cost: (bootstrap + 1) × modes × blocks.
+///
+/// Below 25 particles a frame there is a reason and no fit: the density modes are then not the
+/// Gaussian numbers that the likelihood takes them for.
 ObservableResult fit_result(const StructureFactor& sk, const FitOptions& options);
+
+/// The same for a spectrum that was measured before; errors from the likelihood.
+ObservableResult fit_result(const Spectrum& spectrum, const FitOptions& options);
+
+/// The spectrum behind an observable "sk" as it is stored: of the modes between walls if there are
+/// any. Empty if its curves lack the degrees of freedom (`sk_samples`).
+Spectrum recorded_spectrum(const ObservableResult& sk);
+
+/// The spectrum that `fit_result` takes: between walls of the modes that fit between them.
+Spectrum best_spectrum(const StructureFactor& sk);
 
 }  // namespace grainfield::analysis

@@ -33,6 +33,11 @@ OptionTable describe(NumberVarianceOptions& options) {
     table.number("largest", options.largest, "a", {1e-3, 1e6}, "largest window");
     table.number("increment", options.increment, "a", {1e-3, 1e6}, "from window to window");
     table.number("step", options.step, "a", {1e-3, 1e6}, "displacement of the windows");
+    table.choice("reading", options.reading,
+                 {{"temporal", VarianceReading::temporal},
+                  {"pooled", VarianceReading::pooled},
+                  {"spatial-mean", VarianceReading::spatial_mean}},
+                 "variance over frames at each position, over both, or of the mean over positions");
     table.number("border", options.border, "a", {0, 1e6},
                  "strip left free along walls; auto: 10, at most a tenth of the box");
     return table;
@@ -64,6 +69,7 @@ NumberVariance::Block NumberVariance::empty_block() const {
     Block block;
     block.contents.assign(sizes_.empty() ? 0 : grid_.size(), 0);
     block.sums.assign(sizes_.size(), {});
+    block.squared_sums.assign(sizes_.size(), 0);
     return block;
 }
 
@@ -100,6 +106,7 @@ void NumberVariance::add(Sample sample) {
     for (std::size_t s = 0; s < sample.sums.size(); ++s) {
         block.sums[s].sum += sample.sums[s].sum;
         block.sums[s].squares += sample.sums[s].squares;
+        block.squared_sums[s] += sample.sums[s].sum * sample.sums[s].sum;
     }
 }
 
@@ -130,6 +137,7 @@ NumberVariance::Block NumberVariance::total(std::optional<std::size_t> without) 
         for (std::size_t s = 0; s < sums.sums.size(); ++s) {
             sums.sums[s].sum += block.sums[s].sum;
             sums.sums[s].squares += block.sums[s].squares;
+            sums.squared_sums[s] += block.squared_sums[s];
         }
     }
     return sums;
@@ -148,6 +156,12 @@ NumberVariance::Values NumberVariance::values(const Block& block) const {
         values.pooled.push_back(
             frames > 0 ? static_cast<double>(frames * positions * squares - sum * sum) / (all * all)
                        : undefined);
+        // frames · Σ m² − (Σ m)² is exact; m the sum over positions of a frame.
+        const Wide of_means = frames * block.squared_sums[s] - sum * sum;
+        values.spatial_mean.push_back(frames > 1 ? static_cast<double>(of_means) /
+                                                       (all * static_cast<double>(positions) *
+                                                        static_cast<double>(frames - 1))
+                                                 : undefined);
         const Wide spread = frames * squares - of_sum.sums(sizes_[s]).squares;
         values.temporal.push_back(frames > 1 ? static_cast<double>(spread) /
                                                    (all * static_cast<double>(frames - 1))
@@ -197,38 +211,120 @@ ObservableResult NumberVariance::result() const {
         return result;
     }
     const Values best = values(sums);
-    std::vector<double> temporal_error(sizes_.size(), undefined);
-    std::vector<double> pooled_error(sizes_.size(), undefined);
+    std::vector<Values> left;
     if (added_ >= 2) {
-        std::vector<Values> left(blocks_.size());
+        left.resize(blocks_.size());
         parallel_for(static_cast<std::int64_t>(blocks_.size()), threads_, [&](std::int64_t b) {
             left[static_cast<std::size_t>(b)] = values(total(static_cast<std::size_t>(b)));
         });
-        for (std::size_t s = 0; s < sizes_.size(); ++s) {
-            std::vector<double> temporal, pooled;
-            for (const Values& values : left) {
-                temporal.push_back(values.temporal[s]);
-                pooled.push_back(values.pooled[s]);
-            }
-            temporal_error[s] = jackknife_error(temporal).value_or(undefined);
-            pooled_error[s] = jackknife_error(pooled).value_or(undefined);
-        }
-    } else {
-        for (std::size_t s = 0; s < sizes_.size(); ++s) {
-            pooled_error[s] = single_frame_error(best.pooled[s], lengths_[s]);
-        }
     }
-    const bool temporal = added_ >= 2;
+    const auto error_of = [&](VarianceReading reading) {
+        std::vector<double> error(sizes_.size(), undefined);
+        for (std::size_t s = 0; s < sizes_.size(); ++s) {
+            if (left.empty()) {
+                error[s] = single_frame_error(best.of(reading)[s], lengths_[s]);
+                continue;
+            }
+            std::vector<double> values;
+            for (const Values& part : left) values.push_back(part.of(reading)[s]);
+            error[s] = jackknife_error(values).value_or(undefined);
+        }
+        return error;
+    };
+    const bool several = added_ >= 2;
+    const VarianceReading reading = several ? options_.reading : VarianceReading::pooled;
     const std::string reason =
-        temporal ? "" : "one frame: variance over positions, static structure is in it";
-    result.curves = {
-        curve("variance",
-              temporal ? "Number variance, temporal"
-                       : "Number variance over positions: one frame, static structure included",
-              temporal ? best.temporal : best.pooled, temporal ? temporal_error : pooled_error,
-              best.mean),
-        curve("variance_pooled", "Number variance, pooled", best.pooled, pooled_error, best.mean)};
+        several ? "" : "one frame: variance over positions, static structure is in it";
+    const char* title = !several
+                            ? "Number variance over positions: one frame, static structure included"
+                        : reading == VarianceReading::temporal ? "Number variance, temporal"
+                        : reading == VarianceReading::pooled   ? "Number variance, pooled"
+                                                               : "Variance of the spatial mean";
+    result.curves = {curve("variance", title, best.of(reading), error_of(reading), best.mean),
+                     curve("variance_pooled", "Number variance, pooled", best.pooled,
+                           error_of(VarianceReading::pooled), best.mean)};
+    if (several && reading != VarianceReading::temporal) {
+        result.curves.push_back(curve("variance_temporal", "Number variance, temporal",
+                                      best.temporal, error_of(VarianceReading::temporal),
+                                      best.mean));
+    }
+    if (several && reading != VarianceReading::spatial_mean) {
+        result.curves.push_back(curve("variance_spatial_mean", "Variance of the spatial mean",
+                                      best.spatial_mean, error_of(VarianceReading::spatial_mean),
+                                      best.mean));
+    }
+    add_slopes(result, best.of(reading), left, reading);
+    add_key_numbers(result, best, reason);
+    return result;
+}
 
+const std::vector<double>& NumberVariance::Values::of(VarianceReading reading) const {
+    switch (reading) {
+        case VarianceReading::pooled:
+            return pooled;
+        case VarianceReading::spatial_mean:
+            return spatial_mean;
+        case VarianceReading::temporal:
+            break;
+    }
+    return temporal;
+}
+
+// The slope of a line through ln σ² against ln ℓ around each size; NaN where there is none.
+std::vector<double> NumberVariance::slopes(const std::vector<double>& variance) const {
+    constexpr double reach = 1.3;
+    std::vector<double> slopes(variance.size(), undefined);
+    for (std::size_t i = 1; i + 1 < variance.size(); ++i) {
+        double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+        for (std::size_t j = 0; j < variance.size(); ++j) {
+            const double ratio = lengths_[j] / lengths_[i];
+            const bool beside = j + 1 >= i && j <= i + 1;
+            if (!beside && (ratio > reach || ratio < 1 / reach)) continue;
+            if (!(variance[j] > 0)) {
+                n = 0;
+                break;
+            }
+            const double x = std::log(ratio);
+            const double y = std::log(variance[j]);
+            n += 1;
+            sx += x;
+            sy += y;
+            sxx += x * x;
+            sxy += x * y;
+        }
+        if (n >= 3) slopes[i] = (n * sxy - sx * sy) / (n * sxx - sx * sx);
+    }
+    return slopes;
+}
+
+void NumberVariance::add_slopes(ObservableResult& result, const std::vector<double>& variance,
+                                const std::vector<Values>& left, VarianceReading reading) const {
+    const std::vector<double> beta = slopes(variance);
+    std::vector<std::vector<double>> parts;
+    for (const Values& part : left) parts.push_back(slopes(part.of(reading)));
+    // Beyond half a periodic box the slope is that of the fixed number of particles.
+    const double most = box_.is_periodic()
+                            ? 0.5 * std::min(box_.length.x, box_.length.y) * (1 + 1e-9)
+                            : std::numeric_limits<double>::infinity();
+    Curve curve{"variance_slope",
+                "Local exponent of the number variance",
+                {{"l", "a", "Window side", {}},
+                 {"beta", "-", "d ln variance/d ln l", {}},
+                 {"err", "-", "Standard error", {}}},
+                {}};
+    for (std::size_t s = 0; s < beta.size(); ++s) {
+        if (!std::isfinite(beta[s]) || lengths_[s] > most) continue;
+        std::vector<double> values;
+        for (const std::vector<double>& part : parts) values.push_back(part[s]);
+        curve.columns[0].values.push_back(lengths_[s]);
+        curve.columns[1].values.push_back(beta[s]);
+        curve.columns[2].values.push_back(jackknife_error(values).value_or(undefined));
+    }
+    if (!curve.columns[0].values.empty()) result.curves.push_back(std::move(curve));
+}
+
+void NumberVariance::add_key_numbers(ObservableResult& result, const Values& best,
+                                     const std::string& reason) const {
     Measurement density = density_.measurement("number_density", "1/a^2", std::nullopt,
                                                "one frame: no error from fluctuations");
     result.measurements.push_back(density);
@@ -236,7 +332,7 @@ ObservableResult NumberVariance::result() const {
     if (at == lengths_.end()) {
         result.measurements.push_back(
             missing("relative_variance_10a", "-", "no window of 10 a among the sizes"));
-        return result;
+        return;
     }
     const auto s = static_cast<std::size_t>(at - lengths_.begin());
     const Curve& curve = result.curves.front();
@@ -256,7 +352,6 @@ ObservableResult NumberVariance::result() const {
         relative.reason = "no particle inside the border";
     }
     result.measurements.push_back(relative);
-    return result;
 }
 
 }  // namespace grainfield::analysis

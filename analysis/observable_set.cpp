@@ -15,7 +15,7 @@ ObservableSet ObservableSet::parse(const std::string& list) {
         {"q4", &ObservableSet::q4},   {"phase", &ObservableSet::phase},
         {"msd", &ObservableSet::msd}, {"sk", &ObservableSet::sk},
         {"s4", &ObservableSet::s4},   {"variance", &ObservableSet::variance},
-        {"fit", &ObservableSet::fit}};
+        {"fit", &ObservableSet::fit}, {"synthetic", &ObservableSet::synthetic}};
     std::istringstream entries(list);
     std::string entry;
     bool any = false;
@@ -33,15 +33,17 @@ ObservableSet ObservableSet::parse(const std::string& list) {
             std::vector<std::string> names{"all"};
             for (const auto& [name, member] : members) names.push_back(name);
             const std::string nearest = nearest_name(entry, names);
-            throw OptionError(ErrorText{"unknown observable", "'" + entry + "'",
-                                        "some of all, q4, phase, msd, sk, s4, variance, fit",
-                                        nearest.empty() ? "" : "did you mean " + nearest + "?"});
+            throw OptionError(
+                ErrorText{"unknown observable", "'" + entry + "'",
+                          "some of all, q4, phase, msd, sk, s4, variance, fit, synthetic",
+                          nearest.empty() ? "" : "did you mean " + nearest + "?"});
         }
         set.*(found->second) = true;
     }
     if (!any) {
         throw OptionError(ErrorText{"no observables are asked for", "'" + list + "'",
-                                    "some of all, q4, phase, msd, sk, s4, variance, fit", ""});
+                                    "some of all, q4, phase, msd, sk, s4, variance, fit, synthetic",
+                                    ""});
     }
     return set;
 }

@@ -13,6 +13,7 @@ struct ObservableSet {
     bool s4 = false;
     bool variance = false;
     bool fit = false;
+    bool synthetic = false;
 
     /// From "all" or a comma list such as "q4,sk". Throws OptionError naming the unknown entry, or
     /// if the list is empty.

@@ -111,7 +111,9 @@ void PhaseHistory::add(Sample sample) {
         if (is_new) tracks_.emplace_back();
         Track& track = tracks_[at->second];
         if (track.count == 0) touched_.push_back(at->second);
-        track.sum += static_cast<double>(sample.abs_q[i]);
+        const auto q = static_cast<double>(sample.abs_q[i]);
+        track.sum += q;
+        track.squares += q * q;
         ++track.count;
     }
 }
@@ -128,12 +130,48 @@ void PhaseHistory::close_window() {
             2 * track.count >= open_frames_ ? classify(track.sum / track.count) : Phase::unknown;
         count(row, phase);
         note(track, window, phase);
+        note_fluctuation(track);
         track.sum = 0;
+        track.squares = 0;
         track.count = 0;
     }
     touched_.clear();
     open_frames_ = 0;
     rows_.push_back(row);
+}
+
+void PhaseHistory::note_fluctuation(const Track& track) {
+    constexpr int least_sightings = 5;
+    if (track.count < least_sightings) return;
+    const double mean = track.sum / track.count;
+    const double spread = std::sqrt(std::max(0.0, track.squares / track.count - mean * mean) *
+                                    track.count / (track.count - 1));
+    const auto bin = static_cast<std::size_t>(mean * spread_bins);
+    Spread& sums = spread_[std::min(bin, spread_bins - 1)];
+    sums.sum += spread;
+    sums.squares += spread * spread;
+    sums.count += 1;
+}
+
+void PhaseHistory::add_fluctuation(ObservableResult& result) const {
+    Curve curve{"q4_fluctuation",
+                "Fluctuation of the order of a particle",
+                {{"m", "-", "Mean |Q4| in a window", {}},
+                 {"sigma", "-", "Standard deviation of |Q4| in a window", {}},
+                 {"err", "-", "Standard error", {}},
+                 {"n", "-", "Particles and windows", {}}},
+                {}};
+    for (std::size_t b = 0; b < spread_bins; ++b) {
+        const Spread& sums = spread_[b];
+        if (sums.count < 3) continue;
+        const double mean = sums.sum / sums.count;
+        const double variance = std::max(0.0, sums.squares / sums.count - mean * mean);
+        curve.columns[0].values.push_back((static_cast<double>(b) + 0.5) / spread_bins);
+        curve.columns[1].values.push_back(mean);
+        curve.columns[2].values.push_back(std::sqrt(variance / (sums.count - 1)));
+        curve.columns[3].values.push_back(sums.count);
+    }
+    if (!curve.columns[0].values.empty()) result.curves.push_back(std::move(curve));
 }
 
 void PhaseHistory::merge(const PhaseHistory& later) {
@@ -143,6 +181,11 @@ void PhaseHistory::merge(const PhaseHistory& later) {
     frames_ += closed.frames_;
     rows_.insert(rows_.end(), closed.rows_.begin(), closed.rows_.end());
     if (!closed.window_.length) window_ = closed.window_;
+    for (std::size_t b = 0; b < spread_bins; ++b) {
+        spread_[b].sum += closed.spread_[b].sum;
+        spread_[b].squares += closed.spread_[b].squares;
+        spread_[b].count += closed.spread_[b].count;
+    }
     std::map<std::int64_t, double> by_number;
     for (const auto& [key, number] : closed.windows_) by_number.emplace(number, key);
     std::vector<std::int64_t> here;  // our number of each of their windows
@@ -219,6 +262,7 @@ ObservableResult PhaseHistory::result() const {
     }
     curve.columns = {frame, time, solid, liquid};
     result.curves = {curve};
+    add_fluctuation(result);
     const std::string why = remark();
     for (auto& [name, mean] :
          {std::pair{"solid_fraction", &solid_mean}, std::pair{"liquid_fraction", &liquid_mean}}) {

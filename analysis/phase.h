@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -41,9 +43,13 @@ struct PhaseWindow {
 /// identities, with one frame or without T_o every frame is its own window, and `reason` says so,
 /// as it does when T_o is so short that no window holds two frames.
 ///
+/// Curve `q4_fluctuation`: mean over particles and windows of the standard deviation σ of |Q4| in
+/// the window, by its mean m in bins of 0.05 (windows in which a particle is seen five times or
+/// more): solid and liquid fluctuate less than what goes to and fro.
+///
 /// Only windows that hold a frame exist, however long the time between frames and however short
 /// T_o: there are never more of them than frames. Memory: 1 B a particle and window, 100 B a
-/// window, 64 B an identity.
+/// window, 72 B an identity.
 class PhaseHistory {
  public:
     struct Sample {
@@ -68,12 +74,16 @@ class PhaseHistory {
     std::span<const Phase> classes(std::int64_t id, std::int64_t& first_window) const;
     std::int64_t window_of(double time) const;
 
+    /// How many windows are closed.
+    std::int64_t windows() const { return static_cast<std::int64_t>(windows_.size()); }
+
     /// Whether particles are followed through windows of more than one frame.
     bool follows() const { return window_.length.has_value(); }
 
  private:
     struct Track {
         double sum = 0;
+        double squares = 0;
         int count = 0;
         std::int64_t first_window = 0;
         std::vector<Phase> classes;
@@ -91,6 +101,8 @@ class PhaseHistory {
     double key_of(double time) const;
     static void note(Track& track, std::int64_t window, Phase phase);
     std::string remark() const;
+    void note_fluctuation(const Track& track);
+    void add_fluctuation(ObservableResult& result) const;
     void add_alone(const Sample& sample);
 
     PhaseOptions options_;
@@ -104,6 +116,11 @@ class PhaseHistory {
     int open_frames_ = 0;
     std::map<double, std::int64_t> windows_;  // number of each window by its place on the grid
     std::vector<Row> rows_;
+    struct Spread {  // of the standard deviations in a bin of m
+        double sum = 0, squares = 0, count = 0;
+    };
+    static constexpr std::size_t spread_bins = 20;
+    std::array<Spread, spread_bins> spread_{};
 };
 
 static_assert(Accumulator<PhaseHistory>);

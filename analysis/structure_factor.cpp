@@ -63,7 +63,8 @@ StructureFactor::StructureFactor(const StructureFactorOptions& options, const Bo
     : options_(options),
       box_(box),
       plan_(BlockPlan::of(frames)),
-      grid_(spacing_of(options, box), affordable(options, box, plan_.blocks)) {
+      grid_(spacing_of(options, box), affordable(options, box, plan_.blocks)),
+      transform_(std::make_shared<DensityTransform>(grid_)) {
     const auto& modes = grid_.modes();
     const bool walls = box.boundary[0] == Boundary::walls && box.boundary[1] == Boundary::walls;
     const bool half_steps = same_length(grid_.spacing().x, std::numbers::pi / box.length.x) &&
@@ -84,6 +85,22 @@ StructureFactor::Block StructureFactor::empty_block() const {
     block.cosine.assign(neumann_modes_.size(), 0);
     block.cosine2.assign(neumann_modes_.size(), 0);
     return block;
+}
+
+std::string StructureFactor::method(std::size_t particles) const {
+    return fmt::format(
+        "{} wavevectors by {}", grid_.modes().size(),
+        transform_->is_direct(particles) ? "direct sums" : "a non-uniform Fourier transform");
+}
+
+double StructureFactor::particles_mean() const {
+    double frames = 0;
+    double particles = 0;
+    for (const Block& block : blocks_) {
+        frames += block.frames;
+        particles += block.particles;
+    }
+    return frames > 0 ? particles / frames : 0;
 }
 
 bool StructureFactor::has_neumann() const {
@@ -113,7 +130,7 @@ void StructureFactor::require_same_box(const Pattern& pattern) const {
 StructureFactor::Sample StructureFactor::measure(const Pattern& pattern) const {
     require_same_box(pattern);
     return {static_cast<double>(pattern.size()),
-            density_modes(pattern.position, pattern.box.origin, grid_)};
+            transform_->modes(pattern.position, {}, pattern.box.origin, grid_)};
 }
 
 StructureFactor::Sample StructureFactor::measure(
@@ -128,8 +145,8 @@ StructureFactor::Sample StructureFactor::measure(
         imaginary[j] = order[j].imag();
         particles += 1;
     }
-    Sample sample{particles, weighted_modes(pattern.position, real, pattern.box.origin, grid_)};
-    const auto second = weighted_modes(pattern.position, imaginary, pattern.box.origin, grid_);
+    Sample sample{particles, transform_->modes(pattern.position, real, pattern.box.origin, grid_)};
+    const auto second = transform_->modes(pattern.position, imaginary, pattern.box.origin, grid_);
     sample.rho.insert(sample.rho.end(), second.begin(), second.end());
     return sample;
 }

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <complex>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -10,6 +12,7 @@
 #include "analysis/accumulator.h"
 #include "analysis/blocks.h"
 #include "analysis/density_modes.h"
+#include "analysis/density_transform.h"
 #include "analysis/fit.h"
 #include "analysis/pattern.h"
 #include "core/checkpoint.h"
@@ -67,6 +70,14 @@ OptionTable describe(StructureFactorOptions& options, const std::string& section
 /// c the overlap of two plane waves in the box (product of sin(x)/x, x = Δk L/2), so that again
 /// (S − true S)/error has variance one; none for ν ≤ 2. Samples: M n_eff.
 ///
+/// Directions: curve `sk_map` (kx, ky, s) holds S of each wavevector of the half plane, at most
+/// 20,000 of them; curve `sk_anisotropy` and the measurements anisotropy_2 and anisotropy_4 the
+/// relative amplitude of its harmonics, over the modes of a shell or over all shells,
+///
+///   A_m = 2 |Σ_k (S(k)/S_shell − 1) exp(i m θ_k)|/n,   m = 2, 4,
+///
+/// which is sqrt(π/(n M)) on average for an isotropic pattern (said beside it; error: jackknife).
+///
 /// Memory: 16 blocks × 56 B × modes, whatever the number of frames; more than 2 GB is refused
 /// (OptionError) before it is taken.
 class StructureFactor {
@@ -111,6 +122,9 @@ class StructureFactor {
 
     const ModeGrid& grid() const { return grid_; }
 
+    /// How so many particles are taken to wavevectors, in words.
+    std::string method(std::size_t particles) const;
+
     enum class Estimator { raw, connected, neumann };
 
     /// What the measurements allow: modes between walls (from two frames on), connected, raw.
@@ -125,6 +139,9 @@ class StructureFactor {
     Spectrum spectrum(Estimator estimator, std::span<const int> times = {}) const;
     std::size_t blocks() const { return blocks_.size(); }
     bool is_periodic() const { return box_.is_periodic(); }
+    bool counts_particles() const { return counts_particles_; }  ///< false: the volume of fields
+    double particles_mean() const;  ///< per frame; of fields their volume; 0 without frames
+    const Box& box() const { return box_; }
 
  private:
     struct Block {
@@ -155,6 +172,11 @@ class StructureFactor {
                                  const std::vector<double>& samples) const;
     Curve curve(const char* name, const char* title, Estimator estimator) const;
     Curve samples_curve(const char* name, Estimator estimator) const;
+    /// Amplitudes of the two- and four-fold harmonic of each shell, and over all shells at the end.
+    std::array<std::vector<double>, 2> anisotropies(const Shells& shells, const Block& sums,
+                                                    Estimator estimator) const;
+    Curve map_curve(Estimator estimator) const;
+    void add_directions(ObservableResult& result, Estimator estimator) const;
     void add_measurements(ObservableResult& result, Estimator best,
                           const std::string& reason) const;
     Block total(std::optional<std::size_t> without) const;
@@ -166,7 +188,9 @@ class StructureFactor {
     Box box_;
     BlockPlan plan_;
     ModeGrid grid_;
+    std::shared_ptr<const DensityTransform> transform_;  // of particles
     std::size_t components_ = 1;
+    bool counts_particles_ = true;
     std::int64_t added_ = 0;
     std::vector<Block> blocks_;
     std::vector<std::size_t> neumann_index_;  // of each mode in `cosine`, or nowhere

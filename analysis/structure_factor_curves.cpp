@@ -438,6 +438,7 @@ ObservableResult StructureFactor::result() const {
         result.curves.push_back(samples_curve("sk_neumann_samples", Estimator::neumann));
     }
     add_measurements(result, best, reason);
+    if (components_ == 1) add_directions(result, best);
     return result;
 }
 

@@ -37,7 +37,9 @@ StructureFactor StructureFactor::of_field(const StructureFactorOptions& options,
                                           const DensityField& field, std::int64_t frames) {
     StructureFactorOptions capped = options;
     capped.k_max = std::min(options.k_max, std::numbers::pi / field.spacing * (1 + 1e-12));
-    return {capped, field.box(), frames};
+    StructureFactor sk(capped, field.box(), frames);
+    sk.counts_particles_ = false;
+    return sk;
 }
 
 StructureFactor::Sample StructureFactor::measure(const DensityField& field, int dimension) const {

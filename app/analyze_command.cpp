@@ -157,7 +157,8 @@ Summary AnalyzeCommand::run_fields(Session& session) const {
     const std::filesystem::path& input = session.inputs.front();
     std::optional<io::OutputFile> output;
     if (!session.common.explain) output.emplace(output_, overwrite);
-    Results results = field_results(input, from_fields_, analysis_.sk, analysis_.fit, session);
+    Results results = field_results(input, from_fields_,
+                                    {analysis_.sk, analysis_.fit, analysis_.synthetic}, session);
     if (session.common.explain) return explanation(session.plan);
     results.record = session.record();
     results.label = label_of(results, input);

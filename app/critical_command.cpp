@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/fit_result.h"
 #include "app/interrupt_deadline.h"
 #include "core/errors.h"
 #include "core/interrupt.h"
@@ -54,23 +55,6 @@ std::string did_you_mean(const Results& results, const std::string& option) {
     return nearest.empty() ? "give --values instead" : fmt::format("did you mean {}?", nearest);
 }
 
-// The spectrum that the fit of a run took: of the modes between walls where there are any.
-analysis::Spectrum spectrum_of(const Results& results) {
-    analysis::Spectrum spectrum;
-    const ObservableResult* sk = results.find("sk");
-    if (sk == nullptr) return spectrum;
-    const bool walls = sk->find_curve("sk_neumann") != nullptr;
-    const Curve* s = sk->find_curve(walls ? "sk_neumann" : "sk");
-    const Curve* samples = sk->find_curve(walls ? "sk_neumann_samples" : "sk_samples");
-    const Column* dof = samples == nullptr ? nullptr : samples->find("dof");
-    if (s == nullptr || dof == nullptr) return spectrum;
-    spectrum.k = s->find("k")->values;
-    spectrum.s = s->find("s")->values;
-    spectrum.error = s->find("s_err")->values;
-    spectrum.dof = dof->values;
-    return spectrum.dof.size() == spectrum.k.size() ? spectrum : analysis::Spectrum{};
-}
-
 // S0/S1 means something only where S grows with k.
 constexpr const char* no_rise = "S does not grow with k in its range: S1 is not positive";
 
@@ -109,7 +93,8 @@ Gathered with_shared_exponent(const std::vector<Results>& results, const std::ve
     std::vector<analysis::Spectrum> spectra;
     std::vector<double> k_max;
     for (const Results& run : results) {
-        spectra.push_back(spectrum_of(run));
+        const ObservableResult* sk = run.find("sk");
+        spectra.push_back(sk == nullptr ? analysis::Spectrum{} : analysis::recorded_spectrum(*sk));
         const ObservableResult* fit = run.find("fit");
         const Measurement* end = fit == nullptr ? nullptr : fit->find_measurement("k_fit");
         k_max.push_back(end != nullptr && end->value ? *end->value : 0);

@@ -1,28 +1,17 @@
 #include "app/field_results.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "analysis/curve_fit.h"
-#include "analysis/field_analysis.h"
 #include "core/progress.h"
 #include "io/field_file.h"
 
 namespace grainfield::app {
 
 namespace {
-
-// A field has no pre-peak that is the end of the range: without a range there is a reason.
-void add_fit(std::vector<ObservableResult>& observables, const analysis::FitOptions& fit) {
-    for (std::size_t i = 0; i < observables.size(); ++i) {
-        if (observables[i].name != "sk") continue;
-        observables.insert(observables.begin() + static_cast<std::ptrdiff_t>(i) + 1,
-                           analysis::curve_fit(observables[i], fit));
-        return;
-    }
-}
 
 // The last stored fields as pictures: ρ, and ψ where there is one.
 std::vector<Preview> pictures(io::FieldFile& file) {
@@ -67,8 +56,7 @@ void name_lengths(std::vector<ObservableResult>& observables) {
 }  // namespace
 
 Results field_results(const std::filesystem::path& path, bool from_fields,
-                      const analysis::StructureFactorOptions& options,
-                      const analysis::FitOptions& fit, Session& session) {
+                      const analysis::FieldAnalysisOptions& options, Session& session) {
     io::FieldFile file(path);
     Results results;
     results.frames = file.count();
@@ -89,13 +77,14 @@ Results field_results(const std::filesystem::path& path, bool from_fields,
     results.previews = pictures(file);
     if (accumulated) {
         results.observables = file.statistics();
-        add_fit(results.observables, fit);
+        std::optional<FieldFrame> like;
+        if (file.count() > 0) like = file.read(0);
+        analysis::add_fits(results.observables, like ? &*like : nullptr, options);
         name_lengths(results.observables);
         return results;
     }
     Progress progress("analysing", file.count(), "fields", session.common.verbosity());
     results.observables = analysis::analyze_fields(file, options, progress);
-    add_fit(results.observables, fit);
     name_lengths(results.observables);
     return results;
 }

@@ -8,6 +8,7 @@
 #include "io/open_snapshots.h"
 #include "io/results_file.h"
 #include "io/trajectory_file.h"
+#include "report/text.h"
 
 namespace grainfield::app {
 
@@ -138,6 +139,20 @@ Summary describe_results(const std::filesystem::path& path) {
     Sheet sheet(fmt::format("{}: results", path.string()));
     sheet.add("kind", "kind", std::string("results"));
     sheet.add("label", "label", results.label);
+    if (const ObservableResult* critical = results.find("critical"); critical != nullptr) {
+        // Made of other results: it has no frames, particles or box of its own.
+        const Curve* curve = critical->find_curve("critical");
+        const std::size_t runs = curve == nullptr ? 0 : curve->columns.front().values.size();
+        sheet.add("runs", "runs", runs,
+                  curve == nullptr ? "0" : fmt::format("{}, {}", runs, curve->title));
+        const Measurement* value = critical->find_measurement("critical_value");
+        if (value != nullptr && value->value) {
+            sheet.add("critical_value", "critical", *value->value,
+                      report::with_error(*value->value, value->error ? &*value->error : nullptr));
+        }
+        sheet.add_record(results.record);
+        return sheet.take();
+    }
     sheet.add("frames", "frames", results.frames);
     sheet.add("particles_mean", "particles", results.particles_mean,
               fmt::format("{:.1f} per frame", results.particles_mean));

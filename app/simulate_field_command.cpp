@@ -94,6 +94,14 @@ Summary SimulateFieldCommand::run(Session& session) {
         FieldJobOptions job{output_, resume_, checkpoint_every_, field_, sk_};
         job.field.model.nu = nu;
         if (!list.empty()) job.output = name_for(output_, nu);
+        for (const FieldJobOptions& other : jobs) {
+            if (other.output != job.output) continue;
+            throw OptionError({.problem = "option 'nu-list' has two values with one output",
+                               .actual = fmt::format("{:g} and {:g}, both '{}'",
+                                                     other.field.model.nu, nu, job.output.string()),
+                               .expected = "values that differ in six digits",
+                               .suggestion = "leave one of them out"});
+        }
         jobs.push_back(std::move(job));
     }
     Summary summary;

@@ -20,6 +20,8 @@ namespace grainfield::io {
 
 namespace {
 
+constexpr const char* units_file = "units.csv";
+
 // The columns that at least one frame has.
 struct Columns {
     bool id = false;
@@ -173,6 +175,22 @@ std::string curve_text(const Curve& curve) {
     return text;
 }
 
+// What the columns of all curves are; the tables themselves stay plain.
+std::string units_text(const std::vector<const Curve*>& curves) {
+    std::string text = "curve,column,unit,meaning\n";
+    for (const Curve* curve : curves) {
+        for (const Column& column : curve->columns) {
+            append_field(text, curve->name);
+            for (const std::string& words : {column.name, column.unit, column.meaning}) {
+                text += ',';
+                append_field(text, words);
+            }
+            text += '\n';
+        }
+    }
+    return text;
+}
+
 // Curve names come from a file: they must not lead out of the folder.
 void require_plain(const std::string& name) {
     const bool is_plain = !name.empty() && std::ranges::all_of(name, [](char c) {
@@ -240,7 +258,7 @@ void export_xyz(SnapshotSource& source, const std::filesystem::path& path, Overw
 void export_curves(const Results& results, const std::filesystem::path& folder,
                    Overwrite overwrite) {
     std::vector<const Curve*> curves;
-    std::set<std::string> names;
+    std::set<std::string> names{"units"};
     for (const ObservableResult& observable : results.observables) {
         for (const Curve& curve : observable.curves) {
             require_plain(curve.name);
@@ -254,6 +272,8 @@ void export_curves(const Results& results, const std::filesystem::path& folder,
     std::vector<TextOutput> outputs;
     for (const Curve* curve : curves)
         outputs.emplace_back(folder / (curve->name + ".csv"), overwrite);
+    outputs.emplace_back(folder / units_file, overwrite);
+    outputs.back().write(units_text(curves));
     for (std::size_t i = 0; i < curves.size(); ++i) outputs[i].write(curve_text(*curves[i]));
     for (TextOutput& output : outputs) output.commit();
 }

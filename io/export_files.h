@@ -22,9 +22,10 @@ void export_csv(SnapshotSource& source, const std::filesystem::path& path, Overw
 void export_xyz(SnapshotSource& source, const std::filesystem::path& path, Overwrite overwrite);
 
 /// Writes one CSV per curve into `folder`, which is made if it is missing: header = column names,
-/// first column, then text columns, then the others. Nothing is written if one of the files exists
-/// and Overwrite is refuse. Throws OutputError, and InputError for curve names that are not plain
-/// file names or occur twice.
+/// first column, then text columns, then the others; and `units.csv` (curve, column, unit,
+/// meaning), which says what their columns are. Nothing is written if one of the files exists and
+/// Overwrite is refuse. Throws OutputError, and InputError for curve names that are not plain file
+/// names or occur twice.
 void export_curves(const Results& results, const std::filesystem::path& folder,
                    Overwrite overwrite);
 

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "report/figure_source.h"
+#include "report/further_figures.h"
 #include "report/panels.h"
 #include "report/run_identity.h"
 #include "report/scaled_spectrum.h"
@@ -104,6 +105,25 @@ Figure order_structure_factor(const Runs& runs, const std::vector<std::string>& 
     return figure;
 }
 
+// In periodic boxes windows above half of the side show the fixed number of particles; whether
+// something was left out.
+bool cut_at_half_box(Figure& figure, const Runs& runs) {
+    bool cut = false;
+    for (Series& series : figure.series) {
+        const Results& run = runs[series.run];
+        const double side = std::min(run.box.length.x, run.box.length.y) / run.source.diameter;
+        if (!run.box.is_periodic() || !(side > 0)) continue;
+        const auto keep = static_cast<std::size_t>(
+            std::ranges::upper_bound(series.x, 0.5 * side * (1 + 1e-9)) - series.x.begin());
+        if (keep == 0 || keep == series.x.size()) continue;
+        series.x.resize(keep);
+        series.y.resize(keep);
+        if (!series.error.empty()) series.error.resize(keep);
+        cut = true;
+    }
+    return cut;
+}
+
 Figure number_variance(const Runs& runs, const std::vector<std::string>& labels) {
     const Source source{"variance", "variance", "l", "variance", "err"};
     Figure figure =
@@ -113,8 +133,17 @@ Figure number_variance(const Runs& runs, const std::vector<std::string>& labels)
     add_kind(figure, runs, {"σ²(ℓ)", Mark::line, true}, source, true);
     add_kind(figure, runs, {"pooled over positions and frames", Mark::line, false},
              {"variance", "variance_pooled", "l", "variance", "err"}, false);
+    add_kind(figure, runs, {"of the spatial mean", Mark::line, false},
+             {"variance", "variance_spatial_mean", "l", "variance", "err"}, false);
     entitle(figure, common_title(runs, source));
+    const bool cut = cut_at_half_box(figure, runs);
     if (!figure.has_data()) return figure;
+    if (cut) {
+        figure.note += figure.note.empty() ? "" : ". ";
+        figure.note +=
+            "Drawn up to half of a periodic box: the fixed number of particles pulls σ² to zero at "
+            "ℓ = L";
+    }
     const auto [first, last] = extent(figure, figure.x, &Series::x);
     const auto [low, high] = extent(figure, figure.y, &Series::y);
     if (!(last > first) || !(low > 0)) return figure;
@@ -324,6 +353,7 @@ std::vector<Figure> make_figures(const std::vector<Results>& runs,
     add(displacement(runs, labels));
     add(phase_fractions(runs, labels));
     if (any_has(runs, "s4")) add(order_structure_factor(runs, labels));
+    for (Figure& figure : further_figures(runs, labels)) add(std::move(figure));
     if (any_has(runs, "series")) {
         add(energies(runs, labels));
         add(collisions(runs, labels));
@@ -333,6 +363,12 @@ std::vector<Figure> make_figures(const std::vector<Results>& runs,
     for (Figure& figure : figures) {
         if (figure.runs.size() != identities.size()) continue;  // a panel has one origin
         for (const RunIdentity& identity : identities) figure.origins.push_back(identity.origin);
+        // Results of `critical` have one curve and no other.
+        if (figure.has_data()) {
+            std::erase_if(figure.absent, [&](const Figure::Absence& absence) {
+                return identities[absence.run].origin == "critical";
+            });
+        }
     }
     return figures;
 }

@@ -14,16 +14,18 @@ namespace grainfield::report {
 namespace {
 
 const std::map<std::string, std::string>& observable_titles() {
-    static const std::map<std::string, std::string> titles{{"q4", "Bond-orientational order"},
-                                                           {"phase", "Phases"},
-                                                           {"msd", "Displacement"},
-                                                           {"sk", "Structure factor"},
-                                                           {"s4", "Structure factor of the order"},
-                                                           {"variance", "Number variance"},
-                                                           {"fit", "Fit of S(k)"},
-                                                           {"critical", "Critical point"},
-                                                           {"lengths", "Lengths"},
-                                                           {"series", "Time series of the run"}};
+    static const std::map<std::string, std::string> titles{
+        {"q4", "Bond-orientational order"},
+        {"phase", "Phases"},
+        {"msd", "Displacement"},
+        {"sk", "Structure factor"},
+        {"s4", "Structure factor of the order"},
+        {"variance", "Number variance"},
+        {"fit", "Fit of S(k)"},
+        {"synthetic", "Number variance of other boxes"},
+        {"critical", "Critical point"},
+        {"lengths", "Lengths"},
+        {"series", "Time series of the run"}};
     return titles;
 }
 
@@ -78,6 +80,15 @@ const std::map<std::string, std::string>& quantity_titles() {
         {"intercept", "Intercept of S₀/S₁"},
         {"chi2_per_dof", "χ² per degree of freedom"},
         {"k_fit", "End of the fit"},
+        {"s0_s1_correlation", "Correlation of the errors of S₀ and S₁"},
+        {"crossover_length", "Crossover length ℓ*"},
+        {"anisotropy_2", "Two-fold anisotropy of S(k)"},
+        {"anisotropy_4", "Four-fold anisotropy of S(k)"},
+        {"order_length", "Distance at which the order is correlated by 1/e"},
+        {"order_time", "Time in which the correlation of the order falls to 1/e"},
+        {"largest_cluster", "Particles in the largest solid cluster"},
+        {"cluster_size", "Solid particles in the cluster of one of them, mean"},
+        {"cluster_lifetime", "Lifetime of solid clusters"},
         {"s0_over_s1_low", "S₀/S₁, lower end"},
         {"s0_over_s1_high", "S₀/S₁, upper end"},
         {"s0_over_s1_connected", "S₀/S₁ from plane waves"},

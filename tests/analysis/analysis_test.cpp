@@ -90,7 +90,7 @@ TEST(Analysis, GivesTheSameBitsForOneTwoAndEightThreads) {
 TEST(Analysis, OfALinkedVideoMeasuresAllObservables) {
     MemorySource source = video(40);
     const auto results = run(source);
-    ASSERT_EQ(results.size(), 7U);
+    ASSERT_EQ(results.size(), 8U);
     for (const ObservableResult& r : results) {
         // Nothing here has a pre-peak.
         EXPECT_EQ(r.reason.empty(), r.name != "fit") << r.name << ": " << r.reason;
@@ -227,7 +227,7 @@ TEST(Analysis, DescribesEveryOptionOnce) {
     std::vector<std::string> sections;
     for (const OptionTable& table : tables) sections.push_back(table.section());
     EXPECT_EQ(sections, (std::vector<std::string>{"analysis", "q4", "phase", "msd", "sk", "s4",
-                                                  "variance", "fit"}));
+                                                  "variance", "fit", "synthetic"}));
     tables[4].find("k-max")->set_from_text("3.5");
     EXPECT_EQ(options.sk.k_max, 3.5);
     tables[1].find("neighbours")->set_from_text("near-delaunay");

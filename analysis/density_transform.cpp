@@ -1,0 +1,181 @@
+#include "analysis/density_transform.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/fourier.h"
+
+namespace grainfield::analysis {
+namespace {
+
+constexpr std::size_t cells = SpreadTile::cells;
+
+int size_for(int n_max, int width) {
+    return fast_fourier_size(std::max(2 * (2 * n_max + 1), 2 * width));
+}
+
+int most_of(const std::vector<int>& rows) {
+    return *std::ranges::max_element(rows) - 1;
+}
+
+RealFourier2D<double>& transform_of(int nx, int ny) {
+    thread_local RealFourier2D<double> transform(1, 1);
+    if (transform.nx() != nx || transform.ny() != ny) transform = RealFourier2D<double>(nx, ny);
+    return transform;
+}
+
+// Into [0, n).
+double wrapped(double u, double n) {
+    const double w = u - n * std::floor(u / n);
+    return w < n ? w : 0;
+}
+
+// Adds a tile to the periodic grid.
+void add_tile(const SpreadTile& tile, std::size_t tx, std::size_t ty, int nx, int ny,
+              std::span<double> grid) {
+    const auto index = [](std::size_t tile_of, std::size_t cell, int n) {
+        const auto size = static_cast<std::size_t>(n);
+        // Some periods up, so that the halo's cells below zero have an index.
+        return (tile_of * cells + cell + size * SpreadTile::halo - SpreadTile::halo) % size;
+    };
+    const std::size_t first = index(tx, 0, nx);
+    const auto columns = static_cast<std::size_t>(nx);
+    for (std::size_t row = 0; row < SpreadTile::rows; ++row) {
+        double* to = &grid[index(ty, row, ny) * columns];
+        const double* from = &tile.value[row * SpreadTile::columns];
+        std::size_t at = first;
+        for (std::size_t c = 0; c < SpreadTile::columns;) {
+            const std::size_t run = std::min(SpreadTile::columns - c, columns - at);
+            for (std::size_t i = 0; i < run; ++i) to[at + i] += from[c + i];
+            c += run;
+            at = 0;
+        }
+    }
+}
+
+}  // namespace
+
+// Particles in the order of their tiles.
+struct NonuniformFourier::Sorted {
+    std::vector<double> x, y, weight;  // x, y: cells from the corner of the tile
+    std::vector<std::size_t> start;    // of each tile, and the end
+};
+
+bool NonuniformFourier::is_affordable(const ModeGrid& grid) {
+    constexpr double most = 1 << 24;
+    const double x = 4.0 * static_cast<double>(grid.rows().size());
+    const double y = 4.0 * most_of(grid.rows());
+    return x * y < most;
+}
+
+NonuniformFourier::NonuniformFourier(const ModeGrid& grid, double tolerance)
+    : kernel_(tolerance),
+      nx_(size_for(static_cast<int>(grid.rows().size()) - 1, kernel_.width())),
+      ny_(size_for(most_of(grid.rows()), kernel_.width())),
+      tiles_x_((static_cast<std::size_t>(nx_) + cells - 1) / cells),
+      tiles_y_((static_cast<std::size_t>(ny_) + cells - 1) / cells) {
+    const auto fill = [this](std::vector<double>& factor, int n_max, int n) {
+        for (int i = 0; i <= n_max; ++i) {
+            factor.push_back(1 / kernel_.transform(2 * std::numbers::pi * i / n));
+        }
+    };
+    fill(factor_x_, static_cast<int>(grid.rows().size()) - 1, nx_);
+    fill(factor_y_, most_of(grid.rows()), ny_);
+}
+
+NonuniformFourier::Sorted NonuniformFourier::sort(std::span<const Vec2> positions,
+                                                  std::span<const double> weights, Vec2 origin,
+                                                  Vec2 spacing) const {
+    const double to_x = nx_ * spacing.x / (2 * std::numbers::pi);
+    const double to_y = ny_ * spacing.y / (2 * std::numbers::pi);
+    const std::size_t n = positions.size();
+    std::vector<Vec2> place(n);
+    std::vector<std::uint32_t> tile(n);
+    Sorted sorted;
+    sorted.start.assign(tiles_x_ * tiles_y_ + 1, 0);
+    for (std::size_t j = 0; j < n; ++j) {
+        place[j] = {wrapped((positions[j].x - origin.x) * to_x, nx_),
+                    wrapped((positions[j].y - origin.y) * to_y, ny_)};
+        const std::size_t tx = static_cast<std::size_t>(place[j].x) / cells;
+        const std::size_t ty = static_cast<std::size_t>(place[j].y) / cells;
+        place[j].x -= static_cast<double>(tx * cells);
+        place[j].y -= static_cast<double>(ty * cells);
+        tile[j] = static_cast<std::uint32_t>(ty * tiles_x_ + tx);
+        ++sorted.start[tile[j] + 1];
+    }
+    for (std::size_t t = 1; t < sorted.start.size(); ++t) sorted.start[t] += sorted.start[t - 1];
+    std::vector<std::size_t> next(sorted.start.begin(), sorted.start.end() - 1);
+    sorted.x.resize(n);
+    sorted.y.resize(n);
+    sorted.weight.resize(weights.size());
+    for (std::size_t j = 0; j < n; ++j) {
+        const std::size_t to = next[tile[j]]++;
+        sorted.x[to] = place[j].x;
+        sorted.y[to] = place[j].y;
+        if (!weights.empty()) sorted.weight[to] = weights[j];
+    }
+    return sorted;
+}
+
+std::vector<std::complex<double>> NonuniformFourier::modes(std::span<const Vec2> positions,
+                                                           std::span<const double> weights,
+                                                           Vec2 origin,
+                                                           const ModeGrid& grid) const {
+    RealFourier2D<double>& transform = transform_of(nx_, ny_);
+    std::ranges::fill(transform.real(), 0.0);
+    const Sorted sorted = sort(positions, weights, origin, grid.spacing());
+    SpreadTile tile;
+    for (std::size_t ty = 0; ty < tiles_y_; ++ty) {
+        for (std::size_t tx = 0; tx < tiles_x_; ++tx) {
+            const std::size_t from = sorted.start[ty * tiles_x_ + tx];
+            const std::size_t count = sorted.start[ty * tiles_x_ + tx + 1] - from;
+            if (count == 0) continue;
+            std::ranges::fill(tile.value, 0.0);
+            const std::span<const double> weight(sorted.weight);
+            spread(kernel_, std::span(sorted.x).subspan(from, count),
+                   std::span(sorted.y).subspan(from, count),
+                   weight.empty() ? weight : weight.subspan(from, count), tile);
+            add_tile(tile, tx, ty, nx_, ny_, transform.real());
+        }
+    }
+    transform.forward();
+    const std::size_t columns = static_cast<std::size_t>(nx_) / 2 + 1;
+    std::vector<std::complex<double>> rho;
+    rho.reserve(grid.modes().size());
+    for (const Mode& mode : grid.modes()) {
+        const auto row = static_cast<std::size_t>((mode.ny + ny_) % ny_);
+        const auto nx = static_cast<std::size_t>(mode.nx);
+        const auto abs_ny = static_cast<std::size_t>(std::abs(mode.ny));
+        rho.push_back(factor_x_[nx] * factor_y_[abs_ny] * transform.complex()[row * columns + nx]);
+    }
+    return rho;
+}
+
+DensityTransform::DensityTransform(const ModeGrid& grid) {
+    double quadrant = 0;
+    double powers = 0;
+    for (const int row : grid.rows()) quadrant += row;
+    powers = static_cast<double>(grid.rows().size()) + most_of(grid.rows());
+    // Nanoseconds a particle, one thread (bench/results/analysis.md).
+    per_particle_ = 55 + 0.3 * quadrant + 0.2 * powers;
+    if (!grid.modes().empty() && NonuniformFourier::is_affordable(grid)) fourier_.emplace(grid);
+}
+
+bool DensityTransform::is_direct(std::size_t particles) const {
+    if (!fourier_) return true;
+    const double n = static_cast<double>(particles);
+    const double cells_of_grid = static_cast<double>(fourier_->nx()) * fourier_->ny();
+    const double transform = 85 * n + cells_of_grid * (1.0 + 0.2 * std::log2(cells_of_grid));
+    return per_particle_ * n < transform;
+}
+
+std::vector<std::complex<double>> DensityTransform::modes(std::span<const Vec2> positions,
+                                                          std::span<const double> weights,
+                                                          Vec2 origin, const ModeGrid& grid) const {
+    if (!is_direct(positions.size())) return fourier_->modes(positions, weights, origin, grid);
+    return weights.empty() ? density_modes(positions, origin, grid)
+                           : weighted_modes(positions, weights, origin, grid);
+}
+
+}  // namespace grainfield::analysis

@@ -1,0 +1,100 @@
+#include "analysis/solid_clusters.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/random.h"
+
+namespace grainfield::analysis {
+namespace {
+
+// Particles in a row, neighbours of the next ones.
+BondOrderField chain(std::size_t n) {
+    BondOrderField field;
+    for (std::size_t i = 0; i < n; ++i) {
+        field.first.push_back(field.neighbour.size());
+        int count = 0;
+        if (i > 0) field.neighbour.push_back(static_cast<int>(i) - 1), ++count;
+        if (i + 1 < n) field.neighbour.push_back(static_cast<int>(i) + 1), ++count;
+        field.neighbours.push_back(count);
+    }
+    return field;
+}
+
+SolidClusters::Frame frame(const BondOrderField& field, const std::string& solid, double time) {
+    SolidClusters::Frame f;
+    for (std::size_t i = 0; i < solid.size(); ++i) {
+        f.id.push_back(static_cast<std::int64_t>(i) * 3);
+        f.solid.push_back(solid[i] == 'x');
+    }
+    f.field = &field;
+    f.time = time;
+    return f;
+}
+
+TEST(SolidClusters, AreSolidNeighboursJoined) {
+    const BondOrderField field = chain(12);
+    SolidClusters clusters(false);
+    clusters.add(frame(field, "xx.xxx.x....", 0));
+    clusters.add(frame(field, "xxxxx.......", 1));
+    ObservableResult result;
+    clusters.add_to(result);
+    const Curve* curve = result.find_curve("clusters");
+    // Sizes 1; 2 and 3; 5, in two windows.
+    EXPECT_EQ(curve->find("clusters")->values, (std::vector<double>{0.5, 1, 0.5}));
+    EXPECT_DOUBLE_EQ(*result.find_measurement("largest_cluster")->value, 4);
+    EXPECT_DOUBLE_EQ(*result.find_measurement("cluster_size")->value, 0.5 * (14.0 / 6 + 5));
+    EXPECT_THAT(result.find_measurement("cluster_lifetime")->reason, testing::HasSubstr("alone"));
+}
+
+// A cluster that melts at a constant rate: mean lifetime 1/rate in windows, to 6 standard errors.
+TEST(SolidClusters, LiveAsLongAsTheyDo) {
+    const BondOrderField field = chain(10);
+    SolidClusters clusters(true);
+    RandomStream random(1, "lives");
+    const double rate = 0.1;
+    bool solid = false;
+    for (int w = 0; w < 20000; ++w) {
+        solid = solid ? random.uniform() > rate : true;
+        clusters.add(frame(field, solid ? "xxxxxxxxx." : "..........", 0.4 * w));
+    }
+    ObservableResult result;
+    clusters.add_to(result);
+    const Measurement* life = result.find_measurement("cluster_lifetime");
+    EXPECT_NEAR(*life->value, 0.4 / rate, 6 * *life->error);
+    EXPECT_LT(*life->error, 0.15);
+}
+
+TEST(SolidClusters, OfTwoThatMergeTheLargerLivesOn) {
+    const BondOrderField field = chain(30);
+    SolidClusters clusters(true);
+    clusters.add(frame(field, "xxxxxxxxxx.xxxxxxxxx..........", 0));  // ten and nine
+    clusters.add(frame(field, "xxxxxxxxxxxxxxxxxxxx..........", 1));
+    clusters.add(frame(field, "xxxxxxxxxxxxxxxxxxxx..........", 2));
+    ObservableResult result;
+    clusters.add_to(result);
+    const Measurement* life = result.find_measurement("cluster_lifetime");
+    // Two at risk in the first step, one in the second; one death.
+    EXPECT_DOUBLE_EQ(*life->value, 3);
+    EXPECT_FALSE(life->error.has_value());
+}
+
+TEST(SolidClusters, ThatAllOutliveTheRunHaveAReason) {
+    const BondOrderField field = chain(20);
+    SolidClusters clusters(true);
+    for (int w = 0; w < 5; ++w) clusters.add(frame(field, "xxxxxxxxxxxxxxx.....", w));
+    ObservableResult result;
+    clusters.add_to(result);
+    EXPECT_THAT(result.find_measurement("cluster_lifetime")->reason, testing::HasSubstr("died"));
+    SolidClusters none(true);
+    none.add(frame(field, "....................", 0));
+    ObservableResult empty;
+    none.add_to(empty);
+    EXPECT_EQ(*empty.find_measurement("largest_cluster")->value, 0);
+    EXPECT_FALSE(empty.find_measurement("cluster_lifetime")->value.has_value());
+}
+
+}  // namespace
+}  // namespace grainfield::analysis
