@@ -121,8 +121,9 @@ std::vector<std::string> write_figure_files(const std::vector<Figure>& figures,
         write(figure.name + ".csv", figure_csv(figure));
     }
     for (const ParticleMap& map : maps) {
-        write(map.name + ".csv", map_csv(map));
         write(map.name + ".svg", map_svg(map, labels[map.run]));
+        if (map.position.empty()) continue;  // the picture of a field
+        write(map.name + ".csv", map_csv(map));
         write(map.name + ".pdf", map_pdf(map, labels[map.run]));
     }
     if (!with_data.empty()) {

@@ -11,6 +11,7 @@
 #include "report/embedded.h"
 #include "report/key_numbers.h"
 #include "report/plotly_figure.h"
+#include "report/run_identity.h"
 #include "report/run_record.h"
 #include "report/text.h"
 
@@ -53,7 +54,10 @@ std::string file_links(const PageContent& content, const std::string& name) {
 std::string header_html(const PageContent& content) {
     const std::size_t count = content.runs.size();
     std::string out = "<header><h1>" + escape_html(content.title) + "</h1>\n";
-    const auto summary = [](const Results& run) {
+    const auto summary = [](const Results& run) -> std::string {
+        const RunIdentity identity = identity_of(run);
+        if (identity.origin == "critical") return "critical point";
+        if (identity.is_field) return "fields";
         return fmt::format("{} frame{}, {} particles a frame",
                            count_text(static_cast<double>(run.frames)), run.frames == 1 ? "" : "s",
                            count_text(run.particles_mean));
@@ -181,6 +185,16 @@ std::string tables_html(const PageContent& content) {
     return out.empty() ? "" : "<section class=\"tables\"><h2>Tables</h2>\n" + out + "</section>\n";
 }
 
+// The wide table of many runs is folded: figures come first then.
+std::string numbers_html(const PageContent& content) {
+    constexpr std::size_t most_open = 8;
+    const std::string table = key_numbers_html(key_numbers(content.runs), content.labels);
+    const bool folded = content.runs.size() > most_open;
+    return fmt::format("<section><h2>Key numbers</h2>\n{}{}{}</section>\n",
+                       folded ? "<details><summary>All numbers of all runs</summary>" : "", table,
+                       folded ? "</details>\n" : "");
+}
+
 std::string data_json(const PageContent& content) {
     std::string figures;
     for (const Figure& figure : content.figures) {
@@ -213,8 +227,7 @@ std::string page_html(const PageContent& content) {
     out +=
         "<noscript><p class=\"absent\">The plots need JavaScript; it runs on this machine "
         "only.</p></noscript>\n";
-    out += tables_html(content) + "<section><h2>Key numbers</h2>\n";
-    out += key_numbers_html(key_numbers(content.runs), content.labels) + "</section>\n";
+    out += tables_html(content) + numbers_html(content);
     out += map_html(content) + "<section class=\"figures\">\n";
     for (const Figure& figure : content.figures) out += figure_html(content, figure);
     out += "</section>\n" + skipped_html(content.runs, content.labels, content.plan);

@@ -60,10 +60,9 @@ Table paper_table(const std::vector<Results>& runs, const std::vector<std::strin
     table.name = "paper";
     table.title = "The paper and this run";
     table.note =
-        "Paper: Castillo et al., Phys. Rev. E 100, 032902 (2019). The experiment is stood in for "
-        "by "
-        "molecular dynamics of its walled cell, rendered and tracked. σ: standard errors of both "
-        "together; where the paper gives no error, ours alone. What is ambiguous there: "
+        "Paper: Castillo et al., Phys. Rev. E 100, 032902 (2019). Molecular dynamics of its walled "
+        "cell, rendered and tracked, stand in for the experiment. σ: standard errors of both "
+        "together, of rounded values (≈) half of the last digit. What the text leaves open: "
         "docs/paper.md.";
     table.columns = {{"paper", "Paper", "", true},
                      {"ours", "Ours", "", true},
@@ -72,7 +71,7 @@ Table paper_table(const std::vector<Results>& runs, const std::vector<std::strin
     for (const PaperValue& paper : paper_values()) {
         const Found found = find(paper, runs, labels, identities);
         const Measurement* m = found.measurement;
-        const double* error = paper.error > 0 ? &paper.error : nullptr;
+        const double* error = paper.is_rounded ? nullptr : &paper.error;
         const auto words = [](const std::string& text) { return TableCell{.text = text}; };
         std::string ours = "not measured";
         if (m != nullptr && m->value) ours = with_error(*m->value, m->error ? &*m->error : nullptr);

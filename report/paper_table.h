@@ -18,7 +18,8 @@ struct PaperValue {
     std::string observable;   ///< "critical"
     std::string measurement;  ///< "critical_value"
     double value = 0;         ///< [-]
-    double error = 0;         ///< as the paper gives it; 0: it gives none
+    double error = 0;         ///< as the paper gives it, or half of its last digit
+    bool is_rounded = false;  ///< the paper gives no error, and "about"
 };
 
 /// The numbers of `castillo2019` that a run of this program measures.

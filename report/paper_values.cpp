@@ -17,11 +17,14 @@ const std::vector<PaperValue>& paper_values() {
          0.10},
         {"α, field model, 1D, b = 4", "critical", "field, 1D, b = 4", "critical", "alpha", 1.58,
          0.10},
-        {"Pre-peak k_pp a, experiment", "tracked", "", "fit", "k_pre_peak", 0.2, 0},
-        {"|Q₄| of the wide maximum, experiment", "tracked", "", "q4", "q4_low_mode", 0.3, 0},
-        {"|Q₄| of the narrow maximum, experiment", "tracked", "", "q4", "q4_high_mode", 0.95, 0},
-        {"|Q₄| of the minimum between them", "tracked", "", "q4", "q4_minimum", 0.7, 0},
-        {"MSD exponent of the liquid, experiment", "tracked", "", "msd", "exponent_liquid", 1, 0}};
+        {"Pre-peak k_pp a, experiment", "tracked", "", "fit", "k_pre_peak", 0.2, 0.05, true},
+        {"|Q₄| of the wide maximum, experiment", "tracked", "", "q4", "q4_low_mode", 0.3, 0.05,
+         true},
+        {"|Q₄| of the narrow maximum, experiment", "tracked", "", "q4", "q4_high_mode", 0.95, 0.025,
+         true},
+        {"|Q₄| of the minimum between them", "tracked", "", "q4", "q4_minimum", 0.7, 0.05, true},
+        {"MSD exponent of the liquid, experiment", "tracked", "", "msd", "exponent_liquid", 1, 0.05,
+         true}};
     return values;
 }
 

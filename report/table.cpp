@@ -35,7 +35,10 @@ std::string table_html(const Table& table) {
         for (std::size_t c = 0; c < row.cells.size(); ++c) {
             const TableCell& cell = row.cells[c];
             const bool words = c < table.columns.size() && table.columns[c].is_text;
-            const char* style = cell.failed ? " class=\"failed\"" : words ? " class=\"words\"" : "";
+            const char* style = cell.failed && words ? " class=\"words failed\""
+                                : cell.failed        ? " class=\"failed\""
+                                : words              ? " class=\"words\""
+                                                     : "";
             out += fmt::format("<td{}>{}</td>", style, shown(cell));
         }
         out += "</tr>\n";

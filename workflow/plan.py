@@ -138,7 +138,8 @@ class Plan:
         return [
             ("walled cell, molecular dynamics",
              gammas * periods * EXPERIMENT_GRAINS * rate["grain-period-experiment"]),
-            ("films", films * self.experiment["pixels"] ** 2 / 1e6 * rate["megapixel-render"]),
+            ("films", films * self.experiment["pixels"] ** 2 / 1e6
+             * (1 + self.experiment["sub-frames"]) * rate["megapixel-render"]),
             ("tracking", films * EXPERIMENT_GRAINS * rate["sphere-track"]),
             ("periodic layer, molecular dynamics",
              len(layer["amplitude"]) * (layer["relax"] + layer["record"]) * self.layer_grains()
