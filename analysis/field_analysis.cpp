@@ -32,6 +32,7 @@ std::vector<ObservableResult> analyze_fields(FieldSource& source,
     if (statistics.density() == nullptr) return results;
     ObservableResult fit = fit_result(*statistics.density(), options.fit);
     SyntheticInput input = synthetic_input(*statistics.density(), fit);
+    input.is_field = true;
     if (dimension == 1) input.reason = one_dimension;
     results.push_back(std::move(fit));
     results.push_back(synthetic_result(input, options.synthetic));
@@ -45,6 +46,7 @@ void add_fits(std::vector<ObservableResult>& results, const FieldFrame* like,
     SyntheticInput input;
     input.spectrum = recorded_spectrum(*sk);
     input.fit = fit_result(input.spectrum, options.fit);
+    input.is_field = true;
     input.density = 1;  // of volume: S is that of the content of windows
     if (like == nullptr) {
         input.reason = "the file stores no field: the side of the box is not known";

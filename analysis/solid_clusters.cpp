@@ -96,6 +96,7 @@ void SolidClusters::add(const Frame& frame) {
             const bool lives =
                 heir >= 0 && 2 * most >= last_size_[c] && !taken[static_cast<std::size_t>(heir)];
             at_risk_ += frame.time - last_time_;
+            trials_ += 1;
             if (lives) taken[static_cast<std::size_t>(heir)] = true;
             if (!lives) deaths_ += 1;
         }
@@ -138,10 +139,19 @@ void SolidClusters::add_to(ObservableResult& result) const {
                                        at_risk_)
                          : fmt::format("no cluster of {} particles is followed through two windows",
                                        least)));
+    } else if (deaths_ == trials_) {
+        result.measurements.push_back(
+            missing(name, "time unit",
+                    fmt::format("all clusters died within a window: shorter than {:.3g}",
+                                at_risk_ / trials_)));
     } else {
-        Measurement life{name, "time unit", at_risk_ / deaths_, std::nullopt, deaths_, ""};
+        // Seen at the ends of windows Δ only: p = 1 − exp(−Δ/τ).
+        const double step = at_risk_ / trials_;
+        const double death = deaths_ / trials_;
+        const double rate = -std::log1p(-death);  // Δ/τ
+        Measurement life{name, "time unit", step / rate, std::nullopt, deaths_, ""};
         if (deaths_ > 1) {
-            life.error = at_risk_ / deaths_ / std::sqrt(deaths_);
+            life.error = step / (rate * rate) * std::sqrt(death / ((1 - death) * trials_));
         } else {
             life.reason = "one death: no error";
         }

@@ -60,6 +60,7 @@ class SolidClusters {
     std::vector<double> last_size_;
     double last_time_ = 0;
     double at_risk_ = 0;  // time
+    double trials_ = 0;   // steps from window to window
     double deaths_ = 0;
 };
 

@@ -5,7 +5,7 @@
 
 namespace grainfield::analysis {
 
-SpectrumModel SpectrumModel::of_fit(const Line& fit) {
+SpectrumModel SpectrumModel::of_fit(const Line& fit, Tail tail) {
     SpectrumModel model;
     model.fit_ = fit;
     model.theta_ = {fit.s0, fit.s1};
@@ -13,12 +13,17 @@ SpectrumModel SpectrumModel::of_fit(const Line& fit) {
     const double left = 1 - fit.s0;
     // A fit that falls, or starts above one, is not continued beyond its range.
     model.k_max_ = fit.s1 > 0 && left > 0 ? std::pow(left / fit.s1, 1 / fit.alpha) : fit.k_end;
+    if (tail == Tail::constant) {
+        model.k_max_ = fit.k_end;
+        model.tail_ = fit.s0 + fit.s1 * std::pow(fit.k_end, fit.alpha);
+    }
     model.fit_->k_end = model.k_max_;
     model.corners_ = {0, model.k_max_};
     return model;
 }
 
-SpectrumModel SpectrumModel::of_measured(const Spectrum& spectrum, const std::optional<Line>& fit) {
+SpectrumModel SpectrumModel::of_measured(const Spectrum& spectrum, const std::optional<Line>& fit,
+                                         Tail tail) {
     SpectrumModel model;
     model.fit_ = fit;
     if (fit) {
@@ -33,12 +38,14 @@ SpectrumModel SpectrumModel::of_measured(const Spectrum& spectrum, const std::op
         if (!std::isfinite(spectrum.s[i]) || (fit && k <= fit->k_end)) continue;
         double error = i < spectrum.error.size() ? spectrum.error[i] : 0;
         if (!std::isfinite(error)) error = std::abs(spectrum.s[i]) / std::sqrt(spectrum.dof[i]);
+        if (!std::isfinite(error)) continue;
         model.k_.push_back(k);
         model.theta_.push_back(spectrum.s[i]);
-        model.error_.push_back(std::isfinite(error) ? error : 0);
+        model.error_.push_back(error);
         model.corners_.push_back(k);
         model.k_max_ = k;
     }
+    if (tail == Tail::constant) model.tail_ = model.value(model.k_max_);
     return model;
 }
 
@@ -54,7 +61,7 @@ std::array<SpectrumModel::Share, 2> SpectrumModel::shares(double k) const {
 }
 
 double SpectrumModel::value(double k) const {
-    if (k > k_max_) return 1;
+    if (k > k_max_) return tail_;
     double s = 0;
     for (const Share& share : shares(k)) {
         if (share.weight != 0) s += share.weight * theta_[share.parameter];

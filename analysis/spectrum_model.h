@@ -14,7 +14,7 @@ namespace grainfield::analysis {
 ///
 ///   S(k) = S0 + S1 (ka)^α           k ≤ k_fit, if there is a fit
 ///        = line through the shells  k_fit < k ≤ k_max
-///        = 1                        k > k_max
+///        = tail                     k > k_max: 1 of particles, the last known value of a field
 ///
 /// so that whatever is linear in S has an error by the covariance of θ: (S0, S1) correlated as the
 /// likelihood says, shells independent of each other and of the fit.
@@ -33,18 +33,30 @@ class SpectrumModel {
         double k_end = 0;  ///< end of its range [1/a]
     };
 
-    /// S0 + S1 (ka)^α up to where it reaches one, then one: no pre-peak, nothing measured beyond.
-    static SpectrumModel of_fit(const Line& fit);
+    /// What S(k) is taken for where nothing is measured.
+    enum class Tail {
+        one,       ///< particles without correlation
+        constant,  ///< a field: the last value, as its noise sets the scale
+    };
+
+    /// S0 + S1 (ka)^α up to where it reaches one, then one; of a field up to the end of its range,
+    /// then constant: no pre-peak, nothing measured beyond.
+    static SpectrumModel of_fit(const Line& fit, Tail tail = Tail::one);
 
     /// The fit below its end, the shells above; without a fit the first shell's value below it.
-    /// `spectrum.error` may hold NaN: then S/sqrt(ν). Shells without a finite S are left out.
-    static SpectrumModel of_measured(const Spectrum& spectrum, const std::optional<Line>& fit);
+    /// `spectrum.error` may hold NaN: then S/sqrt(ν). Shells without a finite S, or whose modes are
+    /// slower than the run (ν = 0), are left out.
+    static SpectrumModel of_measured(const Spectrum& spectrum, const std::optional<Line>& fit,
+                                     Tail tail = Tail::one);
 
     /// Two shares; a weight of zero where only one parameter, or none, counts.
     std::array<Share, 2> shares(double k) const;
     double value(double k) const;
 
     double k_max() const { return k_max_; }
+    double tail() const { return tail_; }
+    /// Lowest wavevector of which something is known: 0 with a fit.
+    double k_min() const { return fit_ ? 0 : (k_.empty() ? k_max_ : k_.front()); }
     std::size_t size() const { return theta_.size(); }
     const std::vector<double>& theta() const { return theta_; }
 
@@ -63,6 +75,7 @@ class SpectrumModel {
     std::vector<double> theta_, error_;
     std::vector<double> corners_;
     double k_max_ = 0;
+    double tail_ = 1;
 };
 
 }  // namespace grainfield::analysis

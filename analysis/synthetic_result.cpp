@@ -1,5 +1,6 @@
 #include "analysis/synthetic_result.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -92,7 +93,9 @@ Measurement crossover(const ObservableResult& fit, const SpectrumModel::Line& li
     }
     Measurement m{"crossover_length", "a", length(r), std::nullopt, ratio->samples, ""};
     if (spread > 0 && spread < r) {
-        m.error = length(r) * spread / (line.alpha * r);
+        const Measurement* alpha = fit.find_measurement("alpha");
+        const double bend = alpha == nullptr ? 0 : alpha->error.value_or(0);
+        m.error = length(r) / line.alpha * std::hypot(spread / r, std::log(r) / line.alpha * bend);
     } else if (spread > 0) {
         m.reason =
             fmt::format("S0/S1 vanishes within its error: above {:.3g} a", length(r + spread));
@@ -109,16 +112,18 @@ struct Table {
                  {"variance", "-", "Number variance", {}},
                  {"err", "-", "Standard error", {}},
                  {"mean", "-", "Mean number", {}},
-                 {"beyond", "-", "Of it from k above the measured ones, where S = 1 is taken", {}}},
+                 {"beyond", "-", "Of it from k above the measured ones, assumed", {}}},
                 {}};
 
     void add(double side, double density, const std::vector<double>& windows,
              const std::vector<SyntheticVariance>& values) {
         const std::string name = std::isfinite(side) ? fmt::format("{:.6g}", side) : "inf";
         for (std::size_t i = 0; i < windows.size(); ++i) {
+            if (values[i].variance < 0) continue;  // S0 below zero; said by add_side
             curve.columns[0].values.push_back(windows[i]);
             curve.columns[1].values.push_back(values[i].variance);
-            curve.columns[2].values.push_back(values[i].error);
+            // What lies beyond the measured wavevectors is assumed, not measured: wholly uncertain.
+            curve.columns[2].values.push_back(std::hypot(values[i].error, values[i].beyond));
             curve.columns[3].values.push_back(density * windows[i] * windows[i]);
             curve.columns[4].values.push_back(values[i].beyond);
             curve.text_columns["side"].push_back(name);
@@ -133,11 +138,24 @@ std::string add_side(Table& table, const SpectrumModel& model, const SyntheticIn
         return "needs S(k) below the measured wavevectors, which only a fit gives: " +
                input.fit.reason;
     }
+    if (model.k_min() > 1.5 * 2 * std::numbers::pi / input.side) {
+        return fmt::format(
+            "S(k) at the lowest wavevectors, below {:.3g}/a, has no error (the run is shorter than "
+            "their time) and there is no fit",
+            model.k_min());
+    }
     const std::vector<double> windows = windows_up_to(std::isfinite(side) ? side : options.largest);
     try {
-        table.add(side, input.density, windows,
-                  std::isfinite(side) ? synthetic_variance(model, input.density, side, windows)
-                                      : synthetic_variance(model, input.density, windows));
+        const std::vector<SyntheticVariance> values =
+            std::isfinite(side) ? synthetic_variance(model, input.density, side, windows)
+                                : synthetic_variance(model, input.density, windows);
+        table.add(side, input.density, windows, values);
+        const auto negative =
+            std::ranges::find_if(values, [](const SyntheticVariance& v) { return v.variance < 0; });
+        if (negative != values.end()) {
+            return fmt::format("no variance from {:.3g} a on: S0 is below zero",
+                               windows[static_cast<std::size_t>(negative - values.begin())]);
+        }
     } catch (const OptionError& error) {
         return error.what();
     }
@@ -190,9 +208,10 @@ ObservableResult synthetic_result(const SyntheticInput& input, const SyntheticOp
     }
     if (!result.reason.empty()) return result;
 
+    const auto tail = input.is_field ? SpectrumModel::Tail::constant : SpectrumModel::Tail::one;
     const SpectrumModel model = options.spectrum == SpectrumSource::fit
-                                    ? SpectrumModel::of_fit(*line)
-                                    : SpectrumModel::of_measured(input.spectrum, line);
+                                    ? SpectrumModel::of_fit(*line, tail)
+                                    : SpectrumModel::of_measured(input.spectrum, line, tail);
     result.measurements.push_back(line ? crossover(input.fit, *line)
                                        : missing("crossover_length", "a", input.fit.reason));
     Table table;

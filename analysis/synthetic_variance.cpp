@@ -69,8 +69,8 @@ SyntheticVariance in_infinite_box(const SpectrumModel& model, double density, do
         }
     }
     const double last = corners.back() * window;
-    // S = 1 beyond k_max. ∫ q A dq over all q is 2π.
-    const double beyond = last < far ? 2 * pi - covered : 8 / last;
+    // S = tail beyond k_max. ∫ q A dq over all q is 2π.
+    const double beyond = model.tail() * (last < far ? 2 * pi - covered : 8 / last);
     const double unit = density * window * window / (2 * pi);
     SyntheticVariance result{unit * beyond, 0, unit * beyond};
     for (std::size_t p = 0; p < jacobian.size(); ++p) {
@@ -155,8 +155,9 @@ std::vector<SyntheticVariance> synthetic_variance(const SpectrumModel& model, do
         }
         const double share = window * window / (side * side);
         const double unit = density * window * window * share;
-        // The wavevectors beyond k_max, where S = 1: what is left of fixed-number Poisson.
-        const double beyond = density * window * window * (1 - share) - unit * poisson;
+        // The wavevectors beyond k_max: what is left of fixed-number Poisson.
+        const double beyond =
+            model.tail() * (density * window * window * (1 - share) - unit * poisson);
         double within = 0;
         for (std::size_t p = 0; p < jacobian.size(); ++p) within += jacobian[p] * model.theta()[p];
         result.push_back(

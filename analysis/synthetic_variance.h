@@ -10,7 +10,7 @@ namespace grainfield::analysis {
 struct SyntheticVariance {
     double variance = 0;
     double error = 0;
-    double beyond = 0;  ///< the part of it from k > k_max, where S = 1 is assumed
+    double beyond = 0;  ///< the part of it from k > k_max, where S = tail is assumed
 };
 
 /// σ²(ℓ) of square windows of side ℓ in a periodic box of side L that always holds the same number
@@ -18,10 +18,10 @@ struct SyntheticVariance {
 ///
 ///   σ²(ℓ) = n ℓ² (1 − ℓ²/L²) + (n ℓ⁴/L²) Σ_{k≠0} (S(k) − 1) w(k_x ℓ/2)² w(k_y ℓ/2)²,
 ///
-/// k = 2π (n_x, n_y)/L, w(x) = sin(x)/x, n the number density [1/a²], ℓ ≤ L [a]. S − 1 vanishes
-/// beyond k_max, so that the sum is finite and nothing is cut off; at ℓ = L σ² = 0. (`torquato2003`
-/// for the infinite system; the sum and its stable form: docs/analysis.md.)
-/// Cost O((L k_max/2π)²) for each ℓ. Throws OptionError if L k_max/2π is above 4000.
+/// k = 2π (n_x, n_y)/L, w(x) = sin(x)/x, n the number density [1/a²], ℓ ≤ L [a]. S is
+/// constant beyond k_max, so that the sum is finite and nothing is cut off; at ℓ = L σ² = 0.
+/// (`torquato2003` for the infinite system; the sum and its stable form: docs/analysis.md.) Cost
+/// O((L k_max/2π)²) for each ℓ. Throws OptionError if L k_max/2π is above 4000.
 std::vector<SyntheticVariance> synthetic_variance(const SpectrumModel& model, double density,
                                                   double side, const std::vector<double>& windows);
 

@@ -267,7 +267,17 @@ TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress,
     previous_ = {};
     bilayer_.reset();
     if (options_.layers.height) {
-        bilayer_.emplace(SphereCell{*options_.sphere_diameter, *options_.layers.height});
+        if (!options_.layers.camera_distance) {
+            plan_.warn(
+                "layers.camera-distance is not given: the lens is taken as telecentric. One with "
+                "perspective moves spheres of both layers against each other by R (L_z - a)/Z at R "
+                "from the middle; then layers would be wrong and spheres rejected that are there");
+        }
+        bilayer_.emplace(SphereCell{.diameter = *options_.sphere_diameter,
+                                    .height = *options_.layers.height,
+                                    .camera_distance = options_.layers.camera_distance.value_or(0),
+                                    .axis = {0.5 * static_cast<double>(source_.width() - 1),
+                                             0.5 * static_cast<double>(source_.height() - 1)}});
     }
     const double diameter = calibration_ ? model().disc.diameter : 1.0;
     Linker linker(options_.link, diameter);

@@ -50,6 +50,8 @@ OptionTable describe(LayerOptions& options) {
     OptionTable table("layers");
     table.number("height", options.height, "a", {1, 5},
                  "distance of the plates: rejects spheres without room and names layers");
+    table.number("camera-distance", options.camera_distance, "a", {0, 1e9},
+                 "of a lens with perspective from the spheres, 0: telecentric");
     return table;
 }
 

@@ -13,7 +13,8 @@
 namespace grainfield::tracking {
 
 struct LayerOptions {
-    std::optional<double> height;  ///< distance of the plates L_z [a]; empty: no layers
+    std::optional<double> height;           ///< distance of the plates L_z [a]; empty: no layers
+    std::optional<double> camera_distance;  ///< of a pinhole, Z [a]; 0 or empty: telecentric
 };
 
 OptionTable describe(LayerOptions& options);

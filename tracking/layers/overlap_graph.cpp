@@ -25,6 +25,11 @@ void require_valid(const SphereCell& cell, const std::vector<Vec2>& positions,
                                     fmt::format("height {} a", cell.height), "at least 1 a",
                                     "give the distance of the plates in sphere diameters"});
     }
+    if (!(cell.camera_distance >= 0) || !std::isfinite(cell.camera_distance)) {
+        throw OptionError(ErrorText{"the distance of the camera is out of range",
+                                    fmt::format("{} a", cell.camera_distance),
+                                    "more than 0, or 0 for a telecentric lens", ""});
+    }
     if (!(options.significance >= 0) || !(options.label_significance >= options.significance)) {
         throw OptionError(ErrorText{"the significance of an overlap is out of range",
                                     fmt::format("{} for rejections, {} for labels",
@@ -139,9 +144,10 @@ OverlapGraph::OverlapGraph(const SphereCell& cell, const std::vector<Vec2>& posi
                         cell.diameter;
                 if (!std::isfinite(error)) return;
             }
-            const double rise = rise_at(distance + options.significance * error);
+            const double most = distance + cell.parallax(0.5 * (positions[i] + positions[j]));
+            const double rise = rise_at(most + options.significance * error);
             if (rise <= 0) return;
-            pairs_.push_back({i, j, rise, rise_at(distance + options.label_significance * error)});
+            pairs_.push_back({i, j, rise, rise_at(most + options.label_significance * error)});
         };
         sorted.each_pair(kContact * cell.diameter, add);
     }

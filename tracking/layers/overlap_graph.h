@@ -12,9 +12,19 @@ namespace grainfield::tracking {
 struct SphereCell {
     double diameter = 0;  ///< true diameter a, not that of the dark disc [px]
     double height = 0;    ///< distance of the plates L_z; an upper bound errs on the safe side [a]
+    double camera_distance = 0;  ///< of a pinhole from the spheres, Z [a]; 0: telecentric
+    Vec2 axis{};                 ///< where its optical axis meets the frame [px]
 
     /// What the height of a centre can vary by, H = L_z − a [a].
     double slack() const { return height - 1; }
+
+    /// What perspective can do to the distance of two spheres around `place`: spheres at different
+    /// heights, a distance R from the axis, are displaced by up to R H / Z against each other, and
+    /// magnified by up to 1 + H / Z [a].
+    double parallax(Vec2 place) const {
+        return camera_distance > 0 ? (norm(place - axis) / diameter + 1) * slack() / camera_distance
+                                   : 0;
+    }
 };
 
 /// Two spheres that overlap in projection and therefore lie at different heights.
@@ -31,11 +41,12 @@ struct OverlapOptions {
 
 /// Which spheres overlap in projection, and what difference of height each overlap asks for.
 ///
-///     |z_i − z_j| ≥ δ_ij = sqrt(a² − (d_ij + n σ_ij)²),   0 ≤ z ≤ H
+///     |z_i − z_j| ≥ δ_ij = sqrt(a² − (d_ij + n σ_ij + p_ij)²),   0 ≤ z ≤ H
 ///
 /// d_ij distance in projection, σ_ij its standard error (the two position errors along the line of
-/// centres), n the significance granted. Pairs at or beyond contact (d + nσ ≥ (1 − 1e−6) a) ask for
-/// nothing and are left out. Equal spheres; the view is telecentric.
+/// centres), n the significance granted, p_ij the parallax of a camera that is not telecentric.
+/// Pairs at or beyond contact (d + nσ + p ≥ (1 − 1e−6) a) ask for nothing and are left out. Equal
+/// spheres.
 class OverlapGraph {
  public:
     /// One end of a pair.

@@ -169,5 +169,21 @@ TEST(Bilayer, EvidenceMustBeThereForEverySphere) {
     EXPECT_THROW(bilayer.admit(s, {1.0}), InputError);
 }
 
+// Two touching spheres of a hexagonal bilayer, d = 0.577 a, one on each plate, 50 a from the axis
+// of a camera 700 a away: the upper one, nearer the axis, is displaced outwards by 50 * 0.8165 /
+// 700.
+TEST(Bilayer, PerspectiveIsGrantedToSpheresFarFromTheAxis) {
+    const double seen = 1 / std::sqrt(3.0) - 50 * std::sqrt(2.0 / 3) / 700;
+    const std::vector<Vec2> position{{500, 0}, {500 + 10 * seen, 0}};
+    SphereCell cell{.diameter = 10, .height = 1.84};
+    EXPECT_EQ(impossible_sets(OverlapGraph(cell, position, {})).size(), 1)
+        << "a telecentric lens would not show them so near";
+    cell.camera_distance = 700;
+    EXPECT_TRUE(impossible_sets(OverlapGraph(cell, position, {})).empty());
+    cell.axis = {500, 0};
+    EXPECT_EQ(impossible_sets(OverlapGraph(cell, position, {})).size(), 1)
+        << "nor would this one on its axis";
+}
+
 }  // namespace
 }  // namespace grainfield::tracking

@@ -11,7 +11,7 @@
 namespace grainfield::tracking {
 namespace {
 
-constexpr SphereCell kCell{10, 1.94};
+constexpr SphereCell kCell{.diameter = 10, .height = 1.94};
 
 std::vector<Vec2> random_points(std::size_t n, double side) {
     RandomStream random(1, "points");
