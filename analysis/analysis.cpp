@@ -62,7 +62,8 @@ struct Measured {
 PhaseHistory::Sample phase_sample(const Pattern& pattern, const BondOrderField& field) {
     PhaseHistory::Sample sample{pattern.frame, pattern.time, pattern.id, {}};
     sample.abs_q.reserve(field.q.size());
-    for (const auto& q : field.q) sample.abs_q.push_back(static_cast<float>(std::abs(q)));
+    for (const auto& q : field.q)
+        sample.abs_q.push_back(static_cast<float>(std::sqrt(std::norm(q))));
     return sample;
 }
 
@@ -375,22 +376,38 @@ std::vector<ObservableResult> analyze(SnapshotSource& source, const AnalysisOpti
     if (frames > 0) box = pattern_of(source.read(0), diameter).box;
     Run run(options, source.info(), box, frames, workers);
 
-    const std::int64_t batch = 2 * std::int64_t{workers};
+    // While a batch is measured, the one before is added and the next one is read.
+    const std::int64_t batch = 4 * std::int64_t{workers};
+    const auto read = [&](std::int64_t first) {
+        std::vector<Pattern> patterns;
+        for (std::int64_t i = first; i < std::min(first + batch, frames); ++i) {
+            patterns.push_back(pattern_of(source.read(i), diameter));
+        }
+        return patterns;
+    };
+    std::vector<Pattern> next = read(0);
+    std::vector<Measured> before;
+    const auto add_before = [&] {
+        for (Measured& m : before) run.add(std::move(m));
+        progress.advance(static_cast<std::int64_t>(before.size()));
+    };
     for (std::int64_t first = 0; first < frames; first += batch) {
         throw_if_interrupted("analysis");
-        const std::int64_t count = std::min(batch, frames - first);
-        std::vector<Pattern> patterns;
-        for (std::int64_t i = 0; i < count; ++i) {
-            patterns.push_back(pattern_of(source.read(first + i), diameter));
-        }
-        std::vector<Measured> measured(static_cast<std::size_t>(count));
-        parallel_for(count, workers, [&](std::int64_t i) {
-            const auto at = static_cast<std::size_t>(i);
-            measured[at] = run.measure(std::move(patterns[at]), first + i);
+        std::vector<Pattern> patterns = std::move(next);
+        const auto count = static_cast<std::int64_t>(patterns.size());
+        std::vector<Measured> measured(patterns.size());
+        parallel_for(count + 2, workers, [&](std::int64_t task) {
+            if (task == 0) return add_before();
+            if (task == 1) {
+                next = read(first + batch);
+                return;
+            }
+            const auto at = static_cast<std::size_t>(task - 2);
+            measured[at] = run.measure(std::move(patterns[at]), first + task - 2);
         });
-        for (Measured& m : measured) run.add(std::move(m));
-        progress.advance(count);
+        before = std::move(measured);
     }
+    add_before();
     if (run.dropped() > 0) {
         plan.warn(fmt::format("{} positions that are not finite were left out", run.dropped()));
     }

@@ -39,11 +39,11 @@ void plan_analysis(SnapshotSource& source, const AnalysisOptions& options, RunPl
 
 /// Measures the chosen observables over all snapshots of the source.
 ///
-/// Snapshots are read in order, a few at a time; each batch is measured by up to `threads` threads
-/// and added in order, so the results are the same bits for any number of threads. Lengths are
-/// turned into units of a (TrajectoryInfo::diameter); times keep the unit of the trajectory.
-/// An observable that cannot be measured comes back with a `reason`. Observables come in the order
-/// q4, phase, msd, sk, s4, variance, fit, synthetic.
+/// Snapshots are read in order, a few at a time; each batch is measured by up to `threads` threads,
+/// while the next one is read and the one before is added in order, so the results are the same
+/// bits for any number of threads. Lengths are turned into units of a (TrajectoryInfo::diameter);
+/// times keep the unit of the trajectory. An observable that cannot be measured comes back with a
+/// `reason`. Observables come in the order q4, phase, msd, sk, s4, variance, fit, synthetic.
 ///
 /// Memory: a few snapshots and the accumulators (see the classes); only msd grows with the number
 /// of frames, up to its bound. Throws OptionError (options), InputError (inconsistent snapshots,

@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <mutex>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "core/fourier.h"
 
@@ -19,10 +23,39 @@ int most_of(const std::vector<int>& rows) {
     return *std::ranges::max_element(rows) - 1;
 }
 
-RealFourier2D<double>& transform_of(int nx, int ny) {
-    thread_local RealFourier2D<double> transform(1, 1);
-    if (transform.nx() != nx || transform.ny() != ny) transform = RealFourier2D<double>(nx, ny);
-    return transform;
+// Transforms that no thread works with: planning one takes as long as using it, and threads come
+// and go with every batch of frames. Never destroyed, so that no order of destruction matters.
+struct IdleTransforms {
+    std::mutex mutex;
+    std::vector<std::unique_ptr<RealFourier2D<double>>> idle;
+};
+
+IdleTransforms& idle_transforms() {
+    static auto* const transforms = new IdleTransforms;
+    return *transforms;
+}
+
+std::unique_ptr<RealFourier2D<double>> take_transform(int nx, int ny) {
+    {
+        IdleTransforms& transforms = idle_transforms();
+        const std::lock_guard lock(transforms.mutex);
+        for (auto& transform : transforms.idle) {
+            if (transform->nx() != nx || transform->ny() != ny) continue;
+            std::swap(transform, transforms.idle.back());
+            auto taken = std::move(transforms.idle.back());
+            transforms.idle.pop_back();
+            return taken;
+        }
+    }
+    return std::make_unique<RealFourier2D<double>>(nx, ny);
+}
+
+void give_back(std::unique_ptr<RealFourier2D<double>> transform) {
+    constexpr std::size_t most = 64;  // of the sizes used last
+    IdleTransforms& transforms = idle_transforms();
+    const std::lock_guard lock(transforms.mutex);
+    if (transforms.idle.size() >= most) transforms.idle.erase(transforms.idle.begin());
+    transforms.idle.push_back(std::move(transform));
 }
 
 // Into [0, n).
@@ -122,7 +155,8 @@ std::vector<std::complex<double>> NonuniformFourier::modes(std::span<const Vec2>
                                                            std::span<const double> weights,
                                                            Vec2 origin,
                                                            const ModeGrid& grid) const {
-    RealFourier2D<double>& transform = transform_of(nx_, ny_);
+    auto taken = take_transform(nx_, ny_);
+    RealFourier2D<double>& transform = *taken;
     std::ranges::fill(transform.real(), 0.0);
     const Sorted sorted = sort(positions, weights, origin, grid.spacing());
     SpreadTile tile;
@@ -149,6 +183,7 @@ std::vector<std::complex<double>> NonuniformFourier::modes(std::span<const Vec2>
         const auto abs_ny = static_cast<std::size_t>(std::abs(mode.ny));
         rho.push_back(factor_x_[nx] * factor_y_[abs_ny] * transform.complex()[row * columns + nx]);
     }
+    give_back(std::move(taken));
     return rho;
 }
 

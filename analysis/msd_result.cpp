@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <functional>
 #include <limits>
+#include <tuple>
 #include <utility>
 
 #include "analysis/blocks.h"
@@ -40,6 +41,7 @@ std::size_t groups_with_pairs(const MsdTable::Series& series, std::size_t lag) {
 
 struct Line {
     double slope = undefined;
+    double intercept = undefined;
     int points = 0;
 };
 
@@ -62,12 +64,18 @@ Line fit_line(const std::vector<double>& x, const std::vector<double>& y,
         sxx += weight[i] * (x[i] - mx) * (x[i] - mx);
         sxy += weight[i] * (x[i] - mx) * (y[i] - my);
     }
-    if (sxx > 0) line.slope = sxy / sxx;
+    if (sxx > 0) {
+        line.slope = sxy / sxx;
+        line.intercept = my - line.slope * mx;
+    }
     return line;
 }
 
 struct Fits {
     double diffusion = undefined;
+    double offset = undefined;
+    double first = undefined;  // of the lags that were fitted
+    double last = undefined;
     double exponent = undefined;
 };
 
@@ -86,7 +94,13 @@ Fits fit_last_decade(const std::vector<double>& time, const std::vector<double>&
         log_m.push_back(msd[i] > 0 ? std::log(msd[i]) : undefined);
         one.push_back(1);
     }
-    return {fit_line(t, m, relative).slope / 4, fit_line(log_t, log_m, one).slope};
+    const Line line = fit_line(t, m, relative);
+    Fits fits;
+    fits.diffusion = line.slope / 4;
+    fits.offset = line.intercept;
+    fits.exponent = fit_line(log_t, log_m, one).slope;
+    if (!t.empty()) std::tie(fits.first, fits.last) = std::pair(t.front(), t.back());
+    return fits;
 }
 
 Measurement fitted(const char* what, const char* unit, const std::string& phase, double value,
@@ -107,6 +121,18 @@ Measurement fitted(const char* what, const char* unit, const std::string& phase,
     return m;
 }
 
+// The fitted line of one phase, for the plot.
+void add_line(const Fits& fits, const std::string& phase, Curve& line) {
+    if (!std::isfinite(fits.diffusion) || !(fits.last > fits.first)) return;
+    constexpr int pieces = 20;
+    for (int i = 0; i <= pieces; ++i) {
+        const double t = fits.first * std::pow(fits.last / fits.first, 1.0 * i / pieces);
+        line.columns[0].values.push_back(t);
+        line.columns[1].values.push_back(4 * fits.diffusion * t + fits.offset);
+        line.text_columns["phase"].push_back(phase);
+    }
+}
+
 }  // namespace
 
 void add_msd(const MsdTable& table, ObservableResult& result) {
@@ -118,27 +144,34 @@ void add_msd(const MsdTable& table, ObservableResult& result) {
     Column err{"err", "a^2", "Standard error", {}};
     Column n{"n", "-", "Pairs of sightings", {}};
     std::vector<std::string> phase;
+    Curve line{"msd_fit",
+               "MSD = 4 D t + c",
+               {{"t", "time unit", "Lag time", {}}, {"msd", "a^2", "Fitted MSD", {}}},
+               {}};
 
     const std::size_t none = std::numeric_limits<std::size_t>::max();
     for (std::size_t c = 0; c < names.size(); ++c) {
         const MsdTable::Series& series = table.series[c];
         const std::string name = names[c];
         if (c > 0 && !table.has_phases) {
-            for (const char* what : {"d", "exponent"}) {
+            for (const auto& [what, unit] :
+                 {std::pair{"d", "a^2/time unit"}, std::pair{"exponent", "-"},
+                  std::pair{"offset", "a^2"}}) {
                 result.measurements.push_back(
-                    missing(std::string(what) + "_" + name, what[0] == 'd' ? "a^2/time unit" : "-",
+                    missing(std::string(what) + "_" + name, unit,
                             "the phases of the particles were not followed"));
             }
             continue;
         }
         const std::vector<double> mean = mean_without(series, none);
         std::vector<std::vector<double>> left(series.sum.size());
-        std::vector<double> d_left, exponent_left;
+        std::vector<double> d_left, exponent_left, offset_left;
         for (std::size_t g = 0; g < left.size(); ++g) {
             left[g] = mean_without(series, g);
             const Fits fits = fit_last_decade(table.time, left[g]);
             d_left.push_back(fits.diffusion);
             exponent_left.push_back(fits.exponent);
+            offset_left.push_back(fits.offset);
         }
         for (std::size_t l = 0; l < mean.size(); ++l) {
             if (!std::isfinite(mean[l])) continue;
@@ -160,6 +193,9 @@ void add_msd(const MsdTable& table, ObservableResult& result) {
                                              table.particles[c], table.note));
         result.measurements.push_back(fitted("exponent", "-", name, fits.exponent, exponent_left,
                                              table.particles[c], table.note));
+        result.measurements.push_back(fitted("offset", "a^2", name, fits.offset, offset_left,
+                                             table.particles[c], table.note));
+        add_line(fits, name, line);
     }
     if (t.values.empty()) {
         result.measurements.clear();
@@ -169,6 +205,7 @@ void add_msd(const MsdTable& table, ObservableResult& result) {
     curve.columns = {t, msd, err, n};
     curve.text_columns["phase"] = phase;
     result.curves.push_back(curve);
+    if (!line.columns[0].values.empty()) result.curves.push_back(line);
 }
 
 }  // namespace grainfield::analysis

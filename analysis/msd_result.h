@@ -26,7 +26,8 @@ struct MsdTable {
 /// (diffusion coefficient) and `exponent_*`, with jackknife errors over the groups.
 ///
 /// Both are fitted over the last decade of lags: MSD = 4 D t + c with weights 1/t² (equal relative
-/// errors), ln MSD = exponent · ln t + const. At least three lags are needed.
+/// errors), ln MSD = exponent · ln t + const. At least three lags are needed. `offset_*` is c:
+/// 4 σ² of the localisation noise less 4 D t_e/3 of an exposure t_e. Curve `msd_fit`: the lines.
 void add_msd(const MsdTable& table, ObservableResult& result);
 
 }  // namespace grainfield::analysis

@@ -15,7 +15,7 @@ constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
 constexpr double bin_width = 0.1;
 constexpr std::int64_t most_frames = 32;
 constexpr std::int64_t most_starts = 16;
-constexpr std::size_t most_centres = 20000;
+constexpr std::size_t most_centres = 2000;
 constexpr double least_pairs = 20;  // in a bin that is shown
 
 bool is_known(const std::complex<double>& q) {

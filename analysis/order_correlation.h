@@ -19,15 +19,14 @@ namespace grainfield::analysis {
 ///   C(τ) = ⟨Re(Q_j*(t) Q_j(t + τ))⟩ over particles and t / ⟨|Q_j(t)|²⟩  (curve `q4_time`)
 ///
 /// r up to 10 a (half the shorter side of the box, if that is less) in bins of 0.1 a, in 32 frames
-/// spread over the run and from at most 20,000 particles of each; τ from 16 starting frames spread
+/// spread over the run and from some 2,000 particles of each; τ from 16 starting frames spread
 /// over the run, eight lags a decade up to half of it, for particles with identities. Lags are the
 /// mean differences of the time stamps. Errors: jackknife over the chosen frames in 16 blocks, and
 /// over the starting frames.
 ///
 /// Measurements: order_length and order_time, where C falls below 1/e for the first time.
 ///
-/// Cost about 25 ms for each of the 32 frames at 11,704 particles. Memory: 24 B a particle and
-/// starting frame.
+/// Cost about 30 ms for each of the 32 frames. Memory: 24 B a particle and starting frame.
 class OrderCorrelation {
  public:
     struct Sample {

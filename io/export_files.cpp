@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -175,13 +176,25 @@ std::string curve_text(const Curve& curve) {
     return text;
 }
 
+// "a^2/time unit" → "a^2/s".
+std::string unit_of(std::string unit, TimeUnit time_unit) {
+    constexpr std::string_view words = "time unit";
+    const std::size_t at = unit.find(words);
+    if (at == std::string::npos) return unit;
+    const char* name = time_unit == TimeUnit::second  ? "s"
+                       : time_unit == TimeUnit::frame ? "frames"
+                                                      : "sqrt(a/g)";
+    return unit.replace(at, words.size(), name);
+}
+
 // What the columns of all curves are; the tables themselves stay plain.
-std::string units_text(const std::vector<const Curve*>& curves) {
+std::string units_text(const std::vector<const Curve*>& curves, TimeUnit time_unit) {
     std::string text = "curve,column,unit,meaning\n";
     for (const Curve* curve : curves) {
         for (const Column& column : curve->columns) {
             append_field(text, curve->name);
-            for (const std::string& words : {column.name, column.unit, column.meaning}) {
+            for (const std::string& words :
+                 {column.name, unit_of(column.unit, time_unit), column.meaning}) {
                 text += ',';
                 append_field(text, words);
             }
@@ -273,7 +286,7 @@ void export_curves(const Results& results, const std::filesystem::path& folder,
     for (const Curve* curve : curves)
         outputs.emplace_back(folder / (curve->name + ".csv"), overwrite);
     outputs.emplace_back(folder / units_file, overwrite);
-    outputs.back().write(units_text(curves));
+    outputs.back().write(units_text(curves, results.source.time_unit));
     for (std::size_t i = 0; i < curves.size(); ++i) outputs[i].write(curve_text(*curves[i]));
     for (TextOutput& output : outputs) output.commit();
 }

@@ -189,6 +189,23 @@ Figure displacement(const Runs& runs, const std::vector<std::string>& labels) {
         }
         if (any) figure.kinds.push_back({phase, Mark::line, true});
     }
+    for (const std::string phase : {"all", "liquid", "solid"}) {
+        const std::size_t place = figure.kinds.size();
+        bool any = false;
+        for (std::size_t r = 0; r < runs.size(); ++r) {
+            const Source line{"msd", "msd_fit", "t", "msd", ""};
+            const Curve* curve = find_curve(runs[r], line);
+            if (curve == nullptr || runs[r].source.time_unit != time_unit) continue;
+            const auto& words = curve->text_columns.at("phase");
+            auto series = take(*curve, line, [&](std::size_t i) { return words.at(i) == phase; });
+            if (!series) continue;
+            series->run = r;
+            series->kind = place;
+            figure.series.push_back(std::move(*series));
+            any = true;
+        }
+        if (any) figure.kinds.push_back({phase + ", 4 D t + c", Mark::curve, true});
+    }
     for (std::size_t r = 0; r < runs.size(); ++r) {
         if (found[r]) continue;
         const TimeUnit own = runs[r].source.time_unit;

@@ -134,7 +134,8 @@ Figure synthetic(const Runs& runs, const std::vector<std::string>& labels) {
         drawn(runs, labels,
               {"synthetic",
                "Number variance of other boxes, from S(k)",
-               "Boxes are periodic with a fixed number of particles: σ² vanishes at ℓ = L.",
+               "Boxes are periodic with a fixed number of particles: σ² vanishes at ℓ = L. Above "
+               "the measured k S = 1 is taken, which shows at small ℓ.",
                {"l", "Window side ℓ", unit, Scale::log, false},
                {"variance", "σ²(ℓ)", "", Scale::log, false},
                source,

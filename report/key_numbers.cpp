@@ -100,6 +100,9 @@ const std::map<std::string, std::string>& quantity_titles() {
         {"d_all", "Diffusion coefficient"},
         {"d_liquid", "Diffusion coefficient, liquid"},
         {"d_solid", "Diffusion coefficient, solid"},
+        {"offset_all", "Offset of the MSD, 4σ² of the localisation"},
+        {"offset_liquid", "Offset of the MSD, liquid"},
+        {"offset_solid", "Offset of the MSD, solid"},
         {"exponent_all", "MSD exponent"},
         {"exponent_liquid", "MSD exponent, liquid"},
         {"exponent_solid", "MSD exponent, solid"}};

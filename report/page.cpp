@@ -13,6 +13,7 @@
 #include "report/plotly_figure.h"
 #include "report/run_identity.h"
 #include "report/run_record.h"
+#include "report/spectrum_map.h"
 #include "report/text.h"
 
 namespace grainfield::report {
@@ -177,6 +178,23 @@ std::string map_html(const PageContent& content) {
     return out + "</section>\n";
 }
 
+// Pictures of S(k) by wavevector, of the first runs that have one.
+std::string spectrum_maps_html(const PageContent& content) {
+    constexpr std::size_t most = 4;
+    std::string out;
+    std::size_t drawn = 0;
+    for (std::size_t r = 0; r < content.runs.size() && drawn < most; ++r) {
+        const std::string svg = spectrum_map_svg(content.runs[r], content.labels[r]);
+        if (svg.empty()) continue;
+        ++drawn;
+        out +=
+            "<figure class=\"spectrum-map\"><div class=\"head\"><figcaption><h3>S(k) by wavevector";
+        if (content.runs.size() > 1) out += ", " + escape_html(content.labels[r]);
+        out += "</h3></figcaption></div>\n" + svg + "</figure>\n";
+    }
+    return out;
+}
+
 std::string tables_html(const PageContent& content) {
     std::string out;
     for (const Table& table : content.tables) {
@@ -230,6 +248,7 @@ std::string page_html(const PageContent& content) {
     out += tables_html(content) + numbers_html(content);
     out += map_html(content) + "<section class=\"figures\">\n";
     for (const Figure& figure : content.figures) out += figure_html(content, figure);
+    out += spectrum_maps_html(content);
     out += "</section>\n" + skipped_html(content.runs, content.labels, content.plan);
     out += "<section><h2>How this was made</h2>\n";
     out += records_html(content.runs, content.labels) + "</section>\n</main>\n";

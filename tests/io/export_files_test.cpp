@@ -183,6 +183,19 @@ TEST(ExportCurves, WritesOneTableForEachIntoANewFolder) {
     EXPECT_EQ(read_bytes(folder / "new/curves/msd.csv"),
               "t,phase,msd\n0.5,liquid,2\n1,\"a, \"\"b\"\"\",\n");
     EXPECT_EQ(read_bytes(folder / "new/curves/empty.csv"), "\n");
+    EXPECT_EQ(read_bytes(folder / "new/curves/units.csv"),
+              "curve,column,unit,meaning\nmsd,t,s,\nmsd,msd,a^2,\n");
+}
+
+TEST(ExportCurves, NamesTheTimeUnitOfTheRun) {
+    const testing::ScratchFolder folder;
+    Results results = two_curves();
+    results.source.time_unit = TimeUnit::second;
+    results.observables[0].curves[0].columns[0].unit = "time unit";
+    results.observables[0].curves[0].columns[1].unit = "a^2/time unit";
+    export_curves(results, folder.path(), Overwrite::refuse);
+    EXPECT_EQ(read_bytes(folder / "units.csv"),
+              "curve,column,unit,meaning\nmsd,t,s,\nmsd,msd,a^2/s,\n");
 }
 
 TEST(ExportCurves, WritesNothingIfOneOfTheFilesExists) {
@@ -192,7 +205,7 @@ TEST(ExportCurves, WritesNothingIfOneOfTheFilesExists) {
     EXPECT_EQ(folder.entries(), 1U);
     EXPECT_EQ(read_bytes(folder / "empty.csv"), "mine");
     export_curves(two_curves(), folder.path(), Overwrite::force);
-    EXPECT_EQ(folder.entries(), 2U);
+    EXPECT_EQ(folder.entries(), 3U);
 }
 
 TEST(ExportCurves, RefusesNamesThatLeadOutOfTheFolder) {
