@@ -247,8 +247,8 @@ void Tracker::summarise(const TrackSummary& summary) {
     }
     if (layers.contradictory > 0) {
         plan_.warn(fmt::format(
-            "{} of {} positions have no layer because no heights fit their cluster; is --height "
-            "or --sphere-diameter too small, or a sphere false?",
+            "{} of {} positions have no layer because their overlaps contradict each other; is "
+            "--height or --sphere-diameter too small, or a sphere false?",
             layers.contradictory, layers.spheres));
     }
     if (summary.repeated > 0) {

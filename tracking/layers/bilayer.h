@@ -56,7 +56,7 @@ class Bilayer {
         std::int64_t rejected_pairs = 0, rejected_triples = 0;
         std::int64_t spheres = 0;        ///< kept, all frames
         std::int64_t labelled = 0;       ///< of those
-        std::int64_t contradictory = 0;  ///< in clusters that no heights fit
+        std::int64_t contradictory = 0;  ///< in rings that no heights fit
         bool is_exact = true;            ///< what is kept is proven to be the likeliest
     };
     const Summary& summary() const { return summary_; }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <unordered_map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,6 +13,8 @@ namespace grainfield::tracking {
 namespace {
 
 constexpr double kTolerance = 1e-9;  // of a height [a]
+constexpr std::size_t kLargestSearch = 2000;
+constexpr int kMostRounds = 10;
 
 class SideInference {
  public:
@@ -23,29 +26,42 @@ class SideInference {
           members_(graph.size()),
           low_(graph.size(), graph.slack() / 2),
           high_(graph.size(), graph.slack()),
-          broken_(graph.size(), 0),
+          doubtful_(graph.size(), 0),
+          forced_(graph.pairs().size(), 0),
+          contradicts_(graph.pairs().size(), 0),
           queued_(graph.pairs().size(), 0) {
         std::iota(parent_.begin(), parent_.end(), 0U);
     }
 
     void run() {
+        std::vector<std::uint32_t> first;
         for (std::uint32_t e = 0; e < graph_.pairs().size(); ++e) {
             // Weaker overlaps say nothing until their spheres are bound.
-            if (graph_.pairs()[e].sure_rise > graph_.slack() / 2) enqueue(e);
+            if (graph_.pairs()[e].sure_rise > graph_.slack() / 2) first.push_back(e);
         }
+        // The surest first: where two contradict each other, the weaker one is not believed.
+        std::stable_sort(first.begin(), first.end(), [this](auto a, auto b) {
+            return graph_.pairs()[a].sure_rise > graph_.pairs()[b].sure_rise;
+        });
+        for (const std::uint32_t e : first) enqueue(e);
         for (std::size_t k = 0; k < queue_.size(); ++k) {
             queued_[queue_[k]] = 0;
-            apply(graph_.pairs()[queue_[k]]);
+            apply(queue_[k]);
         }
+        for (std::uint32_t e = 0; e < contradicts_.size(); ++e) {
+            if (contradicts_[e] != 0) doubt_ring(e);
+        }
+    }
+
+    /// Spheres of rings that contradict themselves.
+    const std::vector<char>& doubtful() const { return doubtful_; }
+    bool is_consistent() const {
+        return std::find(doubtful_.begin(), doubtful_.end(), 1) == doubtful_.end();
     }
 
     LayerLabels labels();
 
  private:
-    std::uint32_t root(std::uint32_t i) const {
-        while (parent_[i] != i) i = parent_[i];
-        return i;
-    }
     /// Root, and whether i lies on the other side of it. Unions by size keep the paths short.
     std::pair<std::uint32_t, bool> side(std::uint32_t i) const {
         bool other = false;
@@ -66,27 +82,31 @@ class SideInference {
         for (const auto link : graph_.links(i)) enqueue(link.pair);
     }
 
-    void apply(const OverlapPair& pair) {
+    void apply(std::uint32_t e) {
+        const OverlapPair& pair = graph_.pairs()[e];
         const std::uint32_t i = pair.first;
         const std::uint32_t j = pair.second;
         const double rise = pair.sure_rise;
         const double slack = graph_.slack();
         auto [root_i, other_i] = side(i);
         auto [root_j, other_j] = side(j);
-        if (broken_[root_i] != 0 || broken_[root_j] != 0) return;
         const bool i_may_be_higher = high_[i] >= low_[j] + rise - kTolerance;
         const bool j_may_be_higher = high_[j] >= low_[i] + rise - kTolerance;
         const bool may_be_alike = i_may_be_higher || j_may_be_higher;
         const bool may_be_opposite = high_[i] + high_[j] >= slack + rise - kTolerance;
+        if (!may_be_alike && !may_be_opposite) {
+            contradicts_[e] = 1;
+            return;
+        }
+        if (may_be_alike != may_be_opposite) forced_[e] = 1;
         if (root_i != root_j) {
-            if (may_be_alike && may_be_opposite) return;
+            if (forced_[e] == 0) return;
             join(root_i, root_j, (other_i != other_j) != may_be_opposite);
-            if (!may_be_alike && !may_be_opposite) broken_[root(i)] = 1;
             other_j = other_i != may_be_opposite;
         }
         const bool opposite = other_i != other_j;
         if (opposite ? !may_be_opposite : !may_be_alike) {
-            broken_[root(i)] = 1;
+            contradicts_[e] = 1;
         } else if (opposite) {
             raise(i, slack + rise - high_[j]);
             raise(j, slack + rise - high_[i]);
@@ -99,11 +119,30 @@ class SideInference {
         }
     }
 
+    /// One of the spheres of the shortest ring that a contradiction closes is not where it seems;
+    /// nobody knows which.
+    void doubt_ring(std::uint32_t e) {
+        const std::uint32_t start = graph_.pairs()[e].first;
+        const std::uint32_t goal = graph_.pairs()[e].second;
+        doubtful_[start] = doubtful_[goal] = 1;
+        std::unordered_map<std::uint32_t, std::uint32_t> before{{start, start}};
+        std::vector<std::uint32_t> reached{start};
+        for (std::size_t k = 0; k < reached.size() && reached.size() < kLargestSearch; ++k) {
+            for (const auto link : graph_.links(reached[k])) {
+                if (forced_[link.pair] == 0 || contradicts_[link.pair] != 0) continue;
+                if (!before.emplace(link.sphere, reached[k]).second) continue;
+                reached.push_back(link.sphere);
+                if (link.sphere != goal) continue;
+                for (std::uint32_t i = goal; i != start; i = before[i]) doubtful_[i] = 1;
+                return;
+            }
+        }
+    }
+
     void join(std::uint32_t one, std::uint32_t other, bool opposite) {
         if (members_[one].size() < members_[other].size()) std::swap(one, other);
         parent_[other] = one;
         opposite_[other] = opposite ? 1 : 0;
-        broken_[one] |= broken_[other];
         auto& joined = members_[one];
         joined.push_back(other);
         joined.insert(joined.end(), members_[other].begin(), members_[other].end());
@@ -112,22 +151,24 @@ class SideInference {
         members_[other] = {};
     }
 
+    // A bound beyond the other one is not believed, and its sphere not named.
     void raise(std::uint32_t i, double value) {
         if (value <= low_[i] + 1e-12) return;
+        if (value > high_[i] + kTolerance) {
+            doubtful_[i] = 1;
+            return;
+        }
         low_[i] = value;
-        settle(i);
+        enqueue_around(i);
     }
     void lower(std::uint32_t i, double value) {
         if (value >= high_[i] - 1e-12) return;
-        high_[i] = value;
-        settle(i);
-    }
-    void settle(std::uint32_t i) {
-        if (low_[i] > high_[i] + kTolerance) {
-            broken_[root(i)] = 1;
-        } else {
-            enqueue_around(i);
+        if (value < low_[i] - kTolerance) {
+            doubtful_[i] = 1;
+            return;
         }
+        high_[i] = value;
+        enqueue_around(i);
     }
 
     const OverlapGraph& graph_;
@@ -136,7 +177,8 @@ class SideInference {
     std::vector<char> opposite_;                       ///< to the parent
     std::vector<std::vector<std::uint32_t>> members_;  ///< of a root, itself left out
     std::vector<double> low_, high_;                   ///< of w [a]
-    std::vector<char> broken_, queued_;                ///< by root; by pair
+    std::vector<char> doubtful_;                       ///< spheres
+    std::vector<char> forced_, contradicts_, queued_;  ///< pairs
     std::vector<std::uint32_t> queue_;
 };
 
@@ -154,7 +196,7 @@ LayerLabels SideInference::labels() {
     for (std::uint32_t i = 0; i < n; ++i) {
         const auto [root, other] = side(i);
         if (members_[root].empty()) continue;
-        if (broken_[root] != 0) {
+        if (doubtful_[i] != 0) {
             ++result.contradictory;
             continue;
         }
@@ -183,9 +225,23 @@ LayerLabels label_layers(const OverlapGraph& graph, const std::vector<char>& kep
                                    fmt::format("{} marks", kept.size()),
                                    fmt::format("{}", graph.size()), ""});
     }
-    SideInference inference(graph, kept);
-    inference.run();
-    return inference.labels();
+    // Without the spheres that contradict each other the rest may be consistent.
+    std::vector<char> believed = kept;
+    std::int64_t contradictory = 0;
+    for (int round = 1;; ++round) {
+        SideInference inference(graph, believed);
+        inference.run();
+        if (inference.is_consistent() || round == kMostRounds) {
+            LayerLabels labels = inference.labels();
+            labels.contradictory += contradictory;
+            return labels;
+        }
+        for (std::size_t i = 0; i < believed.size(); ++i) {
+            if (inference.doubtful()[i] == 0) continue;
+            believed[i] = 0;
+            ++contradictory;
+        }
+    }
 }
 
 void keep_sides(LayerLabels& labels, const std::vector<Layer>& earlier) {

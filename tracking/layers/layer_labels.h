@@ -10,11 +10,11 @@ namespace grainfield::tracking {
 
 /// Which spheres lie below and which above the mid-plane, up to turning a cluster upside down.
 struct LayerLabels {
-    std::vector<Layer> layer;             ///< unknown: alone, rejected, or contradictory
+    std::vector<Layer> layer;             ///< unknown: alone, left out, or doubtful
     std::vector<std::int32_t> cluster;    ///< spheres whose layers are fixed together; −1: none
     std::vector<double> lowest, highest;  ///< bounds of the centre's height, 0 … H [a]
     std::int32_t clusters = 0;
-    std::int64_t contradictory = 0;  ///< spheres of clusters that no heights fit
+    std::int64_t contradictory = 0;  ///< spheres of rings that no heights fit
     double slack = 0;                ///< H [a]
 };
 
@@ -28,9 +28,12 @@ struct LayerLabels {
 ///     alike    if u_i + u_j < H + δ,
 ///
 /// and then bound each other, w_i ≥ H + δ − u_j (opposite) or w_i ≥ w_j + δ (alike, if j cannot be
-/// the higher). [l, u] are the bounds so far; this is repeated until nothing changes. What is
-/// labelled is certain if the positions are within the significance granted to labels and no false
-/// sphere is among them; what is not forced stays unknown.
+/// the higher). [l, u] are the bounds so far; this is repeated until nothing changes, the largest δ
+/// first. What is labelled is certain if the positions are within the significance granted to
+/// labels and no false sphere is among them; what is not forced stays unknown. Where
+/// overlaps contradict each other, one sphere of every ring of them that does is not where it
+/// seems: the spheres of the shortest such rings stay unknown, and the rest is inferred anew
+/// without them.
 ///
 /// A silhouette does not say which side is up. Convention: in each cluster the side with more
 /// spheres is called bottom; if both have as many, that of the sphere with the lowest index.

@@ -98,6 +98,22 @@ TEST(LayerLabels, AnOddRingOfCloseSpheresIsAContradiction) {
     for (const Layer layer : labels.layer) EXPECT_EQ(layer, Layer::unknown);
 }
 
+TEST(LayerLabels, AMisplacedSphereLeavesTheRestOfTheCrystalItsLayers) {
+    const auto scene = testing::shaken_bilayer(30, 1.94, 0.8, 0.02, 60, 1);
+    testing::SlitScene wrong = scene;
+    int moved = 0;
+    for (std::size_t i = 0; i < wrong.position.size(); i += 97, ++moved) {
+        wrong.position[i] += Vec2{0.25, 0.2};
+    }
+    const auto labels = labels_of(graph_of(wrong));
+    const Verdict verdict = judged(labels, scene);
+    EXPECT_GT(labels.contradictory, 0);
+    // A misplaced sphere costs some twenty others their labels, and nobody gets a wrong one.
+    EXPECT_LT(labels.contradictory, 25 * moved);
+    EXPECT_LE(verdict.wrong, 1);
+    EXPECT_GT(static_cast<double>(verdict.labelled), 0.7 * static_cast<double>(scene.z.size()));
+}
+
 TEST(LayerLabels, NothingIsSaidOfSpheresThatDoNotOverlapEnough) {
     const testing::SlitScene apart{10, 1.94, {{2, 2}, {2.95, 2}, {6, 6}}, {}};
     const auto labels = labels_of(graph_of(apart));
