@@ -95,6 +95,7 @@ std::vector<OptionTable> ValidateCommand::options() {
     for (OptionTable& table : simulate::describe(md_)) tables.push_back(std::move(table));
     for (OptionTable& table : simulate::describe(render_)) tables.push_back(std::move(table));
     for (OptionTable& table : tracking::describe(tracking_)) tables.push_back(std::move(table));
+    tables.push_back(analysis::describe(fit_));
     tables.push_back(describe(thresholds_));
     return tables;
 }
@@ -235,6 +236,7 @@ Summary ValidateCommand::run(Session& session) {
     if (report_.figures) figures.emplace(figures_folder(output_), overwrite);
     ValidationSettings settings;
     settings.tracking = tracking_;
+    settings.fit = fit_;
     settings.previews = previews_;
     settings.threads = session.threads();
     settings.verbosity = session.common.verbosity();

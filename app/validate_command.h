@@ -56,6 +56,7 @@ class ValidateCommand : public Command {
     simulate::MdOptions md_;
     simulate::RenderOptions render_;
     tracking::TrackOptions tracking_;
+    analysis::FitOptions fit_;
     ValidationThresholds thresholds_;
 };
 

@@ -145,8 +145,10 @@ void analyse(Results& run, StoredSnapshots& snapshots, const ValidationSettings&
              ValidationOutcome& outcome, RunPlan& plan) {
     Progress progress("analysing " + run.label + " positions", snapshots.count(), "frames",
                       settings.verbosity);
-    run.observables = analysis::analyze(snapshots, {}, settings.threads, plan, progress);
-    analysis::AnalysisOptions free;
+    analysis::AnalysisOptions usual;
+    usual.fit = settings.fit;
+    run.observables = analysis::analyze(snapshots, usual, settings.threads, plan, progress);
+    analysis::AnalysisOptions free = usual;
     free.observables = "fit";
     free.fit.exponent = analysis::Exponent::free;
     RunPlan same;

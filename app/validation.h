@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "analysis/fit_result.h"
 #include "app/validation_outcome.h"
 #include "core/frame_source.h"
 #include "core/progress.h"
@@ -22,7 +23,8 @@ struct ValidationCase {
 
 struct ValidationSettings {
     tracking::TrackOptions tracking;
-    int previews = 1;  ///< frames kept for the report
+    analysis::FitOptions fit;  ///< of S(k), true and tracked; fitted with α free as well
+    int previews = 1;          ///< frames kept for the report
     int threads = 1;
     Verbosity verbosity = Verbosity::normal;
     bool slow_frames = false;  ///< a frame takes long: show the progress from the first one on

@@ -1,7 +1,7 @@
 // Run time against error of finding spheres, on frames whose truth is known: one row of CSV for
 // each frame, setting and class of spheres. `--quick` does small frames in seconds and fails if
-// easy ones are not tracked at the bound; `--many` does 40,000 spheres. Plots and tables:
-// bench/tracking/work-precision.
+// easy ones are not tracked at the bound; `--many` does 40,000 spheres; `--options A,B` sweeps only
+// these options. Plots and tables: bench/tracking/work-precision.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -244,7 +244,14 @@ std::vector<Setting> option_settings() {
     return settings;
 }
 
-void sweep_options() {
+/// `only`: comma list of options; empty: all.
+void sweep_options(const std::string& only) {
+    std::vector<Setting> settings = option_settings();
+    if (!only.empty()) {
+        std::erase_if(settings, [&](const Setting& s) {
+            return ("," + only + ",").find("," + s.option + ",") == std::string::npos;
+        });
+    }
     for (const CameraModel camera : {CameraModel::own, CameraModel::silhouette}) {
         FrameSpec spec;
         spec.camera = camera;
@@ -255,7 +262,7 @@ void sweep_options() {
         frames[3].diameter = 6;
         frames[3].edge = 0.12;
         frames[3].noise = 0.05;
-        for (const FrameSpec& f : frames) measure("options", f, option_settings(), 5);
+        for (const FrameSpec& f : frames) measure("options", f, settings, 5);
     }
 }
 
@@ -347,7 +354,11 @@ int main(int argc, char** argv) {
         many();
         return 0;
     }
+    if (argc > 2 && std::strcmp(argv[1], "--options") == 0) {
+        sweep_options(argv[2]);
+        return 0;
+    }
     sweep_frames();
-    sweep_options();
+    sweep_options("");
     return 0;
 }

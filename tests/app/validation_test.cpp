@@ -85,6 +85,26 @@ TEST(Validation, AnalysesTheTrueAndTheTrackedPositionsAlike) {
     EXPECT_GT(outcome.predicted_msd_offset, 0);
 }
 
+TEST(Validation, FitsTheStructureFactorOfTrueAndTrackedPositionsInTheRangeGiven) {
+    sample::Film film = sample::film(7);  // below eight frames count as independent
+    RunPlan plan;
+    ValidationSettings settings;
+    settings.threads = 2;
+    settings.verbosity = Verbosity::quiet;
+    settings.fit.k_max = 1.9;
+    settings.fit.bootstrap = 40;
+    tracking::TrackSummary summary;
+    const ValidationOutcome outcome =
+        validate({*film.frames, film.truth, 12.0, 30.0}, settings, summary, plan);
+    std::map<std::string, DownstreamEffect> effects;
+    for (const DownstreamEffect& e : outcome.effects) effects[e.name] = e;
+    for (const char* name : {"s0_over_s1", "s0", "s1", "alpha", "s0_over_s1_free_alpha"}) {
+        EXPECT_TRUE(std::isfinite(effects.at(name).truth)) << effects.at(name).reason;
+        EXPECT_TRUE(std::isfinite(effects.at(name).tracked)) << effects.at(name).reason;
+    }
+    EXPECT_NEAR(effects.at("s0").tracked, effects.at("s0").truth, 0.05);
+}
+
 TEST(Validation, ComparesByTheKeysOfTheAnalysis) {
     sample::Film film = sample::film(1);
     RunPlan plan;
