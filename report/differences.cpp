@@ -101,8 +101,11 @@ std::vector<RunPair> pairs_of(const std::vector<Results>& runs,
             const auto& rate_b = runs[members[j]].source.frame_rate;
             const bool rates_differ =
                 rate_a && rate_b && std::abs(*rate_a - *rate_b) > 0.01 * std::abs(*rate_a);
-            const bool match = a.origin != b.origin && a.parameter == b.parameter &&
-                               same(a.value, b.value) && !rates_differ;
+            // Fields at one ν but of other dimension or b are other models.
+            const bool models_differ = a.is_field || b.is_field;
+            const bool match = !models_differ && a.origin != b.origin &&
+                               a.parameter == b.parameter && same(a.value, b.value) &&
+                               !rates_differ;
             if (match) pairs.push_back({members[i], members[j]});
         }
     }

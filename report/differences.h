@@ -17,7 +17,7 @@ struct RunPair {
 };
 
 /// The runs that differ in origin only: same control parameter, same frame rate where both know
-/// one. Of two runs in all, those two.
+/// one, no fields (another dimension or b is another model). Of two runs in all, those two.
 std::vector<RunPair> pairs_of(const std::vector<Results>& runs,
                               const std::vector<RunIdentity>& identities);
 

@@ -201,7 +201,12 @@
           for (const i of members) {
             const x = (map.px[i] - map.x[0]) * scale;
             const y = (map.yDown ? map.py[i] - map.y[0] : map.y[1] - map.py[i]) * scale;
-            context.rect(x - r, y - r, 2 * r, 2 * r);
+            if (r < 1.5) {
+              context.rect(x - r, y - r, 2 * r, 2 * r);
+            } else {
+              context.moveTo(x + r, y);
+              context.arc(x, y, r, 0, 2 * Math.PI);
+            }
           }
           context.fill();
         });

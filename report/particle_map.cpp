@@ -94,9 +94,13 @@ ParticleMap describe(const Results& run, std::size_t index, const Preview& previ
 void encode(ParticleMap& map, const Image& image, std::size_t budget) {
     if (image.empty()) return;
     const int largest = std::max(1, std::min({8, image.width(), image.height()}));
-    for (map.reduction = 1;; ++map.reduction) {
+    // The size falls with the number of pixels: most steps in between need not be tried.
+    for (map.reduction = 1;;) {
         map.png = encode_png(image, map.reduction);
         if (map.png.size() <= budget || map.reduction >= largest) break;
+        const double excess = static_cast<double>(map.png.size()) / static_cast<double>(budget);
+        const int guess = static_cast<int>(0.8 * map.reduction * std::sqrt(excess));
+        map.reduction = std::clamp(guess, map.reduction + 1, largest);
     }
     const int r = map.reduction;
     const int width = image.width() / r * r;

@@ -73,6 +73,12 @@ class Plan:
         """Frames kept for the report: a film to step through, and one frame of each other."""
         return 20 if film == "fast" and gamma == text(self.experiment["map-gamma"]) else 1
 
+    def particle_fit_options(self, system):
+        """Of analyze, for "experiment" or "layer": the range of the fit where it is not left to the
+        pre-peak."""
+        size = getattr(self, system)
+        return [f"--fit-k-max={size['k-max-fit']}"] if "k-max-fit" in size else []
+
     def diameter_px(self):
         return self.experiment["pixels"] / EXPERIMENT_LENGTH
 

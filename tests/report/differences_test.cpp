@@ -55,6 +55,19 @@ TEST(Differences, LeaveOutRunsOfAnotherFrameRate) {
     EXPECT_EQ(pairs[0].second, 2U);
 }
 
+TEST(Differences, DoNotPairFieldsOfOtherModels) {
+    std::vector<RunIdentity> identities(3);
+    for (RunIdentity& identity : identities) {
+        identity.parameter = "ν";
+        identity.value = 0.01;
+        identity.is_field = true;
+    }
+    identities[0].origin = "field, 1D, b = 2";
+    identities[1].origin = "field, 1D, b = 4";
+    identities[2].origin = "field, 2D, b = 4";
+    EXPECT_TRUE(pairs_of(std::vector<Results>(3), identities).empty());
+}
+
 TEST(Differences, AreNotThereWithoutCommonNumbers) {
     const std::vector<Results> runs{run_of(Origin::video, 0.5, 0), run_of(Origin::md, 0.3, 0.1)};
     EXPECT_FALSE(differences(runs, {"A", "B"}, identities_of(runs)).has_value());

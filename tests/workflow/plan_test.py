@@ -70,6 +70,12 @@ class TheRuns(unittest.TestCase):
         self.assertEqual(full.film_before("fast"), "slow2")
         self.assertEqual(option(full.film_options("4.5", "fast"), "discard"), "0")
 
+    def test_only_small_fits_particles_below_a_wavevector_of_its_own(self):
+        for scale in plan.SCALES:
+            for system in ("experiment", "layer"):
+                options = plan.Plan(scale).particle_fit_options(system)
+                self.assertEqual(len(options), 1 if scale == "small" else 0)
+
     def test_all_names_differ(self):
         for scale in plan.SCALES:
             p = plan.Plan(scale)
