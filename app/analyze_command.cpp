@@ -198,9 +198,10 @@ Summary AnalyzeCommand::work(Session& session) const {
     const auto file = io::open_snapshots(input, box, hints);
     AdjustedSnapshots snapshots(*file, adjustment);
     if (const auto* tracks = dynamic_cast<const io::TrajectoryFile*>(file.get());
-        tracks != nullptr && !diameter_) {
+        tracks != nullptr) {
         for (const std::string& warning : tracks->record().warnings) {
-            if (warning.starts_with(apparent_diameter_warning)) session.plan.warn(warning);
+            const bool is_apparent = warning.starts_with(apparent_diameter_warning) && !diameter_;
+            if (is_apparent || warning.starts_with("incomplete")) session.plan.warn(warning);
         }
     }
     if (session.common.explain) {

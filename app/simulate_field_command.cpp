@@ -86,6 +86,7 @@ std::vector<OptionTable> SimulateFieldCommand::options() {
 
 Summary SimulateFieldCommand::run(Session& session) {
     require_output(session, output_);
+    require_hdf5_name(output_);
     field_.seed = static_cast<std::uint64_t>(session.common.seed);
     field_.threads = session.threads();
     const std::vector<double> list = parse_list(nu_list_);

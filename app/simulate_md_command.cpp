@@ -1,6 +1,7 @@
 #include "app/simulate_md_command.h"
 
 #include <chrono>
+#include <cmath>
 #include <optional>
 #include <system_error>
 
@@ -102,6 +103,12 @@ simulate::GrainState SimulateMdCommand::initial_state(const Session& session) co
     const auto seed = static_cast<std::uint64_t>(session.common.seed);
     if (start_.empty()) return simulate::make_initial_state(md_, seed);
     const auto source = io::open_snapshots(start_, std::nullopt, {});
+    if (source->count() == 0) {
+        throw InputError({.problem = fmt::format("cannot start from {}", quoted(start_)),
+                          .actual = "it holds no snapshots",
+                          .expected = "at least one",
+                          .suggestion = "was run.discard longer than the run?"});
+    }
     const std::int64_t frame = start_frame_ < 0 ? source->count() - 1 : start_frame_;
     if (frame < 0 || frame >= source->count()) {
         throw OptionError({.problem = "start-frame: no such snapshot",
@@ -194,10 +201,29 @@ void SimulateMdCommand::finish(Session& session, const MdSimulation& simulation,
     session.outputs.push_back(output_);
 }
 
+void SimulateMdCommand::plan_snapshots(RunPlan& plan) const {
+    const simulate::RunOptions& run = md_.run;
+    const double first = run.discard + run.snapshot_phase;
+    if (first > run.periods) {
+        plan.skip("snapshots", fmt::format("the first would come after {:g} periods", first),
+                  "the trajectory");
+        plan.warn(
+            fmt::format("no snapshot will be written: the run lasts {:g} periods, of which "
+                        "{:g} are discarded; lower run.discard or raise run.periods",
+                        run.periods, run.discard));
+        return;
+    }
+    plan.run("snapshots",
+             fmt::format("{:.0f}, every {:g} periods from {:g} on",
+                         std::floor((run.periods - first) / run.snapshot_every * (1 + 1e-12)) + 1,
+                         run.snapshot_every, first));
+}
+
 Summary SimulateMdCommand::run(Session& session) {
     if (!order_) {
         session.plan.skip("order parameters", "not asked for (--order)", "|Q4| of every snapshot");
     }
+    plan_snapshots(session.plan);
     if (session.common.explain) {
         if (start_.empty()) {
             session.plan.run("initial state", "made from [initial]");
@@ -210,6 +236,7 @@ Summary SimulateMdCommand::run(Session& session) {
         return explanation(session.plan);
     }
     require_output(session, output_);
+    require_hdf5_name(output_);
     if (!start_.empty()) session.inputs.emplace_back(start_);
     std::error_code ignored;
     const bool has_checkpoint = std::filesystem::exists(checkpoint_path(), ignored);
@@ -252,7 +279,13 @@ Summary SimulateMdCommand::run(Session& session) {
         try {
             finish(session, simulation, segments, writer);
         } catch (const Interrupted&) {
-            if (!failure.empty()) return summary;
+            if (!failure.empty()) {
+                session.plan.warn(fmt::format(
+                    "'{0}' was not written: a signal came while its snapshots were joined; they "
+                    "are in {0}.segment-*",
+                    output_));
+                return summary;
+            }
             is_complete = false;
         }
     }

@@ -39,6 +39,7 @@ class SimulateMdCommand : public Command {
     std::vector<std::pair<std::string, std::string>> physics(const Session& session) const;
     void run_to_end(Session& session, simulate::MdSimulation& simulation,
                     SnapshotSegments& segments) const;
+    void plan_snapshots(RunPlan& plan) const;
     void save(const Session& session, const simulate::MdSimulation& simulation,
               SnapshotSegments& segments) const;
     /// The checkpoint of this very run; nothing without --resume.

@@ -54,7 +54,8 @@ OptionTable describe(InitialOptions& o) {
 
 OptionTable describe(RunOptions& o) {
     OptionTable t("run");
-    t.number("periods", o.periods, "-", {0, 1e9}, "length of the run");
+    t.number("periods", o.periods, "-", {0, 1e9},
+             "length of the run in periods 2π/ω; where nothing vibrates, in sqrt(a/g)");
     t.number("discard", o.discard, "-", {0, 1e9}, "periods before the first snapshot");
     t.number("snapshot-every", o.snapshot_every, "-", {1e-3, 1e9}, "periods between snapshots");
     t.number("snapshot-phase", o.snapshot_phase, "-", {0, 1}, "of the vibration, in periods");

@@ -15,6 +15,9 @@ namespace grainfield::simulate {
 
 namespace {
 
+// A sphere that touches both sides of its gap at once would collide without end.
+constexpr double least_gap = 1 + 1e-6;
+
 // The cell grid needs two cells on a periodic axis, each a hair wider than a diameter.
 constexpr double least_periodic = 2 + 1e-6;
 
@@ -51,15 +54,17 @@ void require_valid(const MdSystem& system) {
     for (const auto& [name, value, walls] :
          {std::tuple{"cell.length-x", system.length.x, system.walls_x},
           std::tuple{"cell.length-y", system.length.y, system.walls_y}}) {
-        require(value >= (walls ? 1 : least_periodic) && value <= 60000, name, value,
-                walls ? "1 … 60000 a between walls" : "2.000001 … 60000 a with periodic boundaries",
+        require(value >= (walls ? least_gap : least_periodic) && value <= 60000, name, value,
+                walls ? "1.000001 … 60000 a between walls"
+                      : "2.000001 … 60000 a with periodic boundaries",
                 "make the box larger");
     }
     const bool periodic_z = system.vertical == Vertical::periodic;
-    require(system.length.z >= (periodic_z ? least_periodic : 1) && system.length.z <= 60000,
-            "cell.height", system.length.z,
-            periodic_z ? "2.000001 … 60000 a with periodic boundaries" : "1 … 60000 a",
-            periodic_z ? "make the box larger" : "a sphere must fit between the plates");
+    require(
+        system.length.z >= (periodic_z ? least_periodic : least_gap) && system.length.z <= 60000,
+        "cell.height", system.length.z,
+        periodic_z ? "2.000001 … 60000 a with periodic boundaries" : "1.000001 … 60000 a",
+        periodic_z ? "make the box larger" : "a sphere must move between the plates");
     require(system.gravity >= 0, "cell.gravity", system.gravity, "≥ 0");
     require(!periodic_z || system.gravity == 0, "cell.gravity", system.gravity,
             "0 where the vertical direction is periodic", "set vertical = \"plates\"");

@@ -126,6 +126,24 @@ TEST(SimulateMd, ThePresetOfAMinuteEndsInAReport) {
     }
 }
 
+TEST(SimulateMd, SaysBeforeItRunsThatNoSnapshotWillBeWritten) {
+    const ScratchFolder folder;
+    const std::vector<std::string> run{
+        "simulate", "md",        "-o", folder / "a.h5", "--grains", "40",        "--length-x",
+        "10",       "--periods", "3",  "--length-y",    "10",       "--discard", "5"};
+    const Outcome plan = testing::run_grainfield(with(run, {"--explain"}));
+    EXPECT_THAT(plan.out, HasSubstr("skip snapshots"));
+    const Outcome done = testing::run_grainfield(run);
+    EXPECT_EQ(done.code, 0);
+    EXPECT_THAT(done.err, HasSubstr("no snapshot will be written"));
+    const Outcome start = testing::run_grainfield(
+        {"simulate", "md", "-o", folder / "b.h5", "--start", folder / "a.h5"});
+    EXPECT_EQ(start.code, 3);
+    EXPECT_THAT(start.err, HasSubstr("holds no snapshots"));
+    EXPECT_EQ(testing::run_grainfield(with(run, {"--force", "--height", "1"})).code, 2) << "no gap";
+    EXPECT_EQ(testing::run_grainfield({"simulate", "md", "-o", folder / "a.csv"}).code, 2);
+}
+
 TEST(SimulateMd, ThreadsDoNotChangeAByte) {
     const ScratchFolder folder;
     for (const char* threads : {"1", "2", "8"}) {

@@ -7,7 +7,7 @@
 namespace grainfield::tracking {
 namespace {
 
-constexpr double kSample = 1.5e4;  // levels to 0.05 % of the contrast at 2 % noise
+constexpr double kSample = 4e4;  // fewer, and the medians of whole counts jump by half a count
 // Below this share of the pixels a level is not seen well enough to be followed.
 constexpr double kLeastShare = 0.01;
 // Ranks shift a little when spheres gather or leave; the fit settles what is smaller than this.
