@@ -34,7 +34,7 @@ double side_from(std::string text) {
     throw OptionError({.problem = "synthetic.sides holds something that is no side of a box",
                        .actual = "'" + text + "'",
                        .expected = "positive lengths in a, or inf, with commas between them",
-                       .suggestion = "--synthetic-sides 100,1000,inf"});
+                       .suggestion = "--sides 100,1000,inf"});
 }
 
 std::vector<double> sides_of(const SyntheticOptions& options, double own) {
@@ -172,7 +172,8 @@ OptionTable describe(SyntheticOptions& options) {
     table.choice("spectrum", options.spectrum,
                  {{"measured", SpectrumSource::measured}, {"fit", SpectrumSource::fit}},
                  "S(k) as measured above the fit, or the fit continued to S = 1");
-    table.number("largest", options.largest, "a", {1, 1e6}, "largest window in an infinite box");
+    table.number("largest-window", options.largest, "a", {1, 1e6},
+                 "largest window in an infinite box");
     return table;
 }
 
