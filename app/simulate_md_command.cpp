@@ -104,10 +104,11 @@ simulate::GrainState SimulateMdCommand::initial_state(const Session& session) co
     if (start_.empty()) return simulate::make_initial_state(md_, seed);
     const auto source = io::open_snapshots(start_, std::nullopt, {});
     if (source->count() == 0) {
-        throw InputError({.problem = fmt::format("cannot start from {}", quoted(start_)),
-                          .actual = "it holds no snapshots",
-                          .expected = "at least one",
-                          .suggestion = "was run.discard longer than the run?"});
+        throw InputError(
+            {.problem = fmt::format("cannot start from {}", quoted(std::filesystem::path(start_))),
+             .actual = "it holds no snapshots",
+             .expected = "at least one",
+             .suggestion = "was run.discard longer than the run?"});
     }
     const std::int64_t frame = start_frame_ < 0 ? source->count() - 1 : start_frame_;
     if (frame < 0 || frame >= source->count()) {
