@@ -16,7 +16,7 @@ constexpr double kCandidateShare = 0.1;
 constexpr double kUnusual = 2;
 constexpr double kSurely = 0.5;
 constexpr double kSameAgain = 0.25;  // [D]
-constexpr double kFewPlaces = 0.2;  // of the image: beyond, the transforms are cheaper
+constexpr double kFewPlaces = 0.2;   // of the image: beyond, the transforms are cheaper
 constexpr double kHalfSplit = 0.3;   // [D]
 
 /// RMS of the residual where the model is flat (clear background or core), outliers beyond four
