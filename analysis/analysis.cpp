@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -393,7 +394,7 @@ std::vector<ObservableResult> analyze(SnapshotSource& source, const AnalysisOpti
     };
     for (std::int64_t first = 0; first < frames; first += batch) {
         throw_if_interrupted("analysis");
-        std::vector<Pattern> patterns = std::move(next);
+        std::vector<Pattern> patterns = std::exchange(next, {});
         const auto count = static_cast<std::int64_t>(patterns.size());
         std::vector<Measured> measured(patterns.size());
         parallel_for(count + 2, workers, [&](std::int64_t task) {
