@@ -88,7 +88,7 @@ TEST_F(GivenFrames, EndWithExitCodeFiveWhenAThresholdIsMissedAndStillGiveTheRepo
     ASSERT_EQ(summary["thresholds"].size(), 2U);
     EXPECT_EQ(summary["thresholds"][0]["met"], true);
     EXPECT_EQ(summary["thresholds"][1]["met"], false);
-    EXPECT_THAT(testing::read_all(*folder_ / "c.html"), HasSubstr("class=\"failed\""));
+    EXPECT_THAT(testing::read_all(*folder_ / "c.html"), HasSubstr("failed\">missed"));
     EXPECT_TRUE(std::filesystem::exists(*folder_ / "c_files/scores.csv"));
 }
 
