@@ -105,6 +105,11 @@ Measurement crossover(const ObservableResult& fit, const SpectrumModel::Line& li
     return m;
 }
 
+// Below zero by more than rounding: where S0 is.
+bool is_negative(const SyntheticVariance& value, double density, double window) {
+    return value.variance < -1e-9 * density * window * window;
+}
+
 struct Table {
     Curve curve{"synthetic",
                 "Number variance from S(k)",
@@ -119,7 +124,7 @@ struct Table {
              const std::vector<SyntheticVariance>& values) {
         const std::string name = std::isfinite(side) ? fmt::format("{:.6g}", side) : "inf";
         for (std::size_t i = 0; i < windows.size(); ++i) {
-            if (values[i].variance < 0) continue;  // S0 below zero; said by add_side
+            if (is_negative(values[i], density, windows[i])) continue;  // said by add_side
             curve.columns[0].values.push_back(windows[i]);
             curve.columns[1].values.push_back(values[i].variance);
             // What lies beyond the measured wavevectors is assumed, not measured: wholly uncertain.

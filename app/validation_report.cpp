@@ -80,7 +80,7 @@ Table track_table(const ValidationOutcome& outcome) {
         "Pixel locking: first harmonic of the mean error against the sub-pixel phase.";
     table.columns = {{"value", "Value", "", false}, {"meaning", "Meaning", "", true}};
     const auto row = [&](const char* name, report::TableCell value, std::string meaning) {
-        table.rows.push_back({name, {std::move(value), {NAN, std::move(meaning), false}}});
+        table.rows.push_back({name, {std::move(value), {std::nan(""), std::move(meaning), false}}});
     };
     row("α", share(t.alpha), "1: all true tracks followed");
     row("β", share(t.beta), "α less what spurious tracks cost");
@@ -128,7 +128,7 @@ Table effect_table(const ValidationOutcome& outcome) {
                                number(e.tracked),
                                number(e.tracked - e.truth, "{:+.2g}"),
                                number(e.error, "{:.2g}"),
-                               {NAN, e.reason, false}}});
+                               {std::nan(""), e.reason, false}}});
     }
     table.rows.push_back({"MSD at the shortest lag: offset, where 4σ² is expected [a²]",
                           {number(outcome.predicted_msd_offset, "{:.3g}"),
