@@ -155,11 +155,9 @@ std::string add_side(Table& table, const SpectrumModel& model, const SyntheticIn
             std::isfinite(side) ? synthetic_variance(model, input.density, side, windows)
                                 : synthetic_variance(model, input.density, windows);
         table.add(side, input.density, windows, values);
-        const auto negative =
-            std::ranges::find_if(values, [](const SyntheticVariance& v) { return v.variance < 0; });
-        if (negative != values.end()) {
-            return fmt::format("no variance from {:.3g} a on: S0 is below zero",
-                               windows[static_cast<std::size_t>(negative - values.begin())]);
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            if (!is_negative(values[i], input.density, windows[i])) continue;
+            return fmt::format("no variance from {:.3g} a on: S0 is below zero", windows[i]);
         }
     } catch (const OptionError& error) {
         return error.what();
