@@ -59,6 +59,8 @@ ordered_json summary_facts(const ValidationOutcome& outcome, const tracking::Tra
     const auto locking = [&](int axis) { return number(detection.pixel_locking(axis).amplitude); };
     facts_of_run["pixel_locking_px"] = {locking(0), locking(1)};
     facts_of_run["layer_accuracy"] = number(outcome.scores.layers().accuracy());
+    facts_of_run["layer_accuracy_up_to_flip"] =
+        number(outcome.scores.layers().accuracy_up_to_flip());
     facts_of_run["q4_error"] = number(outcome.scores.q4_rms());
     facts_of_run["msd_offset"] = number(outcome.msd_offset);
     facts_of_run["msd_offset_expected"] = number(outcome.predicted_msd_offset);

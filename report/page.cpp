@@ -96,7 +96,8 @@ std::string absent_html(const Figure& figure) {
     for (const auto& [reason, runs] : reasons) {
         std::string who;
         for (const std::string& run : runs) who.append(who.empty() ? "" : "; ").append(run);
-        list += fmt::format("<li>Without {}</li>", escape_html(who + ": " + reason));
+        who.append(": ").append(reason);
+        list += fmt::format("<li>Without {}</li>", escape_html(who));
     }
     list += "</ul>\n";
     constexpr std::size_t most_open = 3;

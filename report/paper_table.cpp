@@ -46,7 +46,7 @@ Found find(const PaperValue& paper, const std::vector<Results>& runs,
 }  // namespace
 
 std::string verdict(const PaperValue& paper, const Measurement* ours) {
-    const std::string unresolved = "not resolved at this scale";
+    const char* const unresolved = "not resolved at this scale";
     if (ours == nullptr || !is_known(*ours)) return unresolved;
     if (*ours->error > least_resolved * std::abs(paper.value)) return unresolved;
     const double apart =
