@@ -419,7 +419,8 @@ CrossBlock coupling(const StencilView& a, Vec2 centre_a, const StencilView& b, V
     const int right = a.anchor.x - b.anchor.x;
     for (int j = std::max(0, -down); j < std::min(lines, lines - down); ++j) {
         const DiscStencil::Row& in_a = spans[static_cast<std::size_t>(j)];
-        const DiscStencil::Row& in_b = spans[static_cast<std::size_t>(j + down)];
+        const int line_of_b = j + down;
+        const DiscStencil::Row& in_b = spans[static_cast<std::size_t>(line_of_b)];
         // Columns seen from the anchor of a.
         const int first = std::max(in_a.first, in_b.first - right);
         const int end = std::min(in_a.first + in_a.count, in_b.first - right + in_b.count);
