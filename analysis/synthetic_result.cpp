@@ -1,6 +1,5 @@
 #include "analysis/synthetic_result.h"
 
-#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>

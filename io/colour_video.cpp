@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 #include <string>
 #include <utility>
 
@@ -13,21 +12,13 @@ extern "C" {
 }
 
 #include "core/errors.h"
-#include "io/libav.h"
+#include "io/video_encoder.h"
 
 namespace grainfield::io {
 
 namespace {
 
 namespace fs = std::filesystem;
-
-// The context that writes, unlike LibavDeleter's, which reads.
-struct OutputDeleter {
-    void operator()(AVFormatContext* context) const {
-        avio_closep(&context->pb);
-        avformat_free_context(context);
-    }
-};
 
 const char* muxer_of(const fs::path& path) {
     const std::string extension = path.extension().string();
@@ -40,22 +31,38 @@ std::uint8_t level(double value) {
     return static_cast<std::uint8_t>(std::clamp(std::lround(value), 0L, 255L));
 }
 
+VideoEncoder::Format for_people(const fs::path& path, const ColourVideoOptions& options) {
+    const AVCodec* codec = avcodec_find_encoder_by_name("libx264");
+    if (codec == nullptr) codec = avcodec_find_encoder(AV_CODEC_ID_MPEG4);
+    const auto configure = [codec, &options](AVCodecContext& encoder) {
+        encoder.width = options.width / 2 * 2;
+        encoder.height = options.height / 2 * 2;
+        encoder.pix_fmt = AV_PIX_FMT_YUV420P;
+        encoder.colorspace = AVCOL_SPC_SMPTE170M;
+        encoder.color_range = AVCOL_RANGE_MPEG;
+        encoder.framerate = av_d2q(options.fps, 100'000);
+        encoder.gop_size = 25;
+        encoder.flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
+        if (codec->id == AV_CODEC_ID_H264) {
+            av_opt_set(encoder.priv_data, "preset", "veryfast", 0);
+            av_opt_set_double(encoder.priv_data, "crf", options.quality, 0);
+        } else {
+            encoder.flags |= AV_CODEC_FLAG_QSCALE;
+            encoder.global_quality = 4 * FF_QP2LAMBDA;
+        }
+    };
+    return {.codec = codec,
+            .codec_name = "H.264 or MPEG-4",
+            .muxer = muxer_of(path),
+            .configure = configure};
+}
+
 }  // namespace
 
 class ColourVideo::Encoder {
  public:
     Encoder(const fs::path& path, const ColourVideoOptions& options, Overwrite overwrite)
-        : options_(options), file_(path, overwrite) {
-        open_encoder();
-        open_file();
-        packet_.reset(av_packet_alloc());
-        frame_.reset(av_frame_alloc());
-        if (!packet_ || !frame_) throw std::bad_alloc();
-        frame_->format = encoder_->pix_fmt;
-        frame_->width = encoder_->width;
-        frame_->height = encoder_->height;
-        check(av_frame_get_buffer(frame_.get(), 0));
-    }
+        : options_(options), encoder_(path, overwrite, for_people(path, options)) {}
 
     void write(std::span<const std::uint8_t> rgb) {
         const auto expected = static_cast<std::size_t>(options_.width) *
@@ -66,86 +73,24 @@ class ColourVideo::Encoder {
                                .expected = fmt::format("{}, as announced", expected),
                                .suggestion = {}});
         }
-        check(av_frame_make_writable(frame_.get()));
-        fill(rgb);
-        frame_->pts = written_++;
-        check(avcodec_send_frame(encoder_.get(), frame_.get()));
-        drain();
+        fill(encoder_.picture(), rgb);
+        encoder_.send();
     }
 
-    void finish() {
-        check(avcodec_send_frame(encoder_.get(), nullptr));
-        drain();
-        check(av_write_trailer(output_.get()));
-        avio_flush(output_->pb);
-        if (output_->pb->error < 0) check(output_->pb->error);
-        output_.reset();
-        file_.commit();
-    }
+    void finish() { encoder_.finish(); }
 
  private:
-    [[noreturn]] void fail(const std::string& reason) const {
-        throw OutputError({.problem = fmt::format("cannot write '{}'", file_.target().string()),
-                           .actual = reason,
-                           .expected = {},
-                           .suggestion = "check the free space and quota of that disk"});
-    }
-    void check(int code) const {
-        if (code < 0) fail(libav_error(code));
-    }
-
-    void open_encoder() {
-        const AVCodec* codec = avcodec_find_encoder_by_name("libx264");
-        if (codec == nullptr) codec = avcodec_find_encoder(AV_CODEC_ID_MPEG4);
-        if (codec == nullptr) fail("libavcodec has no encoder for H.264 or MPEG-4");
-        encoder_.reset(avcodec_alloc_context3(codec));
-        if (!encoder_) throw std::bad_alloc();
-        encoder_->opaque = &log_;
-        encoder_->width = options_.width / 2 * 2;
-        encoder_->height = options_.height / 2 * 2;
-        encoder_->pix_fmt = AV_PIX_FMT_YUV420P;
-        encoder_->colorspace = AVCOL_SPC_SMPTE170M;
-        encoder_->color_range = AVCOL_RANGE_MPEG;
-        encoder_->framerate = av_d2q(options_.fps, 100'000);
-        encoder_->time_base = av_inv_q(encoder_->framerate);
-        encoder_->gop_size = 25;
-        encoder_->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
-        if (codec->id == AV_CODEC_ID_H264) {
-            av_opt_set(encoder_->priv_data, "preset", "veryfast", 0);
-            av_opt_set_double(encoder_->priv_data, "crf", options_.quality, 0);
-        } else {
-            encoder_->flags |= AV_CODEC_FLAG_QSCALE;
-            encoder_->global_quality = 4 * FF_QP2LAMBDA;
-        }
-        check(avcodec_open2(encoder_.get(), codec, nullptr));
-    }
-
-    void open_file() {
-        AVFormatContext* context = nullptr;
-        check(avformat_alloc_output_context2(&context, nullptr, muxer_of(file_.target()), nullptr));
-        output_.reset(context);
-        context->opaque = &log_;
-        context->flags |= AVFMT_FLAG_BITEXACT;
-        stream_ = avformat_new_stream(context, nullptr);
-        if (stream_ == nullptr) throw std::bad_alloc();
-        stream_->time_base = encoder_->time_base;
-        stream_->avg_frame_rate = encoder_->framerate;
-        check(avcodec_parameters_from_context(stream_->codecpar, encoder_.get()));
-        check(avio_open(&context->pb, file_.temporary().c_str(), AVIO_FLAG_WRITE));
-        check(avformat_write_header(context, nullptr));
-    }
-
     // RGB to Y'CbCr of BT.601, limited range; chroma is the mean of 2 × 2 pixels.
-    void fill(std::span<const std::uint8_t> rgb) {
-        const int width = encoder_->width;
-        const int height = encoder_->height;
+    void fill(AVFrame& picture, std::span<const std::uint8_t> rgb) const {
+        const int width = picture.width;
+        const int height = picture.height;
         const auto at = [&](int x, int y) {
             return rgb.data() +
                    3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(options_.width) +
                         static_cast<std::size_t>(x));
         };
         const auto row = [&](int plane, int y) {
-            return frame_->data[plane] + static_cast<std::ptrdiff_t>(y) * frame_->linesize[plane];
+            return picture.data[plane] + static_cast<std::ptrdiff_t>(y) * picture.linesize[plane];
         };
         for (int y = 0; y < height; ++y) {
             std::uint8_t* luma = row(0, y);
@@ -173,27 +118,8 @@ class ColourVideo::Encoder {
         }
     }
 
-    void drain() {
-        for (;;) {
-            const int code = avcodec_receive_packet(encoder_.get(), packet_.get());
-            if (code == AVERROR(EAGAIN) || code == AVERROR_EOF) return;
-            check(code);
-            packet_->stream_index = stream_->index;
-            packet_->duration = 1;
-            av_packet_rescale_ts(packet_.get(), encoder_->time_base, stream_->time_base);
-            check(av_interleaved_write_frame(output_.get(), packet_.get()));
-        }
-    }
-
     ColourVideoOptions options_;
-    OutputFile file_;
-    LibavLog log_;
-    LibavPointer<AVCodecContext> encoder_;
-    std::unique_ptr<AVFormatContext, OutputDeleter> output_;
-    AVStream* stream_ = nullptr;  // owned by output_
-    LibavPointer<AVPacket> packet_;
-    LibavPointer<AVFrame> frame_;
-    std::int64_t written_ = 0;
+    VideoEncoder encoder_;
 };
 
 ColourVideo::ColourVideo(const fs::path& path, const ColourVideoOptions& options,

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "io/passed_frames.h"
 #include "io/picture.h"
 
 namespace grainfield::io {
@@ -82,26 +83,19 @@ Selection parse_range(std::string_view range, std::int64_t count) {
     return {.first = first, .step = step, .count = (end - first - 1) / step + 1};
 }
 
-class SelectedFrames : public FrameSource {
+class SelectedFrames : public PassedFrames {
  public:
     SelectedFrames(std::unique_ptr<FrameSource> source, Selection selection)
-        : source_(std::move(source)), selection_(selection) {}
+        : PassedFrames(std::move(source)), selection_(selection) {}
 
     std::int64_t count() const override { return selection_.count; }
-    int width() const override { return source_->width(); }
-    int height() const override { return source_->height(); }
-    int bit_depth() const override { return source_->bit_depth(); }
-    std::optional<double> frame_rate() const override { return source_->frame_rate(); }
-    std::string name() const override { return source_->name(); }
-    const std::vector<std::string>& warnings() const override { return source_->warnings(); }
 
     Frame read(std::int64_t position) override {
         require_frame_index(position, selection_.count, name() + " (selected frames)");
-        return source_->read(selection_.first + position * selection_.step);
+        return source().read(selection_.first + position * selection_.step);
     }
 
  private:
-    std::unique_ptr<FrameSource> source_;
     Selection selection_;
 };
 

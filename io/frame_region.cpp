@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "io/passed_frames.h"
 
 namespace grainfield::io {
 namespace {
@@ -23,29 +24,19 @@ std::optional<int> whole_number(std::string_view text) {
     return value;
 }
 
-/// Passes everything on but what read() changes.
-class ChangedFrames : public FrameSource {
+/// Everything but what read() changes.
+class ChangedFrames : public PassedFrames {
  public:
-    explicit ChangedFrames(std::unique_ptr<FrameSource> source) : source_(std::move(source)) {}
-
-    std::int64_t count() const override { return source_->count(); }
-    int width() const override { return source_->width(); }
-    int height() const override { return source_->height(); }
-    int bit_depth() const override { return source_->bit_depth(); }
-    std::optional<double> frame_rate() const override { return source_->frame_rate(); }
-    std::string name() const override { return source_->name(); }
-    const std::vector<std::string>& warnings() const override { return source_->warnings(); }
+    using PassedFrames::PassedFrames;
 
     Frame read(std::int64_t index) override {
-        Frame frame = source_->read(index);
+        Frame frame = source().read(index);
         if (frame.status == FrameStatus::ok) change(frame.image);
         return frame;
     }
 
  private:
     virtual void change(Image& image) = 0;
-
-    std::unique_ptr<FrameSource> source_;
 };
 
 class CroppedFrames : public ChangedFrames {

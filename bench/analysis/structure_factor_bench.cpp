@@ -7,17 +7,10 @@
 #include <benchmark/benchmark.h>
 
 #include "analysis/density_modes.h"
-#include "core/random.h"
+#include "bench/analysis/uniform_points.h"
 
 namespace grainfield::analysis {
 namespace {
-
-std::vector<Vec2> uniform_points(std::int64_t particles, double side) {
-    RandomStream random(1, "uniform points");
-    std::vector<Vec2> points(static_cast<std::size_t>(particles));
-    for (Vec2& p : points) p = {side * random.uniform(), side * random.uniform()};
-    return points;
-}
 
 // Arguments: particles, side of the box [a], largest n of the wavevectors dk · n, and whether
 // dk = 2π/L (2) or π/L (1).

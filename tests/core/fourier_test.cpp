@@ -162,8 +162,9 @@ TEST(FastFourierSize, IsTheSmallestProductOfTwoThreeFiveAndSeven) {
 
 int main(int argc, char** argv) {
     testing::InitGoogleTest(&argc, argv);
-    std::string folder = testing::TempDir() + "grainfield-fourier-XXXXXX";
-    if (mkdtemp(folder.data()) == nullptr) return 1;
+    const std::string folder =
+        testing::TempDir() + "grainfield-fourier-" + std::to_string(getpid());
+    if (!std::filesystem::create_directory(folder)) return 1;
     setenv("XDG_CACHE_HOME", folder.c_str(), 1);
     const int failed = RUN_ALL_TESTS();
     std::filesystem::remove_all(folder);
