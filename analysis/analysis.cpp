@@ -12,6 +12,7 @@
 #include "analysis/bond_statistics.h"
 #include "analysis/observable_set.h"
 #include "analysis/order_correlation.h"
+#include "analysis/order_examples.h"
 #include "analysis/solid_clusters.h"
 #include "core/errors.h"
 #include "core/interrupt.h"
@@ -82,6 +83,7 @@ class Run {
         if (wanted_.phase || wanted_.msd) phase_.emplace(options.phase, info, frames);
         if (wanted_.q4) order_.emplace(box, frames);
         if (wanted_.phase) clusters_.emplace(phase_->follows());
+        if (wanted_.phase && phase_->follows()) examples_.emplace(options.phase);
         cluster_stride_ = std::max<std::int64_t>(1, (frames + 63) / 64);
         if (wanted_.msd) msd_.emplace(options.msd, frames, threads);
         if (wanted_.sk || wanted_.fit || wanted_.synthetic) sk_.emplace(options.sk, box, frames);
@@ -160,6 +162,7 @@ class Run {
         };
         if (phase_) phase_->close_window();
         if (clusters_ && phase_->follows() && !last_.id.empty()) add_clusters();
+        if (examples_) examples_->close_window();
         if (wanted_.q4) {
             push(seconds_.q4, [&] {
                 ObservableResult q4 = bonds_.result();
@@ -171,6 +174,7 @@ class Run {
             push(seconds_.phase, [&] {
                 ObservableResult phase = phase_->result();
                 clusters_->add_to(phase);
+                if (examples_) examples_->add_to(phase);
                 return phase;
             });
         }
@@ -190,7 +194,13 @@ class Run {
  private:
     void add_phase(const Pattern& pattern, const BondOrderField& field) {
         const std::int64_t before = phase_->windows();
-        phase_->add(phase_sample(pattern, field));
+        PhaseHistory::Sample sample = phase_sample(pattern, field);
+        const bool example = examples_ && examples_->wants_more();
+        phase_->add(example ? sample : std::move(sample));
+        if (example) {
+            if (phase_->windows() > before) examples_->close_window();
+            examples_->add(std::move(sample));
+        }
         if (!clusters_) return;
         if (!phase_->follows()) {
             if (phase_frames_++ % cluster_stride_ != 0) return;
@@ -249,6 +259,7 @@ class Run {
     std::optional<OrderCorrelation> order_;
     std::optional<PhaseHistory> phase_;
     std::optional<SolidClusters> clusters_;
+    std::optional<OrderExamples> examples_;
     struct LastFrame {  // of the open window
         std::vector<std::int64_t> id;
         BondOrderField field;

@@ -1,8 +1,9 @@
 "use strict";
 // The page of a grainfield report: draws the figures with Plotly and the particle maps on a canvas
 // under Plotly's axes. All data come from the JSON block #report-data; texts are only ever set as
-// text. When everything is drawn <html> gets data-ready = number of plots; problems are collected
-// in data-errors.
+// text. What is in sight is drawn first (data-opened: milliseconds until then), the rest one figure an
+// idle moment. When everything is drawn <html> gets data-ready = number of plots; problems are
+// collected in data-errors.
 (() => {
   const root = document.documentElement;
   const problem = (text) => {
@@ -113,11 +114,14 @@
     tools.append(button);
   }
 
-  function drawFigure(figure) {
-    const plot = document.getElementById("plot-" + figure.name);
+  const plotOf = (figure) => document.getElementById("plot-" + figure.name);
+
+  // `size`: in print, where there is no time to fit the window.
+  function drawFigure(figure, size = {}) {
+    const plot = plotOf(figure);
     const box = plot.closest("figure");
     const layout = {
-      ...figure.layout,
+      ...figure.layout, ...size,
       font, showlegend: false, hovermode: "closest",
       dragmode: touch ? false : "zoom",
       margin: { l: 62, r: 14, t: 12, b: 50 },
@@ -130,6 +134,34 @@
         Plotly.relayout(plot, { width: null, height: null, autosize: true }));
       if (figure.toggle) addScaleToggle(box.querySelector(".tools"), figure, plot);
     });
+  }
+
+  // Draws the figures that are in sight, then calls `opened`, then draws the rest, the nearest first.
+  // Printing does not wait for that: it draws what is missing at once.
+  async function drawFigures(figures, together, opened) {
+    const distance = (figure) => {
+      const area = plotOf(figure).getBoundingClientRect();
+      return Math.max(0, area.top - window.innerHeight, -area.bottom);
+    };
+    const missing = new Set(figures);
+    const drawn = [];
+    const draw = (figure, size) => {
+      missing.delete(figure);
+      drawn.push(drawFigure(figure, size));
+      return drawn.at(-1);
+    };
+    window.addEventListener("beforeprint", () => {
+      for (const figure of [...missing]) draw(figure, { ...paper, autosize: false });
+    });
+    const inSight = figures.filter((figure) => distance(figure) === 0);
+    await Promise.all([together, ...inSight.map((figure) => draw(figure))]);
+    opened();
+    while (missing.size) {
+      await new Promise((done) => setTimeout(done));
+      const nearest = [...missing].sort((a, b) => distance(a) - distance(b))[0];
+      if (nearest) await draw(nearest);
+    }
+    await Promise.all(drawn);
   }
 
   // ---- particle maps ------------------------------------------------------------------------
@@ -451,7 +483,9 @@
   document.addEventListener("DOMContentLoaded", async () => {
     try {
       const data = JSON.parse(document.getElementById("report-data").textContent);
-      await Promise.all([drawMaps(data.maps, data.colours, data.runs), ...data.figures.map(drawFigure)]);
+      await drawFigures(data.figures, drawMaps(data.maps, data.colours, data.runs), () => {
+        root.dataset.opened = String(Math.round(performance.now()));
+      });
       root.dataset.milliseconds = String(Math.round(performance.now()));
       root.dataset.ready = String(document.querySelectorAll(".js-plotly-plot").length);
       const next = () => { const draw = waitingMaps.shift(); if (draw) { draw(); setTimeout(next, 0); } };
