@@ -144,7 +144,8 @@ struct Evidence {
     Bootstrap values{};
     bool resampled = false;  // errors from `values`
     std::size_t blocks = 0;
-    std::optional<Spectrum> plane_waves{};  // beside the modes between walls
+    // Between walls, of the modes that are not fitted: cosines, or plane waves.
+    std::optional<Spectrum> others{};
 };
 
 ObservableResult blank(const FitOptions& options, std::string reason) {
@@ -156,8 +157,8 @@ ObservableResult blank(const FitOptions& options, std::string reason) {
     return result;
 }
 
-Estimator best_estimator(const StructureFactor& sk) {
-    if (sk.allows(Estimator::neumann)) return Estimator::neumann;
+Estimator estimator_of(const StructureFactor& sk, FitModes modes) {
+    if (sk.allows(Estimator::neumann) && modes == FitModes::box) return Estimator::neumann;
     return sk.is_periodic() || !sk.allows(Estimator::connected) ? Estimator::raw
                                                                 : Estimator::connected;
 }
@@ -224,13 +225,16 @@ ObservableResult fit_of_evidence(const Evidence& evidence, const FitOptions& opt
         m.push_back({"alpha", "-", fit.alpha, std::nullopt, 0, "given, not fitted"});
     }
     add_range(evidence, fit, samples, options, result);
-    if (evidence.plane_waves) {
-        const SpectrumFit plane =
-            fit_spectrum(*evidence.plane_waves, fit.k_max, fit.alpha, options.method);
-        m.push_back(plane.ok()
-                        ? measured("s0_over_s1_connected", "-", plane.ratio(), plane.ratio_error(),
-                                   samples, "plane waves, which leak; error from the likelihood")
-                        : missing("s0_over_s1_connected", "-", plane.reason));
+    if (evidence.others) {
+        const bool plane = options.modes == FitModes::box;
+        const char* name = plane ? "s0_over_s1_connected" : "s0_over_s1_neumann";
+        const char* meaning = plane ? "plane waves, which leak; error from the likelihood"
+                                    : "modes that fit between the walls; error from the likelihood";
+        const SpectrumFit other =
+            fit_spectrum(*evidence.others, fit.k_max, fit.alpha, options.method);
+        m.push_back(other.ok()
+                        ? measured(name, "-", other.ratio(), other.ratio_error(), samples, meaning)
+                        : missing(name, "-", other.reason));
     }
     add_systematics(spectrum, fit, options, result);
     result.curves = {fit_curve(fit, spectrum.k.front())};
@@ -252,13 +256,22 @@ OptionTable describe(FitOptions& options) {
     table.choice("method", options.method,
                  {{"whittle", FitMethod::whittle}, {"least-squares", FitMethod::least_squares}},
                  "gamma likelihood, or weights from the measured errors");
+    table.choice("modes", options.modes,
+                 {{"box", FitModes::box}, {"plane-waves", FitModes::plane_waves}},
+                 "of the box: cosines between hard walls; or plane waves, which leak there");
     table.integer("bootstrap", options.bootstrap, "-", {0, 100000},
                   "resamplings of the blocks of time for the errors");
     return table;
 }
 
-Spectrum recorded_spectrum(const ObservableResult& sk) {
-    const bool walls = sk.find_curve("sk_neumann") != nullptr;
+FitModes recorded_modes(const ObservableResult& fit) {
+    const OptionValue* modes = fit.find_option("modes");
+    return modes != nullptr && to_text(*modes) == "plane-waves" ? FitModes::plane_waves
+                                                                : FitModes::box;
+}
+
+Spectrum recorded_spectrum(const ObservableResult& sk, FitModes modes) {
+    const bool walls = modes == FitModes::box && sk.find_curve("sk_neumann") != nullptr;
     const Curve* s = sk.find_curve(walls ? "sk_neumann" : "sk");
     const Curve* samples = sk.find_curve(walls ? "sk_neumann_samples" : "sk_samples");
     const Column* dof = samples == nullptr ? nullptr : samples->find("dof");
@@ -271,8 +284,8 @@ Spectrum recorded_spectrum(const ObservableResult& sk) {
     return {k->values, value->values, dof->values, error->values};
 }
 
-Spectrum best_spectrum(const StructureFactor& sk) {
-    return sk.spectrum(best_estimator(sk));
+Spectrum fitted_spectrum(const StructureFactor& sk, FitModes modes) {
+    return sk.spectrum(estimator_of(sk, modes));
 }
 
 ObservableResult fit_result(const Spectrum& spectrum, const FitOptions& options) {
@@ -290,13 +303,16 @@ ObservableResult fit_result(const StructureFactor& sk, const FitOptions& options
                                           "from some {:.0f} on",
                                           sk.particles_mean(), least_particles));
     }
-    const Estimator best = best_estimator(sk);
-    Evidence evidence{.spectrum = sk.spectrum(best)};
+    const Estimator fitted = estimator_of(sk, options.modes);
+    Evidence evidence{.spectrum = sk.spectrum(fitted)};
     evidence.blocks = sk.blocks();
     evidence.resampled = sk.blocks() >= least_blocks && options.bootstrap >= 40;
-    if (best == Estimator::neumann) evidence.plane_waves = sk.spectrum(Estimator::connected);
+    if (sk.allows(Estimator::neumann)) {
+        evidence.others =
+            sk.spectrum(fitted == Estimator::neumann ? Estimator::connected : Estimator::neumann);
+    }
     if (fit_of(evidence.spectrum, options).ok()) {
-        evidence.values = bootstrap(sk, best, options);
+        evidence.values = bootstrap(sk, fitted, options);
     }
     return fit_of_evidence(evidence, options);
 }

@@ -193,7 +193,7 @@ SyntheticInput synthetic_input(const StructureFactor& sk, const ObservableResult
         input.reason = "one frame: S(k) has the walls in it";
         return input;
     }
-    input.spectrum = best_spectrum(sk);
+    input.spectrum = fitted_spectrum(sk, recorded_modes(fit));
     return input;
 }
 

@@ -94,8 +94,10 @@ Gathered with_shared_exponent(const std::vector<Results>& results, const std::ve
     std::vector<double> k_max;
     for (const Results& run : results) {
         const ObservableResult* sk = run.find("sk");
-        spectra.push_back(sk == nullptr ? analysis::Spectrum{} : analysis::recorded_spectrum(*sk));
         const ObservableResult* fit = run.find("fit");
+        spectra.push_back(sk == nullptr || fit == nullptr
+                              ? analysis::Spectrum{}
+                              : analysis::recorded_spectrum(*sk, analysis::recorded_modes(*fit)));
         const Measurement* end = fit == nullptr ? nullptr : fit->find_measurement("k_fit");
         k_max.push_back(end != nullptr && end->value ? *end->value : 0);
     }

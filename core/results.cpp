@@ -26,6 +26,13 @@ const Measurement* ObservableResult::find_measurement(const std::string& measure
     return find_by_name(measurements, measurement);
 }
 
+const OptionValue* ObservableResult::find_option(const std::string& option) const {
+    for (const auto& [recorded, value] : options) {
+        if (recorded == option) return &value;
+    }
+    return nullptr;
+}
+
 const ObservableResult* Results::find(const std::string& observable) const {
     return find_by_name(observables, observable);
 }

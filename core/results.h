@@ -54,6 +54,8 @@ struct ObservableResult {
 
     const Curve* find_curve(const std::string& curve) const;
     const Measurement* find_measurement(const std::string& measurement) const;
+    /// The recorded value of an option; null if it is not recorded.
+    const OptionValue* find_option(const std::string& option) const;
 };
 
 /// A frame kept for people to look at, with what was found in it.

@@ -148,9 +148,10 @@ Figure number_variance(const Runs& runs, const std::vector<std::string>& labels)
     const auto [low, high] = extent(figure, figure.y, &Series::y);
     if (!(last > first) || !(low > 0)) return figure;
     figure.note += figure.note.empty() ? "" : ". ";
-    figure.note += "Guides: σ² ∝ ⟨N⟩^(β/2), that is ℓ^β.";
-    add_power_law(figure, "β = 1", 1, first, low, last);
-    add_power_law(figure, "β = 2", 2, first, low, last);
+    figure.note += "Guides: σ² ∝ ⟨N⟩^(β/2), in the plane ℓ^β, on a line ℓ^(β/2).";
+    const double line = all_on_a_line(identities_of(runs)) ? 0.5 : 1;
+    add_power_law(figure, "β = 1", 1 * line, first, low, last);
+    add_power_law(figure, "β = 2", 2 * line, first, low, last);
     return figure;
 }
 

@@ -92,6 +92,7 @@ const std::map<std::string, std::string>& quantity_titles() {
         {"s0_over_s1_low", "S₀/S₁, lower end"},
         {"s0_over_s1_high", "S₀/S₁, upper end"},
         {"s0_over_s1_connected", "S₀/S₁ from plane waves"},
+        {"s0_over_s1_neumann", "S₀/S₁ from modes between walls"},
         {"s0_over_s1_systematic_alpha", "S₀/S₁, systematic of α"},
         {"s0_over_s1_systematic_range", "S₀/S₁, systematic of the range"},
         {"s0_over_s1_systematic_grid", "S₀/S₁, systematic of the shells"},

@@ -26,15 +26,16 @@ std::string own_unit(const std::string& unit, bool is_field) {
     return (first.find('l') != std::string::npos) == is_field ? first : second;
 }
 
-// The guides of the shared figure, through the lowest corner of what this one shows.
-void add_guides(Figure& panel, const Figure& figure) {
+// The guides of the shared figure, their exponents times `steeper`, through the lowest corner of
+// what this one shows.
+void add_guides(Figure& panel, const Figure& figure, double steeper) {
     const auto [first, last] = extent(panel, panel.x, &Series::x);
     const auto [low, high] = extent(panel, panel.y, &Series::y);
     if (!(last > first) || !(low > 0)) return;
     for (const Series& guide : figure.series) {
         if (figure.kinds[guide.kind].mark != Mark::guide) continue;
-        const double exponent =
-            std::log(guide.y.back() / guide.y.front()) / std::log(guide.x.back() / guide.x.front());
+        const double exponent = steeper * std::log(guide.y.back() / guide.y.front()) /
+                                std::log(guide.x.back() / guide.x.front());
         Series own;
         own.kind = guide.kind;
         for (std::size_t i = 0; i < guide.x.size(); ++i) {
@@ -54,6 +55,7 @@ Figure panel_of(const Figure& figure, const std::vector<RunIdentity>& identities
     panel.series.clear();
     panel.absent.clear();
     bool is_field = false;
+    bool on_a_line = false;
     std::vector<std::size_t> place(figure.runs.size(), left_out);
     const auto has_series = [&](std::size_t r) {
         return std::ranges::any_of(figure.series, [&](const Series& s) {
@@ -64,6 +66,7 @@ Figure panel_of(const Figure& figure, const std::vector<RunIdentity>& identities
         if (identities[r].origin != origin || !has_series(r)) continue;
         place[r] = panel.runs.size();
         is_field = identities[r].is_field;
+        on_a_line = identities[r].dimension == 1;
         panel.runs.push_back(without_origin(figure.runs[r], origin));
     }
     for (const Series& series : figure.series) {
@@ -73,7 +76,8 @@ Figure panel_of(const Figure& figure, const std::vector<RunIdentity>& identities
         panel.series.back().run = place[series.run];
     }
     panel.x.unit = own_unit(figure.x.unit, is_field);
-    add_guides(panel, figure);
+    // On a line σ² ∝ ⟨N⟩^(β/2) is half as steep against ℓ as in the plane.
+    add_guides(panel, figure, on_a_line && !all_on_a_line(identities) ? 0.5 : 1);
     return panel;
 }
 

@@ -85,6 +85,11 @@ std::vector<RunIdentity> identities_of(const std::vector<Results>& runs) {
     return identities;
 }
 
+bool all_on_a_line(const std::vector<RunIdentity>& identities) {
+    return !identities.empty() &&
+           std::ranges::all_of(identities, [](const RunIdentity& i) { return i.dimension == 1; });
+}
+
 std::string legend_of(const RunIdentity& identity) {
     if (!identity.value) return identity.origin;
     return fmt::format("{}, {} = {:.4g}", identity.origin, identity.parameter, *identity.value);

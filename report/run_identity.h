@@ -24,6 +24,9 @@ struct RunIdentity {
 RunIdentity identity_of(const Results& run);
 std::vector<RunIdentity> identities_of(const std::vector<Results>& runs);
 
+/// Whether there are only fields on a line.
+bool all_on_a_line(const std::vector<RunIdentity>& identities);
+
 /// "MD, Γ = 2.25"; the origin alone where the parameter is not known.
 std::string legend_of(const RunIdentity& identity);
 

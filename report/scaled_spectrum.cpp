@@ -26,6 +26,12 @@ std::optional<double> slope_of(const Results& run, std::string& reason) {
     return std::nullopt;
 }
 
+// Between walls: plane waves, which leak there, instead of the modes that fit between them.
+bool fits_plane_waves(const Results& run) {
+    const OptionValue* modes = run.find("fit")->find_option("modes");
+    return modes != nullptr && to_text(*modes) == "plane-waves";
+}
+
 void divide(Series& series, double by) {
     for (double& y : series.y) y /= by;
     for (double& error : series.error) error /= by;
@@ -62,7 +68,8 @@ Figure scaled_spectrum(const std::vector<Results>& runs, const std::vector<std::
             figure.absent.push_back({r, reason});
             continue;
         }
-        const Source& fitted = find_curve(runs[r], walls) != nullptr ? walls : plane;
+        const bool cosines = find_curve(runs[r], walls) != nullptr && !fits_plane_waves(runs[r]);
+        const Source& fitted = cosines ? walls : plane;
         add(figure, runs[r], r, 0, fitted, *s1);
         add(figure, runs[r], r, 1, {"fit", "fit", "k", "s", "s_err"}, *s1);
     }

@@ -9,8 +9,7 @@ import tomllib
 
 SCALES = ("small", "medium", "full")
 
-EXPERIMENT_GRAINS = 11704
-EXPERIMENT_LENGTH = 100  # a
+EXPERIMENT_DENSITY = 1.1704  # grains per a^2: 11,704 in the cell of 100 a x 100 a
 EXPERIMENT_OMEGA = 5.075  # sqrt(g/a): 80 Hz for spheres of 1 mm
 LAYER_OMEGA = 5.0
 LAYER_DENSITY = 0.9875  # grains per a^2
@@ -60,7 +59,9 @@ class Plan:
         every = FAST_EVERY if film == "fast" else SLOW_EVERY
         relax = self.experiment["relax"] if film == "slow1" else 0
         periods = relax + every * (self.film_frames(film) - 1)
-        return [f"--amplitude={float(gamma) / EXPERIMENT_OMEGA**2:.6g}", f"--periods={periods:.6g}",
+        length = self.experiment["length"]
+        return [f"--grains={self.experiment_grains()}", f"--length-x={length}", f"--length-y={length}",
+                f"--amplitude={float(gamma) / EXPERIMENT_OMEGA**2:.6g}", f"--periods={periods:.6g}",
                 f"--discard={relax}", f"--snapshot-every={every}"]
 
     def film_before(self, film):
@@ -75,12 +76,17 @@ class Plan:
 
     def particle_fit_options(self, system):
         """Of analyze, for "experiment" or "layer": the range of the fit where it is not left to the
-        pre-peak."""
+        pre-peak. Between walls plane waves are fitted, as in the paper; the modes that fit there stand
+        beside them."""
         size = getattr(self, system)
-        return [f"--fit-k-max={size['k-max-fit']}"] if "k-max-fit" in size else []
+        options = [f"--fit-k-max={size['k-max-fit']}"] if "k-max-fit" in size else []
+        return options + (["--modes=plane-waves"] if system == "experiment" else [])
 
     def diameter_px(self):
-        return self.experiment["pixels"] / EXPERIMENT_LENGTH
+        return self.experiment["pixels"] / self.experiment["length"]
+
+    def experiment_grains(self):
+        return round(EXPERIMENT_DENSITY * self.experiment["length"] ** 2)
 
     # ---- the periodic layer ----------------------------------------------------------------------
 
@@ -143,15 +149,15 @@ class Plan:
         sites += steps(self.line) * self.line["nx"] * 2 * len(self.line["nu"])
         return [
             ("walled cell, molecular dynamics",
-             gammas * periods * EXPERIMENT_GRAINS * rate["grain-period-experiment"]),
+             gammas * periods * self.experiment_grains() * rate["grain-period-experiment"]),
             ("films", films * self.experiment["pixels"] ** 2 / 1e6
              * (1 + self.experiment["sub-frames"]) * rate["megapixel-render"]),
-            ("tracking", films * EXPERIMENT_GRAINS * rate["sphere-track"]),
+            ("tracking", films * self.experiment_grains() * rate["sphere-track"]),
             ("periodic layer, molecular dynamics",
              len(layer["amplitude"]) * (layer["relax"] + layer["record"]) * self.layer_grains()
              * rate["grain-period-layer"]),
             ("field model", sites * rate["site-step"]),
-            ("analysis", (2 * films * EXPERIMENT_GRAINS + snapshots * self.layer_grains())
+            ("analysis", (2 * films * self.experiment_grains() + snapshots * self.layer_grains())
              * rate["sphere-analyze"])]
 
     def hours(self, cores):
@@ -162,7 +168,7 @@ class Plan:
         """Disk for positions, and for the largest film, which goes when it is tracked (as does the
         simulation that was filmed: its positions are kept in pixels)."""
         frames = sum(self.film_frames(film) for film in self.films())
-        positions = len(self.experiment["gamma"]) * frames * EXPERIMENT_GRAINS * (72 + 80)
+        positions = len(self.experiment["gamma"]) * frames * self.experiment_grains() * (72 + 80)
         layer = self.layer
         positions += (len(layer["amplitude"]) * layer["record"] / layer["snapshot-every"]
                       * self.layer_grains() * 104)

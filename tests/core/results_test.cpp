@@ -11,6 +11,7 @@ TEST(Results, AreFoundByNameDownToTheColumn) {
     sk.name = "sk";
     sk.curves.push_back(curve);
     sk.measurements.push_back({"s0", "-", 0.05, 0.01, 30, ""});
+    sk.options.emplace_back("shell-width", 0.25);
     Results results;
     results.observables.push_back(sk);
 
@@ -21,6 +22,8 @@ TEST(Results, AreFoundByNameDownToTheColumn) {
     EXPECT_EQ(found->find_curve("sk")->find("k")->values.size(), 2U);
     ASSERT_NE(found->find_measurement("s0"), nullptr);
     EXPECT_EQ(found->find_measurement("s0")->value, 0.05);
+    ASSERT_NE(found->find_option("shell-width"), nullptr);
+    EXPECT_EQ(*found->find_option("shell-width"), OptionValue(0.25));
 }
 
 TEST(Results, WhatIsNotThereIsNull) {
@@ -30,6 +33,7 @@ TEST(Results, WhatIsNotThereIsNull) {
     EXPECT_EQ(results.find("sk"), nullptr);
     EXPECT_EQ(observable.find_curve("sk"), nullptr);
     EXPECT_EQ(observable.find_measurement("s0"), nullptr);
+    EXPECT_EQ(observable.find_option("shell-width"), nullptr);
     EXPECT_EQ(curve.find("k"), nullptr);
 }
 

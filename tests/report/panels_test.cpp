@@ -48,6 +48,16 @@ TEST(Panels, AnchorGuidesInTheirOwnData) {
     EXPECT_NEAR(guide.y.back(), 500, 1e-9) << "slope 2";
 }
 
+TEST(Panels, HalveTheSlopeOfGuidesOnALine) {
+    auto runs = identities();
+    runs[1].dimension = 1;
+    const Series guide = panels_by_origin(shared_figure(), runs)[1].series.back();
+    EXPECT_NEAR(guide.y.back(), 50, 1e-9) << "slope 1";
+    for (RunIdentity& run : runs) run.dimension = 1;
+    const Series same = panels_by_origin(shared_figure(), runs)[1].series.back();
+    EXPECT_NEAR(same.y.back(), 500, 1e-9) << "the shared guide is that of lines already";
+}
+
 TEST(Panels, AreNotMadeForOneOrigin) {
     EXPECT_TRUE(
         panels_by_origin(shared_figure(), {{.origin = "MD"}, {.origin = "MD"}, {.origin = "MD"}})

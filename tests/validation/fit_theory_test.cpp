@@ -77,5 +77,34 @@ TEST(FitTheory, GivesReasonsForOneFrameAndWithoutAPrePeak) {
     EXPECT_NE(given.find_curve("fit"), nullptr);
 }
 
+// The two spectra of a walled box change places, and the stored fit says which one it was made of.
+TEST(FitTheory, TakesPlaneWavesBetweenWallsIfAskedTo) {
+    const Box walls = square_box(30, Boundary::walls);
+    RandomStream random(53, "plane waves");
+    StructureFactor sk({}, walls, 20);
+    for (int f = 0; f < 20; ++f) {
+        sk.add(sk.measure(pattern(poisson_points(900, walls, random), walls, f)));
+    }
+    const FitOptions of_box{.k_max = 1.5, .bootstrap = 0};
+    const FitOptions of_planes{.k_max = 1.5, .modes = FitModes::plane_waves, .bootstrap = 0};
+    const ObservableResult box = fit_result(sk, of_box);
+    const ObservableResult planes = fit_result(sk, of_planes);
+    const auto value = [](const ObservableResult& fit, const char* name) {
+        const Measurement* m = fit.find_measurement(name);
+        return m != nullptr && m->value ? *m->value : std::nan("");
+    };
+    EXPECT_EQ(value(planes, "s0_over_s1"), value(box, "s0_over_s1_connected"));
+    EXPECT_EQ(value(planes, "s0_over_s1_neumann"), value(box, "s0_over_s1"));
+    EXPECT_NE(value(planes, "s0_over_s1"), value(box, "s0_over_s1"));
+    EXPECT_EQ(recorded_modes(box), FitModes::box);
+    EXPECT_EQ(recorded_modes(planes), FitModes::plane_waves);
+    const ObservableResult stored = sk.result();
+    for (const auto& [fit, curve] : {std::pair{&box, "sk_neumann"}, std::pair{&planes, "sk"}}) {
+        const FitModes modes = recorded_modes(*fit);
+        EXPECT_EQ(recorded_spectrum(stored, modes).s, stored.find_curve(curve)->find("s")->values);
+        EXPECT_EQ(fitted_spectrum(sk, modes).s, stored.find_curve(curve)->find("s")->values);
+    }
+}
+
 }  // namespace
 }  // namespace grainfield::analysis

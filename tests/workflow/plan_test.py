@@ -34,6 +34,7 @@ class TheScales(unittest.TestCase):
     def test_full_has_the_sizes_of_the_paper(self):
         full = plan.Plan("full")
         self.assertEqual(full.layer_grains(), 355500)
+        self.assertEqual(full.experiment_grains(), 11704)
         self.assertEqual(full.film_frames("slow1"), 3000)
         self.assertEqual(full.film_frames("fast"), 3000)
         self.assertEqual(full.films(), ["slow1", "slow2", "fast"])
@@ -74,7 +75,13 @@ class TheRuns(unittest.TestCase):
         for scale in plan.SCALES:
             for system in ("experiment", "layer"):
                 options = plan.Plan(scale).particle_fit_options(system)
-                self.assertEqual(len(options), 1 if scale == "small" else 0)
+                own = any(o.startswith("--fit-k-max=") for o in options)
+                self.assertEqual(own, scale == "small")
+
+    def test_only_films_are_fitted_with_plane_waves_between_walls(self):
+        medium = plan.Plan("medium")
+        self.assertEqual(medium.particle_fit_options("experiment"), ["--modes=plane-waves"])
+        self.assertEqual(medium.particle_fit_options("layer"), [])
 
     def test_all_names_differ(self):
         for scale in plan.SCALES:
