@@ -65,6 +65,7 @@ const std::map<std::string, std::string>& quantity_titles() {
         {"high_plate", "Collisions with the high plate per grain"},
         {"wall", "Collisions with side walls per grain"},
         {"sliding", "Share of collisions that slid"},
+        {"resting", "Rebounds from plates that the TC model raised to its least speed, per grain"},
         {"contact_time", "Collisions that the TC model made elastic, per grain"},
         {"work", "Energy put in by the plates, per grain and period"},
         {"loss_pair", "Energy lost between grains, per grain and period"},

@@ -135,8 +135,19 @@ std::string colour_bar(const std::string& order) {
     return out + ")\"></i> 1</span>\n";
 }
 
+// What the maps show: frames of a camera with what was found in them, else particles, else fields.
+const char* map_heading(const std::vector<ParticleMap>& maps) {
+    const auto is_field = [](const ParticleMap& map) { return map.unit == "cells"; };
+    const auto is_frame = [&](const ParticleMap& map) {
+        return !is_field(map) && !map.png.empty();
+    };
+    if (std::ranges::any_of(maps, is_frame)) return "Frame with detections";
+    return !maps.empty() && std::ranges::all_of(maps, is_field) ? "Fields" : "Positions";
+}
+
 std::string map_html(const PageContent& content) {
-    std::string out = "<section><h2>Frame with detections</h2>\n";
+    const std::string heading = map_heading(content.maps);
+    std::string out = "<section><h2>" + heading + "</h2>\n";
     if (content.maps.empty()) {
         return out + "<p class=\"absent\">No picture: the results hold no preview.</p></section>\n";
     }
@@ -167,7 +178,9 @@ std::string map_html(const PageContent& content) {
     out += "</span>\n" + colour_bar(content.maps.front().order) +
            "</div>\n<figcaption class=\"caption\"></figcaption>\n"
            "<div class=\"stage\"><canvas></canvas><div class=\"plot\" role=\"img\" "
-           "aria-label=\"Frame with detections\"></div></div>\n"
+           "aria-label=\"" +
+           heading +
+           "\"></div></div>\n"
            "<p class=\"readout\" aria-live=\"off\"></p>\n";
     std::string links;
     for (const ParticleMap& map : content.maps) links += file_links(content, map.name);

@@ -121,7 +121,7 @@ TEST(SimulateMd, ThePresetOfAMinuteEndsInAReport) {
         testing::run_grainfield({"compare", folder / "r.h5", "-o", folder / "r.html"});
     ASSERT_EQ(report.code, 0) << report.err;
     const std::string page = testing::read_all(folder / "r.html");
-    for (const char* part : {"Energies of the run", "Structure factor", "Frame with detections"}) {
+    for (const char* part : {"Energies of the run", "Structure factor", "<h2>Positions</h2>"}) {
         EXPECT_THAT(page, HasSubstr(part));
     }
 }

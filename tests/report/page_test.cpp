@@ -112,9 +112,16 @@ TEST(Page, LinksOnlyFilesThatExist) {
     EXPECT_THAT(page, Not(HasSubstr("sk.svg")));
 }
 
+TEST(Page, NamesTheMapAfterWhatItShows) {
+    EXPECT_THAT(page_of({sample::results()}), HasSubstr("<h2>Frame with detections</h2>"));
+    Results without = sample::results();
+    for (Preview& preview : without.previews) preview.frame.image = {};
+    EXPECT_THAT(page_of({without}), HasSubstr("<h2>Positions</h2>"));
+}
+
 TEST(Page, OfEmptyResultsStillHasEveryPart) {
     const std::string page = page_of({Results{}});
-    for (const char* part : {"Key numbers", "Frame with detections", "No picture",
+    for (const char* part : {"Key numbers", "<h2>Positions</h2>", "No picture",
                              "Structure factor", "How this was made"}) {
         EXPECT_THAT(page, HasSubstr(part));
     }
