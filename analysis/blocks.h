@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/results.h"
@@ -26,23 +27,88 @@ struct BlockPlan {
     int block_of(std::int64_t ordinal) const;
 };
 
+/// Blocks of two runs one after the other, joined to those of BlockPlan::of their frames: each goes
+/// whole to the block that it begins in, so that two halves give the blocks of the whole. A block
+/// has a number `frames`; add(to, from) joins two.
+template <class Block, class Add>
+std::vector<Block> joined_blocks(std::vector<Block> blocks, Add add) {
+    double frames = 0;
+    for (const Block& block : blocks) frames += static_cast<double>(block.frames);
+    const BlockPlan plan = BlockPlan::of(static_cast<std::int64_t>(frames));
+    std::vector<Block> joined;
+    int last = -1;
+    double begin = 0;
+    for (Block& block : blocks) {
+        if (!(block.frames > 0)) continue;
+        const int at = plan.block_of(static_cast<std::int64_t>(begin));
+        begin += static_cast<double>(block.frames);
+        if (at == last) {
+            add(joined.back(), block);
+        } else {
+            joined.push_back(std::move(block));
+        }
+        last = at;
+    }
+    return joined;
+}
+
 /// Standard error of an estimate by the delete-one-block jackknife:
 ///   error² = (K − 1)/K Σ_b (θ_(b) − mean θ)²,  θ_(b) the estimate without block b.
 /// Empty when fewer than `least` finite values are given. (`efron1982`)
 std::optional<double> jackknife_error(std::span<const double> leave_one_out, std::size_t least = 3);
 
-/// Mean of a sequence of per-frame values with its block error.
+/// What n independent normal values widen the standard error of their mean by, the spread of
+/// Student's t: sqrt((n − 1)/(n − 3)), so that (mean − truth)/error has variance one. n > 3.
+double student_widening(double n);
+
+/// The correlation r from value to value of a series that relaxes exponentially, from the excess
+/// `excess` of the variance of the means of `block` values over that of independent ones,
+///   excess = (1 + r)/(1 − r) − 2 r (1 − r^b)/(b (1 − r)²),  b = block,
+/// which rises with r. 0 for an excess of one or less.
+double correlation_of_excess(double excess, double block);
+
+/// Standard error of the mean of a series of values that may be correlated, and how many
+/// independent ones it is worth.
+struct SeriesError {
+    std::optional<double> error;
+    double samples = 0;    ///< between 1 and the number of values
+    std::string reason;    ///< why there is no error
+    bool is_slow = false;  ///< changes more slowly than the series is long
+};
+
+/// From 64 values T on: with s² the variance of the values and v that of the means of K = 16 blocks
+/// of b = T/K consecutive values, the excess b v/s² gives the correlation r of values that relax
+/// exponentially (correlation_of_excess), and
+///   samples = T (1 − r)/(1 + r),   error² = s²/samples · (K − 1)/(K − 3);
+/// values that are correlated negatively (an excess below one) have the plain block error. From 8
+/// values on r is the correlation of neighbours (corrected for the mean, taken from 1/sqrt(T) up).
+/// From 4 to 7 values they are taken as independent.
+///
+/// No error, and a reason: fewer than four values; all the same (up to rounding of `scale`);
+/// correlated over so large a part of the series that fewer than three independent values are left,
+/// or that half the mean square step of the block means is below a third of their variance
+/// (`vonneumann1941`; independent values fall below it once in some 500 series).
+SeriesError series_error(std::span<const double> series, double scale = 0);
+
+/// The same of an estimate, from those with one of K consecutive blocks left out: the series of
+/// −(K − 1) times these, which have the variance of the values of the blocks. Empty if one of them
+/// is not finite.
+SeriesError left_out_error(std::span<const double> leave_one_out);
+
+/// The same of the ratio Σa/Σb of two sums that each value adds to, in first order: of the series
+/// of a − (Σa/Σb) b over those with b > 0.
+SeriesError ratio_error(std::span<const double> a, std::span<const double> b);
+
+/// Mean of a sequence of per-frame values with its error.
 struct MeanSeries {
     std::vector<double> value;  ///< one per frame [8 B a frame]
 
     void add(double x) { value.push_back(x); }
     void append(const MeanSeries& later);
 
-    /// The mean; error from at most 16 blocks of consecutive frames; samples: the number of
-    /// independent frames that explains it, var(frame)/error², between 1 and the number of frames
-    /// (from 16 blocks it is known to about a third). Frames that are all the same have no error,
-    /// and a reason. `single_error` and `single_samples` are used when there is one frame, with
-    /// `single_reason` saying what they mean.
+    /// The mean; error and samples from series_error. Below four frames `single_error` and
+    /// `single_samples`, those of one frame, are used, with `single_reason` for one frame saying
+    /// what they mean.
     Measurement measurement(std::string name, std::string unit, std::optional<double> single_error,
                             const std::string& single_reason, double single_samples = 1) const;
 };

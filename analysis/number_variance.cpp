@@ -119,26 +119,26 @@ void NumberVariance::merge(const NumberVariance& later) {
     density_.append(later.density_);
     plan_.frames = std::max(plan_.frames, added_);
     blocks_.insert(blocks_.end(), later.blocks_.begin(), later.blocks_.end());
-    std::erase_if(blocks_, [](const Block& block) { return block.frames <= 0; });
+    blocks_ = joined_blocks(std::move(blocks_), add_block);
     if (blocks_.empty()) blocks_.push_back(empty_block());
     plan_.blocks = static_cast<int>(blocks_.size());
+}
+
+void NumberVariance::add_block(Block& to, const Block& from) {
+    to.frames += from.frames;
+    to.particles += from.particles;
+    for (std::size_t c = 0; c < to.contents.size(); ++c) to.contents[c] += from.contents[c];
+    for (std::size_t s = 0; s < to.sums.size(); ++s) {
+        to.sums[s].sum += from.sums[s].sum;
+        to.sums[s].squares += from.sums[s].squares;
+        to.squared_sums[s] += from.squared_sums[s];
+    }
 }
 
 NumberVariance::Block NumberVariance::total(std::optional<std::size_t> without) const {
     Block sums = empty_block();
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
-        if (without && *without == b) continue;
-        const Block& block = blocks_[b];
-        sums.frames += block.frames;
-        sums.particles += block.particles;
-        for (std::size_t c = 0; c < sums.contents.size(); ++c) {
-            sums.contents[c] += block.contents[c];
-        }
-        for (std::size_t s = 0; s < sums.sums.size(); ++s) {
-            sums.sums[s].sum += block.sums[s].sum;
-            sums.sums[s].squares += block.sums[s].squares;
-            sums.squared_sums[s] += block.squared_sums[s];
-        }
+        if (!without || *without != b) add_block(sums, blocks_[b]);
     }
     return sums;
 }

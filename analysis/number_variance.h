@@ -89,6 +89,7 @@ class NumberVariance {
     void add_key_numbers(ObservableResult& result, const Values& best,
                          const std::string& reason) const;
     Block empty_block() const;
+    static void add_block(Block& to, const Block& from);
     Block total(std::optional<std::size_t> without) const;
     Values values(const Block& sums) const;
     double single_frame_error(double variance, double length) const;

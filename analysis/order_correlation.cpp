@@ -6,7 +6,10 @@
 #include <optional>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "analysis/neighbours.h"
+#include "core/errors.h"
 
 namespace grainfield::analysis {
 namespace {
@@ -16,13 +19,15 @@ constexpr double bin_width = 0.1;
 constexpr std::int64_t most_frames = 32;
 constexpr std::int64_t most_starts = 16;
 constexpr std::size_t most_centres = 2000;
-constexpr double least_pairs = 20;  // in a bin that is shown
+constexpr double least_pairs = 20;       // in a bin that is shown
+constexpr std::size_t least_groups = 4;  // for an error
+constexpr int parts_an_axis = 4;
 
 bool is_known(const std::complex<double>& q) {
     return std::isfinite(q.real()) && std::isfinite(q.imag());
 }
 
-// Where y falls below 1/e for the first time, by a line between the points around it.
+// Where y falls below 1/e for the first time; ln y is taken as linear between the points around it.
 double fall(const std::vector<double>& x, const std::vector<double>& y) {
     const double level = std::exp(-1.0);
     double x_before = 0;
@@ -30,7 +35,9 @@ double fall(const std::vector<double>& x, const std::vector<double>& y) {
     for (std::size_t i = 0; i < x.size(); ++i) {
         if (!std::isfinite(y[i])) continue;
         if (y[i] < level) {
-            return x_before + (x[i] - x_before) * (y_before - level) / (y_before - y[i]);
+            const double share = y[i] > 0 ? std::log(y_before / level) / std::log(y_before / y[i])
+                                          : (y_before - level) / (y_before - y[i]);
+            return x_before + (x[i] - x_before) * share;
         }
         x_before = x[i];
         y_before = y[i];
@@ -38,23 +45,59 @@ double fall(const std::vector<double>& x, const std::vector<double>& y) {
     return undefined;
 }
 
-Measurement fall_measured(const char* name, const char* unit, double value,
-                          const std::vector<double>& left, double samples, const char* where) {
+// The jackknife error of where the correlation falls, if it does whatever is left out.
+std::optional<double> error_of_fall(const std::vector<double>& left) {
+    const bool all = std::ranges::all_of(left, [](double x) { return std::isfinite(x); });
+    return all ? jackknife_error(left, least_groups) : std::nullopt;
+}
+
+Measurement length_measured(double value, const std::vector<double>& left, std::int64_t frames) {
+    const char* name = "order_length";
     if (!std::isfinite(value)) {
-        return missing(name, unit, std::string("the correlation stays above 1/e ") + where);
+        return missing(name, "a", "the correlation stays above 1/e up to 10 a");
     }
-    Measurement m{name, unit, value, jackknife_error(left), samples, ""};
-    if (!(m.error.value_or(0) > 0)) {
-        m.error.reset();
-        m.reason = "too few independent frames for an error";
+    if (value < 1) {
+        return missing(name, "a",
+                       fmt::format("below 1/e already at {:.2g} a: neighbours are not correlated "
+                                   "over a diameter",
+                                   value));
     }
-    return m;
+    const SeriesError found = left_out_error(left);
+    const double samples = std::max(1.0, found.samples) * static_cast<double>(frames) /
+                           static_cast<double>(std::max<std::size_t>(1, left.size()));
+    return {name, "a", value, found.error, samples, found.reason};
+}
+
+// Of values with starting frames, with parts of the box and with pieces left out.
+struct TimeError {
+    std::optional<double> error;
+    double samples = 0;  // independent pieces
+};
+
+TimeError time_error(const std::vector<double>& starts, const std::vector<double>& parts,
+                     const std::vector<double>& pieces) {
+    const std::optional<double> of_starts = error_of_fall(starts);
+    const std::optional<double> of_parts = error_of_fall(parts);
+    const std::optional<double> of_pieces = error_of_fall(pieces);
+    const double v_starts = std::pow(of_starts.value_or(0), 2);
+    const double v_parts = std::pow(of_parts.value_or(0), 2);
+    const double v_pieces = std::pow(of_pieces.value_or(0), 2);
+    const double variance = std::max({v_starts + v_parts - v_pieces, v_starts, v_parts});
+    if (!of_pieces || !(variance > 0)) return {};
+    // As many as the side has that says most.
+    const std::size_t groups = v_parts > v_starts ? parts.size() : starts.size();
+    TimeError found;
+    found.error = std::sqrt(variance) * student_widening(static_cast<double>(groups));
+    const auto all = static_cast<double>(pieces.size());
+    found.samples = std::clamp(all * v_pieces / variance, 1.0, all);
+    return found;
 }
 
 }  // namespace
 
-OrderCorrelation::OrderCorrelation(const Box& box, std::int64_t frames)
+OrderCorrelation::OrderCorrelation(const Box& box, std::int64_t frames, std::int64_t first)
     : frames_(std::max<std::int64_t>(1, frames)),
+      first_(first),
       stride_(std::max<std::int64_t>(1, (frames_ + most_frames - 1) / most_frames)),
       reach_(std::min(10.0, 0.5 * std::min(box.length.x, box.length.y))),
       bins_(static_cast<std::size_t>(std::max(0.0, std::floor(reach_ / bin_width + 1e-9)))),
@@ -105,20 +148,56 @@ OrderCorrelation::Sample OrderCorrelation::measure(const Pattern& pattern,
 
 std::vector<OrderCorrelation::Known> OrderCorrelation::known(const Pattern& pattern,
                                                              const BondOrderField& field) {
+    const auto part_of = [&](Vec2 p) {
+        const Vec2 share{(p.x - pattern.box.origin.x) / pattern.box.length.x,
+                         (p.y - pattern.box.origin.y) / pattern.box.length.y};
+        const auto place = [](double x) {
+            return std::clamp(static_cast<int>(x * parts_an_axis), 0, parts_an_axis - 1);
+        };
+        return static_cast<std::uint8_t>(place(share.y) * parts_an_axis + place(share.x));
+    };
     std::vector<Known> order;
     order.reserve(pattern.id.size());
     for (std::size_t i = 0; i < pattern.id.size(); ++i) {
-        if (is_known(field.q[i])) order.push_back({pattern.id[i], field.q[i]});
+        if (!is_known(field.q[i])) continue;
+        order.push_back({pattern.id[i], field.q[i], part_of(pattern.position[i])});
     }
     std::ranges::stable_sort(order, {}, &Known::id);
     return order;
 }
 
+bool OrderCorrelation::is_start(std::int64_t ordinal) const {
+    return std::ranges::find(start_at_, ordinal) != start_at_.end();
+}
+
+bool OrderCorrelation::is_lag_after(std::int64_t start, std::int64_t ordinal) const {
+    return std::ranges::find(lags_, ordinal - start) != lags_.end();
+}
+
+// Adds the pair of frames to the sums of its start and lag.
+void OrderCorrelation::correlate(const Seen& start, const Seen& now) {
+    const auto s = std::ranges::find(start_at_, start.ordinal) - start_at_.begin();
+    const auto lag = std::ranges::find(lags_, now.ordinal - start.ordinal) - lags_.begin();
+    LagSum& sums = of_start_[static_cast<std::size_t>(s)][static_cast<std::size_t>(lag)];
+    sums.time += now.time - start.time;
+    sums.frames += 1;
+    auto next = now.order.begin();
+    for (const Known& then : start.order) {
+        while (next != now.order.end() && next->id < then.id) ++next;
+        if (next == now.order.end()) break;
+        if (next->id != then.id) continue;
+        sums.product[then.part] += then.q.real() * next->q.real() + then.q.imag() * next->q.imag();
+        sums.squares[then.part] += std::norm(then.q);
+        sums.particles += 1;
+    }
+}
+
 void OrderCorrelation::add(const Sample& sample, const Pattern& pattern,
                            const BondOrderField& field) {
-    const std::int64_t ordinal = added_++;
+    const std::int64_t ordinal = first_ + added_++;
     if (!sample.sum.empty()) {
-        Block& block = blocks_[static_cast<std::size_t>(plan_.block_of(chosen_++))];
+        Block& block = blocks_[static_cast<std::size_t>(plan_.block_of(ordinal / stride_))];
+        ++chosen_;
         block.squares += sample.squares;
         block.particles += sample.particles;
         for (std::size_t b = 0; b < bins_; ++b) {
@@ -130,26 +209,54 @@ void OrderCorrelation::add(const Sample& sample, const Pattern& pattern,
         linked_ = linked_ && pattern.size() == 0;
         return;
     }
-    std::vector<Known> here;
-    for (std::size_t s = 0; s < starts_.size(); ++s) {
-        const auto lag = std::ranges::find(lags_, ordinal - starts_[s].ordinal);
-        if (lag == lags_.end()) continue;
-        if (here.empty()) here = known(pattern, field);
-        LagSum& sums = of_start_[s][static_cast<std::size_t>(lag - lags_.begin())];
-        sums.time += pattern.time - starts_[s].time;
-        sums.frames += 1;
-        auto next = here.begin();
-        for (const Known& then : starts_[s].order) {
-            while (next != here.end() && next->id < then.id) ++next;
-            if (next == here.end()) break;
-            if (next->id != then.id) continue;
-            sums.product += then.q.real() * next->q.real() + then.q.imag() * next->q.imag();
-            sums.squares += std::norm(then.q);
-            sums.particles += 1;
+    const bool awaited = std::ranges::any_of(start_at_, [&](std::int64_t start) {
+        return start < first_ && is_lag_after(start, ordinal);
+    });
+    const bool wanted = std::ranges::any_of(
+        starts_, [&](const Seen& start) { return is_lag_after(start.ordinal, ordinal); });
+    if (!awaited && !wanted && !is_start(ordinal)) return;
+    const Seen now{ordinal, pattern.time, known(pattern, field)};
+    for (const Seen& start : starts_) {
+        if (is_lag_after(start.ordinal, ordinal)) correlate(start, now);
+    }
+    if (awaited) awaited_.push_back(now);
+    if (is_start(ordinal)) starts_.push_back(now);
+}
+
+void OrderCorrelation::merge(const OrderCorrelation& later) {
+    if (later.frames_ != frames_ || later.first_ != first_ + added_ || later.bins_ != bins_) {
+        throw InputError(ErrorText{
+            "the parts to merge are not consecutive parts of one run",
+            fmt::format("frames from {} of {}", later.first_, later.frames_),
+            fmt::format("frames from {} of {}", first_ + added_, frames_),
+            "build each with the number of frames of the whole and that of its first frame"});
+    }
+    added_ += later.added_;
+    chosen_ += later.chosen_;
+    linked_ = linked_ && later.linked_;
+    for (std::size_t b = 0; b < blocks_.size(); ++b) {
+        blocks_[b].squares += later.blocks_[b].squares;
+        blocks_[b].particles += later.blocks_[b].particles;
+        for (std::size_t i = 0; i < bins_; ++i) {
+            blocks_[b].sum[i] += later.blocks_[b].sum[i];
+            blocks_[b].pairs[i] += later.blocks_[b].pairs[i];
         }
     }
-    if (std::ranges::find(start_at_, ordinal) != start_at_.end()) {
-        starts_.push_back({ordinal, pattern.time, here.empty() ? known(pattern, field) : here});
+    for (const Seen& start : starts_) {
+        for (const Seen& now : later.awaited_) {
+            if (is_lag_after(start.ordinal, now.ordinal)) correlate(start, now);
+        }
+    }
+    for (std::size_t s = 0; s < of_start_.size(); ++s) {
+        if (start_at_[s] < later.first_) continue;
+        of_start_[s] = later.of_start_[s];
+    }
+    starts_.insert(starts_.end(), later.starts_.begin(), later.starts_.end());
+    for (const Seen& now : later.awaited_) {
+        const bool before_both = std::ranges::any_of(start_at_, [&](std::int64_t start) {
+            return start < first_ && is_lag_after(start, now.ordinal);
+        });
+        if (before_both) awaited_.push_back(now);
     }
 }
 
@@ -175,7 +282,9 @@ void OrderCorrelation::add_space(ObservableResult& result) const {
     };
     const auto [c, all] = curve_without(none);
     std::vector<std::vector<double>> left;
-    for (std::size_t b = 0; b < blocks_.size(); ++b) left.push_back(curve_without(b).first);
+    for (std::size_t b = 0; b < blocks_.size(); ++b) {
+        if (blocks_[b].particles > 0) left.push_back(curve_without(b).first);
+    }
     Curve curve{"q4_space",
                 "Correlation of the order in space",
                 {{"r", "a", "Distance", {}},
@@ -189,7 +298,7 @@ void OrderCorrelation::add_space(ObservableResult& result) const {
         for (const std::vector<double>& part : left) values.push_back(part[i]);
         curve.columns[0].values.push_back((static_cast<double>(i) + 0.5) * bin_width);
         curve.columns[1].values.push_back(c[i]);
-        curve.columns[2].values.push_back(jackknife_error(values).value_or(undefined));
+        curve.columns[2].values.push_back(left_out_error(values).error.value_or(undefined));
         curve.columns[3].values.push_back(all.pairs[i]);
     }
     if (curve.columns[0].values.empty()) {
@@ -200,9 +309,30 @@ void OrderCorrelation::add_space(ObservableResult& result) const {
     for (std::size_t i = 0; i < bins_; ++i) r.push_back((static_cast<double>(i) + 0.5) * bin_width);
     std::vector<double> lengths;
     for (const std::vector<double>& part : left) lengths.push_back(fall(r, part));
-    result.measurements.push_back(fall_measured("order_length", "a", fall(r, c), lengths,
-                                                static_cast<double>(chosen_), "up to 10 a"));
+    result.measurements.push_back(length_measured(fall(r, c), lengths, chosen_));
     result.curves.push_back(std::move(curve));
+}
+
+// C of each lag without a starting frame or (both: and) without a part of the box.
+std::vector<double> OrderCorrelation::correlation_in_time(std::size_t without_start,
+                                                          std::size_t without_part,
+                                                          bool both) const {
+    std::vector<double> c(lags_.size(), undefined);
+    for (std::size_t l = 0; l < lags_.size(); ++l) {
+        double product = 0;
+        double squares = 0;
+        for (std::size_t s = 0; s < of_start_.size(); ++s) {
+            for (std::size_t p = 0; p < parts; ++p) {
+                const bool start_out = s == without_start;
+                const bool part_out = p == without_part;
+                if (both ? start_out && part_out : start_out || part_out) continue;
+                product += of_start_[s][l].product[p];
+                squares += of_start_[s][l].squares[p];
+            }
+        }
+        if (squares > 0) c[l] = product / squares;
+    }
+    return c;
 }
 
 void OrderCorrelation::add_time(ObservableResult& result) const {
@@ -212,24 +342,32 @@ void OrderCorrelation::add_time(ObservableResult& result) const {
                     linked_ ? "too few frames" : "the particles are not linked"));
         return;
     }
-    const std::size_t none = of_start_.size();
-    const auto curve_without = [&](std::size_t without) {
-        std::vector<double> c(lags_.size(), undefined);
-        for (std::size_t l = 0; l < lags_.size(); ++l) {
-            double product = 0;
-            double squares = 0;
-            for (std::size_t s = 0; s < of_start_.size(); ++s) {
-                if (s == without) continue;
-                product += of_start_[s][l].product;
-                squares += of_start_[s][l].squares;
-            }
-            if (squares > 0) c[l] = product / squares;
+    constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+    const std::vector<double> c = correlation_in_time(none, none, false);
+    // With each starting frame, part of the box and piece left out that holds any particle.
+    std::vector<std::vector<double>> left_starts, left_parts, left_pieces;
+    std::array<bool, parts> filled{};
+    for (std::size_t s = 0; s < of_start_.size(); ++s) {
+        bool any = false;
+        for (std::size_t p = 0; p < parts; ++p) {
+            const bool piece = std::ranges::any_of(
+                of_start_[s], [p](const LagSum& sums) { return sums.squares[p] > 0; });
+            if (piece) left_pieces.push_back(correlation_in_time(s, p, true));
+            filled[p] = filled[p] || piece;
+            any = any || piece;
         }
-        return c;
+        if (any) left_starts.push_back(correlation_in_time(s, none, false));
+    }
+    for (std::size_t p = 0; p < parts; ++p) {
+        if (filled[p]) left_parts.push_back(correlation_in_time(none, p, false));
+    }
+    const auto error_of = [&](auto&& number) {
+        std::array<std::vector<double>, 3> left;
+        for (const auto& part : left_starts) left[0].push_back(number(part));
+        for (const auto& part : left_parts) left[1].push_back(number(part));
+        for (const auto& part : left_pieces) left[2].push_back(number(part));
+        return time_error(left[0], left[1], left[2]);
     };
-    const std::vector<double> c = curve_without(none);
-    std::vector<std::vector<double>> left;
-    for (std::size_t s = 0; s < of_start_.size(); ++s) left.push_back(curve_without(s));
     Curve curve{"q4_time",
                 "Correlation of the order in time",
                 {{"t", "time unit", "Lag time", {}},
@@ -241,17 +379,16 @@ void OrderCorrelation::add_time(ObservableResult& result) const {
     for (std::size_t l = 0; l < lags_.size(); ++l) {
         if (!std::isfinite(c[l])) continue;
         LagSum all;
-        std::vector<double> values;
-        for (std::size_t s = 0; s < of_start_.size(); ++s) {
-            all.time += of_start_[s][l].time;
-            all.frames += of_start_[s][l].frames;
-            all.particles += of_start_[s][l].particles;
-            if (of_start_[s][l].frames > 0) values.push_back(left[s][l]);
+        for (const std::vector<LagSum>& start : of_start_) {
+            all.time += start[l].time;
+            all.frames += start[l].frames;
+            all.particles += start[l].particles;
         }
         times[l] = all.time / all.frames;
+        const TimeError found = error_of([l](const std::vector<double>& part) { return part[l]; });
         curve.columns[0].values.push_back(times[l]);
         curve.columns[1].values.push_back(c[l]);
-        curve.columns[2].values.push_back(jackknife_error(values).value_or(undefined));
+        curve.columns[2].values.push_back(found.error.value_or(undefined));
         curve.columns[3].values.push_back(all.particles);
     }
     if (curve.columns[0].values.empty()) {
@@ -259,11 +396,19 @@ void OrderCorrelation::add_time(ObservableResult& result) const {
             missing("order_time", "time unit", "no particle with an order is seen twice"));
         return;
     }
-    std::vector<double> falls;
-    for (const std::vector<double>& part : left) falls.push_back(fall(times, part));
-    result.measurements.push_back(fall_measured("order_time", "time unit", fall(times, c), falls,
-                                                static_cast<double>(starts_.size()),
-                                                "up to half of the run"));
+    const double value = fall(times, c);
+    const TimeError found =
+        error_of([&](const std::vector<double>& part) { return fall(times, part); });
+    Measurement m{"order_time", "time unit", std::nullopt, std::nullopt, 0, ""};
+    if (!std::isfinite(value)) {
+        m.reason = "the correlation stays above 1/e up to half of the run";
+    } else {
+        m.value = value;
+        m.error = found.error;
+        m.samples = found.samples;
+        if (!m.error) m.reason = "too few independent pieces of box and run for an error";
+    }
+    result.measurements.push_back(std::move(m));
     result.curves.push_back(std::move(curve));
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -138,6 +139,9 @@ void PhaseHistory::close_window() {
     touched_.clear();
     open_frames_ = 0;
     rows_.push_back(row);
+    if (std::ranges::any_of(open_spreads_, [](const Spread& s) { return s.count > 0; })) {
+        spreads_.push_back(std::exchange(open_spreads_, {}));
+    }
 }
 
 void PhaseHistory::note_fluctuation(const Track& track) {
@@ -147,31 +151,68 @@ void PhaseHistory::note_fluctuation(const Track& track) {
     const double spread = std::sqrt(std::max(0.0, track.squares / track.count - mean * mean) *
                                     track.count / (track.count - 1));
     const auto bin = static_cast<std::size_t>(mean * spread_bins);
-    Spread& sums = spread_[std::min(bin, spread_bins - 1)];
+    Spread& sums = open_spreads_[std::min(bin, spread_bins - 1)];
     sums.sum += spread;
     sums.squares += spread * spread;
     sums.count += 1;
 }
 
+// Of the standard deviations in the bins from first to last, both included.
+PhaseHistory::Fluctuation PhaseHistory::fluctuation(std::size_t first_bin,
+                                                    std::size_t last_bin) const {
+    std::vector<double> sum;
+    std::vector<double> count;
+    Spread all;
+    for (const Spreads& window : spreads_) {
+        Spread here;
+        for (std::size_t b = first_bin; b <= last_bin; ++b) {
+            here.sum += window[b].sum;
+            here.count += window[b].count;
+            all.squares += window[b].squares;
+        }
+        sum.push_back(here.sum);
+        count.push_back(here.count);
+        all.sum += here.sum;
+        all.count += here.count;
+    }
+    Fluctuation f{all.sum / all.count, all.count, ratio_error(sum, count)};
+    if (f.found.error) {
+        const double variance = std::max(0.0, all.squares / all.count - f.mean * f.mean);
+        const double error = *f.found.error;
+        f.found.samples = std::clamp(variance / (error * error), 1.0, all.count);
+    }
+    return f;
+}
+
 void PhaseHistory::add_fluctuation(ObservableResult& result) const {
-    Curve curve{"q4_fluctuation",
+    const char* name = "q4_fluctuation";
+    if (spreads_.empty()) {
+        result.measurements.push_back(missing(
+            name, "-", "no window in which a particle is seen five times: no fluctuation in time"));
+        return;
+    }
+    constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
+    Curve curve{name,
                 "Fluctuation of the order of a particle",
                 {{"m", "-", "Mean |Q4| in a window", {}},
                  {"sigma", "-", "Standard deviation of |Q4| in a window", {}},
                  {"err", "-", "Standard error", {}},
-                 {"n", "-", "Particles and windows", {}}},
+                 {"n", "-", "Particles and windows", {}},
+                 {"samples", "-", "Independent particles and windows", {}}},
                 {}};
     for (std::size_t b = 0; b < spread_bins; ++b) {
-        const Spread& sums = spread_[b];
-        if (sums.count < 3) continue;
-        const double mean = sums.sum / sums.count;
-        const double variance = std::max(0.0, sums.squares / sums.count - mean * mean);
+        const Fluctuation f = fluctuation(b, b);
+        if (!(f.count >= 3)) continue;
         curve.columns[0].values.push_back((static_cast<double>(b) + 0.5) / spread_bins);
-        curve.columns[1].values.push_back(mean);
-        curve.columns[2].values.push_back(std::sqrt(variance / (sums.count - 1)));
-        curve.columns[3].values.push_back(sums.count);
+        curve.columns[1].values.push_back(f.mean);
+        curve.columns[2].values.push_back(f.found.error.value_or(undefined));
+        curve.columns[3].values.push_back(f.count);
+        curve.columns[4].values.push_back(f.found.samples);
     }
     if (!curve.columns[0].values.empty()) result.curves.push_back(std::move(curve));
+    const Fluctuation all = fluctuation(0, spread_bins - 1);
+    result.measurements.push_back(
+        {name, "-", all.mean, all.found.error, all.found.samples, all.found.reason});
 }
 
 void PhaseHistory::merge(const PhaseHistory& later) {
@@ -181,11 +222,7 @@ void PhaseHistory::merge(const PhaseHistory& later) {
     frames_ += closed.frames_;
     rows_.insert(rows_.end(), closed.rows_.begin(), closed.rows_.end());
     if (!closed.window_.length) window_ = closed.window_;
-    for (std::size_t b = 0; b < spread_bins; ++b) {
-        spread_[b].sum += closed.spread_[b].sum;
-        spread_[b].squares += closed.spread_[b].squares;
-        spread_[b].count += closed.spread_[b].count;
-    }
+    spreads_.insert(spreads_.end(), closed.spreads_.begin(), closed.spreads_.end());
     std::map<std::int64_t, double> by_number;
     for (const auto& [key, number] : closed.windows_) by_number.emplace(number, key);
     std::vector<std::int64_t> here;  // our number of each of their windows
@@ -262,7 +299,6 @@ ObservableResult PhaseHistory::result() const {
     }
     curve.columns = {frame, time, solid, liquid};
     result.curves = {curve};
-    add_fluctuation(result);
     const std::string why = remark();
     for (auto& [name, mean] :
          {std::pair{"solid_fraction", &solid_mean}, std::pair{"liquid_fraction", &liquid_mean}}) {
@@ -270,6 +306,7 @@ ObservableResult PhaseHistory::result() const {
         if (!why.empty()) m.reason = why;
         result.measurements.push_back(m);
     }
+    add_fluctuation(result);
     if (window_.length) {
         double frames = 0;
         for (const Row& row : rows_) frames += row.frames;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "analysis/accumulator.h"
+#include "analysis/blocks.h"
 #include "core/option_table.h"
 #include "core/trajectory.h"
 
@@ -45,10 +46,12 @@ struct PhaseWindow {
 ///
 /// Curve `q4_fluctuation`: mean over particles and windows of the standard deviation σ of |Q4| in
 /// the window, by its mean m in bins of 0.05 (windows in which a particle is seen five times or
-/// more): solid and liquid fluctuate less than what goes to and fro.
+/// more): solid and liquid fluctuate less than what goes to and fro. Measurement `q4_fluctuation`:
+/// the mean over all of them. Errors from the series of windows, which may be alike (ratio_error);
+/// samples: as many independent particles would have this error.
 ///
 /// Only windows that hold a frame exist, however long the time between frames and however short
-/// T_o: there are never more of them than frames. Memory: 1 B a particle and window, 100 B a
+/// T_o: there are never more of them than frames. Memory: 1 B a particle and window, 600 B a
 /// window, 72 B an identity.
 class PhaseHistory {
  public:
@@ -120,7 +123,14 @@ class PhaseHistory {
         double sum = 0, squares = 0, count = 0;
     };
     static constexpr std::size_t spread_bins = 20;
-    std::array<Spread, spread_bins> spread_{};
+    using Spreads = std::array<Spread, spread_bins>;
+    std::vector<Spreads> spreads_;  // of each window that has any
+    Spreads open_spreads_{};
+    struct Fluctuation {
+        double mean = 0, count = 0;
+        SeriesError found;
+    };
+    Fluctuation fluctuation(std::size_t first_bin, std::size_t last_bin) const;
 };
 
 static_assert(Accumulator<PhaseHistory>);

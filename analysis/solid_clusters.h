@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -21,16 +22,21 @@ namespace grainfield::analysis {
 ///
 ///   n(s)  mean number of clusters of size s a window, in bins of factor 2   (curve `clusters`)
 ///
+/// with the error of a mean over windows that may be alike (series_error).
+///
 /// A cluster of at least `least` particles lives on in the next window as the cluster that holds
 /// most of its particles, if these are at least half of it, and of several that claim the same one
-/// the largest lives on; else it has died. Lifetime, for deaths at a constant rate, with clusters
-/// that outlive the run counted up to its end (`censored` maximum likelihood):
+/// the largest lives on; else it has died. Lifetime, for deaths at a constant rate, from the share
+/// p of deaths in all steps from window to window Δ,
 ///
-///   τ = (windows in which clusters were seen to live or die) · T_o / deaths,   error
-///   τ/sqrt(deaths)
+///   τ = −Δ/ln(1 − p),   error  σ_p Δ/((1 − p) ln²(1 − p)),
+///
+/// which counts clusters that outlive the run with what was seen of them. σ_p is that of
+/// independent deaths, sqrt(p (1 − p)/steps), or that which the deaths of each step show
+/// (ratio_error: clusters that die together, times of many deaths), whichever is larger.
 ///
 /// Without windows (phase of every frame alone): sizes in at most 64 frames, no lifetimes.
-/// Memory: the last window.
+/// Memory: the first and the last window, and some 200 B a window.
 class SolidClusters {
  public:
     static constexpr std::size_t least = 8;  ///< particles of a cluster that has a lifetime
@@ -48,20 +54,28 @@ class SolidClusters {
 
     void add(const Frame& frame);
 
+    /// Adds the windows that follow these; the run must have been cut between two windows.
+    void merge(const SolidClusters& later);
+
     /// Appends curve and measurements to the result of "phase".
     void add_to(ObservableResult& result) const;
 
  private:
+    struct Window {                                     // the solid particles, each in its cluster
+        std::unordered_map<std::int64_t, int> cluster;  // of each identity
+        std::vector<double> size;                       // of each cluster
+        double time = 0;
+    };
+    void follow(const Window& before, const Window& now);
+    void add_sizes(const std::vector<double>& size);
+    Measurement lifetime() const;
+
     bool follows_;
-    double windows_ = 0;
-    std::vector<double> sizes_;  // clusters by bin of factor two
+    std::vector<MeanSeries> sizes_;  // clusters a window, by bin of factor two
     MeanSeries largest_, mean_size_;
-    std::unordered_map<std::int64_t, int> cluster_of_;  // of the last window: id → cluster
-    std::vector<double> last_size_;
-    double last_time_ = 0;
-    double at_risk_ = 0;  // time
-    double trials_ = 0;   // steps from window to window
-    double deaths_ = 0;
+    std::optional<Window> first_, last_;
+    double at_risk_ = 0;                   // time
+    std::vector<double> trials_, deaths_;  // of each step from window to window
 };
 
 }  // namespace grainfield::analysis

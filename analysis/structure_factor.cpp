@@ -178,7 +178,8 @@ void StructureFactor::merge(const StructureFactor& later) {
     added_ += later.added_;
     plan_.frames = std::max(plan_.frames, added_);
     blocks_.insert(blocks_.end(), later.blocks_.begin(), later.blocks_.end());
-    std::erase_if(blocks_, [](const Block& block) { return block.frames <= 0; });
+    blocks_ = joined_blocks(std::move(blocks_),
+                            [](Block& to, const Block& from) { add_block(to, from, 1); });
     if (blocks_.empty()) blocks_.push_back(empty_block());
     plan_.blocks = static_cast<int>(blocks_.size());
 }

@@ -76,7 +76,9 @@ OptionTable describe(StructureFactorOptions& options, const std::string& section
 ///
 ///   A_m = 2 |Σ_k (S(k)/S_shell − 1) exp(i m θ_k)|/n,   m = 2, 4,
 ///
-/// which is sqrt(π/(n M)) on average for an isotropic pattern (said beside it; error: jackknife).
+/// which is some sqrt(π/(ν + 1)) on average for an isotropic pattern, ν the degrees of freedom; the
+/// exact mean for the directions and overlaps of the modes of the grid stands beside it (chance2,
+/// chance4). Error: jackknife.
 ///
 /// Memory: 16 blocks × 56 B × modes, whatever the number of frames; more than 2 GB is refused
 /// (OptionError) before it is taken.
@@ -175,6 +177,8 @@ class StructureFactor {
     /// Amplitudes of the two- and four-fold harmonic of each shell, and over all shells at the end.
     std::array<std::vector<double>, 2> anisotropies(const Shells& shells, const Block& sums,
                                                     Estimator estimator) const;
+    std::array<std::vector<double>, 2> anisotropies_by_chance(const Shells& shells,
+                                                              Estimator estimator) const;
     Curve map_curve(Estimator estimator) const;
     void add_directions(ObservableResult& result, Estimator estimator) const;
     void add_measurements(ObservableResult& result, Estimator best,
@@ -182,6 +186,7 @@ class StructureFactor {
     Block total(std::optional<std::size_t> without) const;
     Block total_of(std::span<const int> times) const;
     Block empty_block() const;
+    static void add_block(Block& to, const Block& from, double weight);
     void require_same_box(const Pattern& pattern) const;
 
     StructureFactorOptions options_;

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "analysis/bond_statistics.h"
+#include "analysis/mode_overlap.h"
 #include "analysis/structure_factor.h"
 
 // Estimators and curves of the structure factor: what is made of the sums that
@@ -28,24 +29,6 @@ std::int64_t shell_of(double k, double step, const std::optional<double>& width)
     return n < 5.5 ? std::llround(n * distinct) : std::llround(n) * std::llround(distinct);
 }
 
-// The correlation r from frame to frame of a mode that relaxes exponentially, from the excess g of
-// the variance of the means of b frames over that of independent ones:
-// g = (1 + r)/(1 − r) − 2 r (1 − r^b)/(b (1 − r)²), which rises with r.
-double frame_correlation(double g, double b) {
-    const auto excess = [b](double r) {
-        return (1 + r) / (1 - r) - 2 * r * (1 - std::pow(r, b)) / (b * (1 - r) * (1 - r));
-    };
-    if (!(g > 1) || !(b > 1)) return 0;
-    double low = 0;
-    double high = 0.9999;
-    if (excess(high) < g) return high;
-    for (int step = 0; step < 60; ++step) {
-        const double middle = 0.5 * (low + high);
-        (excess(middle) < g ? low : high) = middle;
-    }
-    return 0.5 * (low + high);
-}
-
 }  // namespace
 
 StructureFactor::Block StructureFactor::total(std::optional<std::size_t> without) const {
@@ -54,22 +37,21 @@ StructureFactor::Block StructureFactor::total(std::optional<std::size_t> without
     return total_of(times);
 }
 
+void StructureFactor::add_block(Block& to, const Block& from, double weight) {
+    to.frames += weight * from.frames;
+    to.particles += weight * from.particles;
+    for (std::size_t m = 0; m < to.rho.size(); ++m) to.rho[m] += weight * from.rho[m];
+    for (std::size_t m = 0; m < to.power.size(); ++m) to.power[m] += weight * from.power[m];
+    for (std::size_t c = 0; c < to.cosine.size(); ++c) {
+        to.cosine[c] += weight * from.cosine[c];
+        to.cosine2[c] += weight * from.cosine2[c];
+    }
+}
+
 StructureFactor::Block StructureFactor::total_of(std::span<const int> times) const {
     Block sums = empty_block();
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
-        if (times[b] == 0) continue;
-        const double weight = times[b];
-        const Block& block = blocks_[b];
-        sums.frames += weight * block.frames;
-        sums.particles += weight * block.particles;
-        for (std::size_t m = 0; m < sums.rho.size(); ++m) sums.rho[m] += weight * block.rho[m];
-        for (std::size_t m = 0; m < sums.power.size(); ++m) {
-            sums.power[m] += weight * block.power[m];
-        }
-        for (std::size_t c = 0; c < sums.cosine.size(); ++c) {
-            sums.cosine[c] += weight * block.cosine[c];
-            sums.cosine2[c] += weight * block.cosine2[c];
-        }
+        if (times[b] != 0) add_block(sums, blocks_[b], times[b]);
     }
     return sums;
 }
@@ -200,49 +182,15 @@ std::vector<bool> StructureFactor::is_slow(const Shells& shells, Estimator estim
 // overlap.
 std::vector<double> StructureFactor::independent_modes(const Shells& shells,
                                                        Estimator estimator) const {
-    constexpr int reach = 15;  // the overlap left out beyond is below 2 % of the sum
     if (estimator == Estimator::neumann) return shells.modes;
-    std::array<std::array<double, 2 * reach + 1>, 2> overlap;
-    const std::array<double, 2> half{0.5 * grid_.spacing().x * box_.length.x,
-                                     0.5 * grid_.spacing().y * box_.length.y};
-    // Differences from −reach to reach, as an index from 0.
-    const auto index_of = [&](int d) {
-        const int index = d + reach;
-        return static_cast<std::size_t>(index);
-    };
-    for (std::size_t axis = 0; axis < 2; ++axis) {
-        for (int d = -reach; d <= reach; ++d) {
-            const double x = d * half[axis];
-            const double c = d == 0 ? 1 : std::sin(x) / x;
-            overlap[axis][index_of(d)] = c * c < 1e-12 ? 0 : c * c;
-        }
-    }
     std::vector<std::size_t> shell(grid_.modes().size(), nowhere);
     for (std::size_t s = 0; s < shells.members.size(); ++s) {
         for (std::size_t m : shells.members[s]) shell[m] = s;
     }
-    const std::vector<int>& rows = grid_.rows();
     std::vector<double> sums(shells.k.size(), 0.0);
-    for (std::size_t m = 0; m < shell.size(); ++m) {
-        if (shell[m] == nowhere) continue;
-        for (int dx = -reach; dx <= reach; ++dx) {
-            const double of_x = overlap[0][index_of(dx)];
-            if (of_x == 0) continue;
-            for (int dy = -reach; dy <= reach; ++dy) {
-                const double of_y = overlap[1][index_of(dy)];
-                if (of_y == 0) continue;
-                int nx = grid_.modes()[m].nx + dx;
-                int ny = grid_.modes()[m].ny + dy;
-                if (nx < 0 || (nx == 0 && ny < 0)) {  // the other half plane: conjugate
-                    nx = -nx;
-                    ny = -ny;
-                }
-                if (nx >= static_cast<int>(rows.size()) || (nx == 0 && ny == 0)) continue;
-                if (std::abs(ny) >= rows[static_cast<std::size_t>(nx)]) continue;
-                if (shell[grid_.index(nx, ny)] == shell[m]) sums[shell[m]] += of_x * of_y;
-            }
-        }
-    }
+    for_overlaps(grid_, box_.length, [&](std::size_t m, std::size_t other, double weight) {
+        if (shell[m] != nowhere && shell[m] == shell[other]) sums[shell[m]] += weight;
+    });
     std::vector<double> independent;
     for (std::size_t s = 0; s < sums.size(); ++s) {
         const double components = static_cast<double>(components_);
@@ -295,8 +243,7 @@ Curve StructureFactor::curve(const char* name, const char* title, Estimator esti
             const std::vector<double> part = averages(shells, total(b), estimator, samples);
             for (std::size_t i = 0; i < s.size(); ++i) left[i].push_back(part[i]);
         }
-        const double student =
-            std::sqrt((static_cast<double>(k) - 1) / (static_cast<double>(k) - 3));
+        const double student = student_widening(static_cast<double>(k));
         const std::vector<bool> slow = is_slow(shells, estimator);
         for (std::size_t i = 0; i < s.size(); ++i) {
             const auto spread = jackknife_error(left[i], least_blocks);
@@ -342,7 +289,7 @@ Spectrum StructureFactor::spectrum(Estimator estimator, std::span<const int> tim
             sum += w * frames / samples[j];
             weight += w;
         }
-        const double r = frame_correlation(sum / weight, block);
+        const double r = correlation_of_excess(sum / weight, block);
         const double kept = (1 - r) / (1 + r);
         double nu = modes[i] * frames * (1 - r * r) / (1 + r * r);
         if (estimator != Estimator::raw) nu *= std::max(0.0, 1 - 1 / (frames * kept));

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/mode_overlap.h"
 #include "analysis/structure_factor.h"
 
 // The structure factor as a function of the vector k, and how far it is from isotropic.
@@ -58,6 +59,69 @@ std::array<std::vector<double>, 2> StructureFactor::anisotropies(const Shells& s
     return amplitudes;
 }
 
+// The mean amplitudes that the modes of an isotropic pattern have by chance. The relative
+// deviations of S(k) from the mean of their shell have variance 1/(M + 1/n), n independent modes in
+// M frames (a Dirichlet distribution), and modes that overlap share theirs; (e − mean e), e =
+// exp(i m θ), takes up that the mean of the shell is one of them. V = ⟨|z|²⟩ and P = ⟨z²⟩ of the
+// sum z make an ellipse of variances (V ± |P|)/2, and ⟨|z|⟩ is its elliptic integral.
+std::array<std::vector<double>, 2> StructureFactor::anisotropies_by_chance(
+    const Shells& shells, Estimator estimator) const {
+    const std::size_t count = shells.k.size();
+    const std::vector<double> dof = spectrum(estimator).dof;
+    const std::vector<double> modes = independent_modes(shells, estimator);
+    constexpr auto none = std::numeric_limits<std::size_t>::max();
+    std::vector<std::size_t> shell(grid_.modes().size(), none);
+    std::vector<double> width(count, 0.0);  // standard deviation of a deviation
+    double all = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        if (shells.members[i].size() < least_modes) continue;
+        width[i] = 1 / std::sqrt(std::max(1.0, dof[i] / modes[i]) + 1 / modes[i]);
+        for (const std::size_t m : shells.members[i]) shell[m] = i;
+        all += static_cast<double>(shells.members[i].size());
+    }
+    std::array<std::vector<double>, 2> chance;
+    for (std::size_t h = 0; h < chance.size(); ++h) {
+        std::vector<std::complex<double>> e(shell.size());
+        for (const std::vector<std::size_t>& members : shells.members) {
+            std::complex<double> mean = 0;
+            for (const std::size_t m : members) {
+                const Mode& mode = grid_.modes()[m];
+                e[m] = std::polar(
+                    1.0, 2 * (static_cast<double>(h) + 1) *
+                             std::atan2(mode.ny * grid_.spacing().y, mode.nx * grid_.spacing().x));
+                mean += e[m] / static_cast<double>(members.size());
+            }
+            for (const std::size_t m : members) e[m] -= mean;
+        }
+        // The sums of each shell, and of all at the end.
+        std::vector<double> v(count + 1, 0.0);
+        std::vector<std::complex<double>> p(count + 1);
+        for_overlaps(grid_, box_.length, [&](std::size_t m, std::size_t other, double weight) {
+            if (shell[m] == none || shell[other] == none) return;
+            weight *= width[shell[m]] * width[shell[other]];
+            const double of_v = weight * (e[m] * std::conj(e[other])).real();
+            const std::complex<double> of_p = weight * e[m] * e[other];
+            v[count] += of_v;
+            p[count] += of_p;
+            if (shell[m] != shell[other]) return;
+            v[shell[m]] += of_v;
+            p[shell[m]] += of_p;
+        });
+        for (std::size_t i = 0; i <= count; ++i) {
+            const double large = 0.5 * (v[i] + std::abs(p[i]));
+            const double small = std::max(0.0, 0.5 * (v[i] - std::abs(p[i])));
+            const double n = i == count ? all : static_cast<double>(shells.members[i].size());
+            if (!(large > 0)) {
+                chance[h].push_back(undefined);
+                continue;
+            }
+            chance[h].push_back(2 / n * std::sqrt(2 * large / std::numbers::pi) *
+                                std::comp_ellint_2(std::sqrt(1 - small / large)));
+        }
+    }
+    return chance;
+}
+
 Curve StructureFactor::map_curve(Estimator estimator) const {
     const Block sums = total(std::nullopt);
     const auto& modes = grid_.modes();
@@ -85,28 +149,25 @@ void StructureFactor::add_directions(ObservableResult& result, Estimator estimat
     result.curves.push_back(map_curve(estimator));
     const Shells shells = this->shells(estimator);
     const auto whole = anisotropies(shells, total(std::nullopt), estimator);
-    // An isotropic pattern has an amplitude too: of n independent modes in M frames
-    // sqrt(π/(n M)) on average.
-    const std::vector<double> modes = independent_modes(shells, estimator);
-    const std::vector<double> frames = samples(shells, estimator);
+    const auto chance = anisotropies_by_chance(shells, estimator);
+    const std::vector<double> dof = spectrum(estimator).dof;
     Curve curve{"sk_anisotropy",
                 "Anisotropy of S(k)",
                 {{"k", "1/a", "Wavevector k a", {}},
                  {"a2", "-", "Two-fold amplitude", {}},
                  {"a4", "-", "Four-fold amplitude", {}},
-                 {"chance", "-", "Mean amplitude of an isotropic pattern", {}}},
+                 {"chance2", "-", "Mean two-fold amplitude of an isotropic pattern", {}},
+                 {"chance4", "-", "Mean four-fold amplitude of an isotropic pattern", {}}},
                 {}};
     double independent = 0;
-    double count = 0;
     for (std::size_t i = 0; i < shells.k.size(); ++i) {
         if (!std::isfinite(whole[0][i])) continue;
         curve.columns[0].values.push_back(shells.k[i]);
-        curve.columns[1].values.push_back(whole[0][i]);
-        curve.columns[2].values.push_back(whole[1][i]);
-        curve.columns[3].values.push_back(std::sqrt(std::numbers::pi / (modes[i] * frames[i])));
-        // Σ over modes of 1/M of each: the variance of the sum over all shells.
-        independent += shells.modes[i] * shells.modes[i] / (modes[i] * frames[i]);
-        count += shells.modes[i];
+        for (std::size_t h = 0; h < 2; ++h) {
+            curve.columns[1 + h].values.push_back(whole[h][i]);
+            curve.columns[3 + h].values.push_back(chance[h][i]);
+        }
+        independent += dof[i];
     }
     if (curve.columns[0].values.empty()) return;
     result.curves.push_back(std::move(curve));
@@ -117,16 +178,15 @@ void StructureFactor::add_directions(ObservableResult& result, Estimator estimat
         const auto part = anisotropies(shells, total(b), estimator);
         for (std::size_t h = 0; h < left.size(); ++h) left[h].push_back(part[h].back());
     }
-    const double chance = std::sqrt(std::numbers::pi * independent) / count;
     for (std::size_t h = 0; h < left.size(); ++h) {
         Measurement m{h == 0 ? "anisotropy_2" : "anisotropy_4",
                       "-",
                       whole[h].back(),
                       jackknife_error(left[h], least_blocks),
-                      count,
+                      independent,
                       fmt::format("relative amplitude of the {}-fold harmonic; an isotropic "
-                                  "pattern shows {:.2g} by chance",
-                                  2 * (h + 1), chance)};
+                                  "pattern shows {:.3g} by chance",
+                                  2 * (h + 1), chance[h].back())};
         if (!(m.error.value_or(0) > 0)) {
             m.error.reset();
             m.reason += "; no error from so few frames";

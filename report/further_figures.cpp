@@ -225,8 +225,8 @@ std::vector<Figure> further_figures(const std::vector<Results>& runs,
         if (plan.name != "sk_anisotropy") continue;
         add_kind(figures.back(), runs, {"two-fold", Mark::line, true},
                  {"sk", "sk_anisotropy", "k", "a2", "", ""});
-        add_kind(figures.back(), runs, {"by chance, if isotropic", Mark::curve, true},
-                 {"sk", "sk_anisotropy", "k", "chance", "", ""});
+        add_kind(figures.back(), runs, {"four-fold by chance, if isotropic", Mark::curve, true},
+                 {"sk", "sk_anisotropy", "k", "chance4", "", ""});
     }
     return figures;
 }

@@ -89,6 +89,7 @@ const std::map<std::string, std::string>& quantity_titles() {
         {"order_time", "Time in which the correlation of the order falls to 1/e"},
         {"largest_cluster", "Particles in the largest solid cluster"},
         {"cluster_size", "Solid particles in the cluster of one of them, mean"},
+        {"q4_fluctuation", "Fluctuation of |Q4| of a particle in time"},
         {"cluster_lifetime", "Lifetime of solid clusters"},
         {"s0_over_s1_low", "S₀/S₁, lower end"},
         {"s0_over_s1_high", "S₀/S₁, upper end"},

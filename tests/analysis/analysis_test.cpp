@@ -136,6 +136,43 @@ TEST(Analysis, NeverHasAValueThatIsNotANumberNorAMissingOneWithoutReason) {
     }
 }
 
+// Coordinates 1e6 diameters from the origin, in steps that both places can hold: every number is
+// the same but for rounding.
+TEST(Analysis, IsTheSameAMillionDiametersFromTheOrigin) {
+    for (const Boundary boundary : {Boundary::walls, Boundary::periodic}) {
+        MemorySource near_source = video(12);
+        MemorySource far_source = near_source;
+        for (std::size_t f = 0; f < near_source.snapshots.size(); ++f) {
+            Snapshot& here = near_source.snapshots[f];
+            Snapshot& far = far_source.snapshots[f];
+            here.box.boundary = far.box.boundary = {boundary, boundary};
+            far.box.origin = {8e6, -8e6};
+            for (std::size_t i = 0; i < here.size(); ++i) {
+                Vec2& p = here.position[i];
+                p = {std::ldexp(std::round(std::ldexp(p.x, 20)), -20),
+                     std::ldexp(std::round(std::ldexp(p.y, 20)), -20)};
+                far.position[i] = p + far.box.origin;
+            }
+        }
+        AnalysisOptions options;
+        options.fit.k_max = 1.5;
+        const auto a = run(near_source, options);
+        const auto b = run(far_source, options);
+        ASSERT_EQ(a.size(), b.size());
+        for (std::size_t o = 0; o < a.size(); ++o) {
+            EXPECT_EQ(a[o].reason, b[o].reason);
+            ASSERT_EQ(a[o].measurements.size(), b[o].measurements.size()) << a[o].name;
+            for (std::size_t i = 0; i < a[o].measurements.size(); ++i) {
+                const Measurement& x = a[o].measurements[i];
+                const Measurement& y = b[o].measurements[i];
+                EXPECT_NEAR(x.value.value_or(0), y.value.value_or(0),
+                            1e-7 * std::abs(x.value.value_or(0)) + 1e-12)
+                    << x.name;
+            }
+        }
+    }
+}
+
 TEST(Analysis, SurvivesDegeneratePatterns) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const std::vector<std::vector<Vec2>> patterns{{},

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/errors.h"
 #include "tests/analysis/synthetic_patterns.h"
 
 namespace grainfield::analysis {
@@ -93,6 +94,85 @@ TEST(OrderCorrelation, InSpaceIsTheBesselFunctionOfAPlaneWave) {
     }
     EXPECT_THAT(result.find_measurement("order_time")->reason, testing::HasSubstr("not linked"));
     EXPECT_TRUE(result.find_measurement("order_length")->value.has_value());
+}
+
+// Whatever frame the run is cut at, and also in three parts.
+TEST(OrderCorrelation, OfMergedPartsIsThatOfTheWhole) {
+    const int frames = 50;
+    const Box box = square_box(12);
+    for (const std::vector<int>& cuts : {std::vector<int>{25}, {7}, {12, 31}}) {
+        OrderCorrelation whole(box, frames);
+        std::vector<OrderCorrelation> parts{OrderCorrelation(box, frames)};
+        for (const int cut : cuts) parts.emplace_back(box, frames, cut);
+        RandomStream random(5, "parts");
+        std::vector<Vec2> points = poisson_points(150, box, random);
+        std::size_t part = 0;
+        for (int f = 0; f < frames; ++f) {
+            if (part < cuts.size() && f == cuts[part]) ++part;
+            for (Vec2& p : points) p = box.wrap(p + 0.5 * Vec2{random.normal(), random.normal()});
+            std::vector<std::complex<double>> q;
+            for (const Vec2& p : points) {
+                q.push_back(std::polar(0.8, p.x) + 0.2 * std::polar(1.0, random.normal()));
+            }
+            Pattern here = pattern(points, box, f);
+            here.id = identities(points.size());
+            const BondOrderField field = field_of(q);
+            whole.add(whole.measure(here, field, f), here, field);
+            parts[part].add(parts[part].measure(here, field, f), here, field);
+        }
+        // The later ones first: merging is associative.
+        while (parts.size() > 1) {
+            parts[parts.size() - 2].merge(parts.back());
+            parts.pop_back();
+        }
+        ObservableResult a, b;
+        whole.add_to(a);
+        parts.front().add_to(b);
+        ASSERT_EQ(a.curves.size(), 2U);
+        for (const Curve& curve : a.curves) {
+            for (const Column& column : curve.columns) {
+                const auto& other = b.find_curve(curve.name)->find(column.name)->values;
+                ASSERT_EQ(other.size(), column.values.size()) << curve.name;
+                for (std::size_t i = 0; i < other.size(); ++i) {
+                    if (std::isnan(column.values[i])) continue;
+                    EXPECT_NEAR(other[i], column.values[i],
+                                1e-12 * std::abs(column.values[i]) + 1e-14);
+                }
+            }
+        }
+        for (const char* name : {"order_length", "order_time"}) {
+            const Measurement* of_whole = a.find_measurement(name);
+            const Measurement* of_parts = b.find_measurement(name);
+            ASSERT_TRUE(of_whole->value.has_value()) << of_whole->reason;
+            EXPECT_NEAR(*of_parts->value, *of_whole->value, 1e-12 * *of_whole->value);
+            EXPECT_NEAR(of_parts->error.value_or(-1), of_whole->error.value_or(-1), 1e-9);
+        }
+    }
+    OrderCorrelation first(box, frames), strange(box, frames, 30);
+    EXPECT_THROW(first.merge(strange), InputError);
+}
+
+// Neighbours at random angles: 1/e is passed before the first neighbour.
+TEST(OrderCorrelation, HasNoLengthBelowADiameter) {
+    const int frames = 20;
+    const Box box = square_box(30);
+    OrderCorrelation correlation(box, frames);
+    for (int f = 0; f < frames; ++f) {
+        RandomStream random(6, "short", static_cast<std::uint64_t>(f));
+        const Pattern here = pattern(poisson_points(900, box, random), box, f);
+        std::vector<std::complex<double>> q;
+        for (std::size_t i = 0; i < here.size(); ++i) {
+            q.push_back(std::polar(1.0, 2 * std::numbers::pi * random.uniform()));
+        }
+        const BondOrderField field = field_of(q);
+        correlation.add(correlation.measure(here, field, f), here, field);
+    }
+    ObservableResult result;
+    correlation.add_to(result);
+    const Measurement* length = result.find_measurement("order_length");
+    EXPECT_FALSE(length->value.has_value());
+    EXPECT_THAT(length->reason, testing::HasSubstr("diameter"));
+    EXPECT_NE(result.find_curve("q4_space"), nullptr);
 }
 
 TEST(OrderCorrelation, HasReasonsWhereNothingCanBeSaid) {

@@ -85,6 +85,36 @@ TEST(SolidClusters, OfTwoThatMergeTheLargerLivesOn) {
     EXPECT_FALSE(life->error.has_value());
 }
 
+TEST(SolidClusters, OfTwoMergedHalvesAreThoseOfTheWhole) {
+    const BondOrderField field = chain(60);
+    SolidClusters whole(true), first(true), second(true);
+    RandomStream random(2, "halves");
+    std::string solid(60, 'x');
+    for (int w = 0; w < 40; ++w) {
+        for (std::size_t i = 0; i < solid.size(); ++i) {
+            if (random.uniform() < (solid[i] == 'x' ? 0.02 : 0.2)) {
+                solid[i] = solid[i] == 'x' ? '.' : 'x';
+            }
+        }
+        whole.add(frame(field, solid, 0.4 * w));
+        (w < 20 ? first : second).add(frame(field, solid, 0.4 * w));
+    }
+    first.merge(second);
+    first.merge(SolidClusters(true));  // nothing
+    ObservableResult a, b;
+    whole.add_to(a);
+    first.add_to(b);
+    const Measurement* life = a.find_measurement("cluster_lifetime");
+    ASSERT_TRUE(life->error.has_value()) << life->reason;
+    ASSERT_EQ(a.measurements.size(), b.measurements.size());
+    for (std::size_t i = 0; i < a.measurements.size(); ++i) {
+        EXPECT_NEAR(*a.measurements[i].value, *b.measurements[i].value, 1e-12);
+        EXPECT_NEAR(*a.measurements[i].error, *b.measurements[i].error, 1e-12);
+    }
+    const Curve* sizes = a.find_curve("clusters");
+    EXPECT_EQ(sizes->find("clusters")->values, b.find_curve("clusters")->find("clusters")->values);
+}
+
 TEST(SolidClusters, ThatAllOutliveTheRunHaveAReason) {
     const BondOrderField field = chain(20);
     SolidClusters clusters(true);

@@ -81,6 +81,44 @@ TEST(SimulateField, GoesThroughAnalyzeExportAndCompare) {
     EXPECT_EQ(run_grainfield({"compare", folder / "r.h5", "-o", folder / "report.html"}).code, 0);
 }
 
+// S0/S1 of small lattices falls with ν as on large ones; the line through it meets zero near ν = 0
+// (docs/field.md). S0/S1 has no unit: k is in inverse lengths of the model, α the same.
+TEST(SimulateField, GivesACriticalLineInNu) {
+    const ScratchFolder folder;
+    const Outcome runs = run_grainfield(
+        job(folder / "f.h5", {"--nu-list", "0.02,0.01,0.005", "--nx", "64", "--relax", "1000",
+                              "--record", "20000", "--store", "20000"}));
+    ASSERT_EQ(runs.code, 0) << runs.err;
+    Words words{"critical"};
+    std::vector<double> ratios;
+    for (const char* nu : {"0.02", "0.01", "0.005"}) {
+        const std::string name = folder / (std::string("f-nu") + nu + ".h5");
+        const std::string results = folder / (std::string("r") + nu + ".h5");
+        const Outcome analysed =
+            run_grainfield({"analyze", name, "-o", results, "--fit-k-max", "0.7", "--json"});
+        ASSERT_EQ(analysed.code, 0) << analysed.err;
+        ratios.push_back(json::parse(analysed.out)["fit"]["s0_over_s1"]["value"].get<double>());
+        words.push_back(results);
+    }
+    EXPECT_GT(ratios[0], ratios[1]);
+    EXPECT_GT(ratios[1], ratios[2]);
+    words.insert(words.end(), {"-o", folder / "c.h5", "--parameter", "model.nu", "--json"});
+    const Outcome critical = run_grainfield(words);
+    ASSERT_EQ(critical.code, 0) << critical.err;
+    const json summary = json::parse(critical.out);
+    EXPECT_EQ(summary["runs"], 3);
+    // Slope some 300 (methods of the field model: 260 on 128² lattices), zero at a small ν.
+    EXPECT_NEAR(summary["slope"]["value"].get<double>(), 300, 150);
+    EXPECT_NEAR(summary["critical_value"]["value"].get<double>(), 0, 0.003);
+    EXPECT_EQ(run_grainfield({"export", folder / "c.h5", "-o", folder / "c/"}).code, 0);
+    EXPECT_THAT(testing::read_all(folder / "c/critical.csv"), HasSubstr("x,s0_over_s1,err"));
+    EXPECT_EQ(run_grainfield({"compare", words[1], words[2], words[3], folder / "c.h5", "-o",
+                              folder / "c.html"})
+                  .code,
+              0);
+    EXPECT_THAT(testing::read_all(folder / "c.html"), HasSubstr("model.nu"));
+}
+
 TEST(SimulateField, ThreadsChangeNoNumber) {
     const ScratchFolder folder;
     std::string first;

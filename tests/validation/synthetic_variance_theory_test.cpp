@@ -149,6 +149,27 @@ TEST(SyntheticVarianceTheory, OfAClusterProcessIsTheVarianceThatIsCounted) {
     EXPECT_NEAR(from_sk.columns[1].values.back(), 0, 1e-6);
 }
 
+// What docs/analysis.md says of measurements that end at k = 2/a.
+TEST(SyntheticVarianceTheory, SaysWhatShareOfTheVarianceLiesBeyondTheLargestWavevector) {
+    const SpectrumModel flat =
+        SpectrumModel::of_measured({{1.0, 2.0}, {1, 1}, {100, 100}, {0, 0}}, std::nullopt);
+    const auto values = synthetic_variance(flat, 1, {1, 10});
+    // Independently: ∫ q A dq/2π by Simpson's rule over k < 2/a.
+    const auto below = [](double end) {
+        const int n = 4000;
+        double sum = 0;
+        for (int i = 0; i <= n; ++i) {
+            const double q = end * i / n;
+            sum += (i == 0 || i == n ? 1 : i % 2 == 1 ? 4 : 2) * q * window_power(q);
+        }
+        return sum * end / n / 3 / (2 * std::numbers::pi);
+    };
+    EXPECT_NEAR(values[0].beyond, 1 - below(2), 1e-6);
+    EXPECT_NEAR(values[1].beyond / 100, 1 - below(20), 1e-6);
+    EXPECT_NEAR(values[0].beyond, 0.730, 0.0005);
+    EXPECT_NEAR(values[1].beyond / 100, 0.066, 0.0005);
+}
+
 TEST(SyntheticVarianceTheory, OfAnyWindowTendsToItsPowerAtLargeK) {
     // q³ A(q) averaged over a period is 8 where the far form takes over.
     double sum = 0;
