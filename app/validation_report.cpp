@@ -103,9 +103,13 @@ Table track_table(const ValidationOutcome& outcome) {
                     outcome.scores.q4_bias()));
     const bool labelled = layers.labelled > 0;
     row("layer labels", labelled ? share(layers.accuracy()) : report::TableCell{},
-        labelled ? fmt::format("right of {}; {:.5f} up to an exchange in each cluster",
-                               layers.labelled, layers.accuracy_up_to_flip())
+        labelled ? fmt::format("right of {}", layers.labelled)
                  : std::string("the tracker gave no layers"));
+    row("layer labels, up to a flip",
+        layers.tested > 0 ? share(layers.accuracy_up_to_flip()) : report::TableCell{},
+        fmt::format("of {}: sides exchanged where that is better for a cluster of overlapping "
+                    "spheres, one label of each cluster not counted",
+                    layers.tested));
     return table;
 }
 

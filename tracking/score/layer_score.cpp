@@ -44,7 +44,7 @@ double LayerScore::accuracy() const {
 }
 
 double LayerScore::accuracy_up_to_flip() const {
-    return share(right_up_to_flip, labelled);
+    return share(right_up_to_flip, tested);
 }
 
 void LayerScore::add(const std::vector<Vec2>& truth, const std::vector<Layer>& true_layer,
@@ -64,9 +64,11 @@ void LayerScore::add(const std::vector<Vec2>& truth, const std::vector<Layer>& t
         right_in[cluster[i]] += label == true_layer[i];
     }
     for (std::size_t c = 0; c < truth.size(); ++c) {
+        if (labelled_in[c] == 0) continue;
         labelled += labelled_in[c];
         right += right_in[c];
-        right_up_to_flip += std::max(right_in[c], labelled_in[c] - right_in[c]);
+        tested += labelled_in[c] - 1;
+        right_up_to_flip += std::max(right_in[c], labelled_in[c] - right_in[c]) - 1;
     }
 }
 
