@@ -4,7 +4,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <span>
 
+#include "analysis/bond_kernel.h"
 #include "analysis/neighbours.h"
 #include "analysis/triangulation.h"
 
@@ -50,7 +53,7 @@ BondOrderField empty_field(std::size_t n) {
     field.q.assign(n, {undefined, undefined});
     field.neighbours.assign(n, 0);
     field.first.assign(n, 0);
-    field.neighbour.reserve(5 * n);
+    field.neighbour.reserve(6 * n + 32768);
     field.nearest.assign(n, undefined);
     field.mean_four.assign(n, undefined);
     return field;
@@ -77,54 +80,124 @@ void set_order(BondOrderField& field, std::size_t i, const Range& neighbours, do
 
 constexpr double no_limit = std::numeric_limits<double>::infinity();
 
+// One point by the general search.
+void set_by_search(BondOrderField& field, const CellList& cells, int i,
+                   const BondOrderOptions& options, NeighbourList& found) {
+    const auto at = static_cast<std::size_t>(i);
+    const double factor = options.rule == NeighbourRule::near_four ? options.factor : 0;
+    const CellList::Reach reach = cells.near(i, 4, factor, found);
+    if (reach.count > 0) field.nearest[at] = reach.nearest;
+    if (reach.count == 4) field.mean_four[at] = reach.mean_first;
+    double limit2 = no_limit;
+    if (options.rule == NeighbourRule::fixed_cutoff) {
+        cells.within(i, options.cutoff, found);
+    } else if (options.rule == NeighbourRule::near_four) {
+        limit2 = factor * reach.mean_first * factor * reach.mean_first;
+    }
+    set_order(field, at, found, limit2, UnitPower{options.symmetry});
+}
+
 BondOrderField by_cell_list(const Pattern& pattern, const BondOrderOptions& options) {
     BondOrderField field = empty_field(pattern.size());
     const CellList cells(pattern.position, pattern.box);
-    const UnitPower power{options.symmetry};
-    const double factor = options.rule == NeighbourRule::near_four ? options.factor : 0;
+    const CellList::View view = cells.view();
     NeighbourList found;
-    for (int i : cells.order()) {
-        const auto at = static_cast<std::size_t>(i);
-        const CellList::Reach reach = cells.near(i, 4, factor, found);
-        if (reach.count > 0) field.nearest[at] = reach.nearest;
-        if (reach.count == 4) field.mean_four[at] = reach.mean_first;
-        double limit2 = no_limit;
-        if (options.rule == NeighbourRule::fixed_cutoff) {
-            cells.within(i, options.cutoff, found);
-        } else if (options.rule == NeighbourRule::near_four) {
-            limit2 = factor * reach.mean_first * factor * reach.mean_first;
-        }
-        set_order(field, at, found, limit2, power);
+    if (view.has_tree) {
+        for (int i : cells.order()) set_by_search(field, cells, i, options, found);
+        return field;
     }
+    std::vector<int> left(pattern.size());
+    BondKernelOutput output{reinterpret_cast<double*>(field.q.data()),
+                            field.neighbours.data(),
+                            field.first.data(),
+                            field.nearest.data(),
+                            field.mean_four.data(),
+                            nullptr,
+                            0,
+                            left.data(),
+                            0};
+    constexpr std::size_t cells_at_once = 256;
+    const auto all =
+        static_cast<std::size_t>(view.x.cells) * static_cast<std::size_t>(view.y.cells);
+    for (std::size_t from = 0; from < all; from += cells_at_once) {
+        const std::size_t to = std::min(all, from + cells_at_once);
+        const auto points = static_cast<std::size_t>(view.first[to] - view.first[from]);
+        const std::size_t needed = output.listed + points * most_candidates;
+        if (needed > field.neighbour.size()) {
+            field.neighbour.resize(std::max(needed, field.neighbour.size() * 5 / 4));
+        }
+        output.neighbour = field.neighbour.data();
+        bond_orders(view, options, from, to, output);
+    }
+    field.neighbour.resize(output.listed);
+    left.resize(output.left_count);
+    for (const int i : left) set_by_search(field, cells, i, options, found);
     return field;
+}
+
+// r̄4 of a particle whose neighbours are those of the triangulation; infinity without four of them.
+double set_distances(BondOrderField& field, std::size_t i, std::span<const Neighbour> neighbours) {
+    std::array<double, 4> smallest;
+    smallest.fill(no_limit);
+    for (const Neighbour& neighbour : neighbours) {
+        double r2 = neighbour.r2;
+        for (double& s : smallest) {
+            const double low = std::min(s, r2);
+            r2 = std::max(s, r2);
+            s = low;
+        }
+    }
+    const std::size_t have = std::min<std::size_t>(4, neighbours.size());
+    double mean = 0;
+    for (std::size_t j = 0; j < have; ++j) mean += std::sqrt(smallest[j]);
+    mean /= static_cast<double>(have);
+    field.nearest[i] = std::sqrt(smallest[0]);
+    if (have == 4) field.mean_four[i] = mean;
+    return mean;
+}
+
+// Σ_s l_s exp(i k θ_s)/Σ_s l_s, l_s the length of the edge to s.
+void set_weighted_order(BondOrderField& field, std::size_t i, std::span<const Neighbour> neighbours,
+                        std::span<const double> edges, double perimeter, const UnitPower& power) {
+    std::complex<double> sum = 0;
+    field.first[i] = field.neighbour.size();
+    for (std::size_t s = 0; s < neighbours.size(); ++s) {
+        if (!(edges[s] > 0) || neighbours[s].r2 <= 0) continue;
+        sum += edges[s] * power(neighbours[s]);
+        field.neighbour.push_back(neighbours[s].index);
+        ++field.neighbours[i];
+    }
+    if (field.neighbours[i] > 0) field.q[i] = sum / perimeter;
 }
 
 BondOrderField by_triangulation(const Pattern& pattern, const BondOrderOptions& options) {
     BondOrderField field = empty_field(pattern.size());
     const Triangulation triangulation(pattern.position, pattern.box);
     const UnitPower power{options.symmetry};
+    std::vector<Neighbour> kept;
     for (std::size_t i = 0; i < pattern.size(); ++i) {
         const auto neighbours = triangulation.neighbours(i);
-        std::array<double, 4> smallest;
-        smallest.fill(no_limit);
-        for (const Neighbour& neighbour : neighbours) {
-            double r2 = neighbour.r2;
-            for (double& s : smallest) {
-                const double low = std::min(s, r2);
-                r2 = std::max(s, r2);
-                s = low;
-            }
+        if (neighbours.empty()) continue;
+        const auto edges = triangulation.edges(i);
+        const double limit = options.factor * set_distances(field, i, neighbours);
+        const double perimeter = std::accumulate(edges.begin(), edges.end(), 0.0);
+        switch (options.rule) {
+            case NeighbourRule::near_delaunay:
+                set_order(field, i, neighbours, limit * limit, power);
+                break;
+            case NeighbourRule::voronoi_edge:
+                kept.clear();
+                for (std::size_t s = 0; s < neighbours.size(); ++s) {
+                    if (edges[s] > options.edge * perimeter / 4) kept.push_back(neighbours[s]);
+                }
+                set_order(field, i, kept, no_limit, power);
+                break;
+            case NeighbourRule::edge_weighted:
+                set_weighted_order(field, i, neighbours, edges, perimeter, power);
+                break;
+            default:
+                set_order(field, i, neighbours, no_limit, power);
         }
-        const std::size_t have = std::min<std::size_t>(4, neighbours.size());
-        if (have == 0) continue;
-        double mean = 0;
-        for (std::size_t j = 0; j < have; ++j) mean += std::sqrt(smallest[j]);
-        mean /= static_cast<double>(have);
-        field.nearest[i] = std::sqrt(smallest[0]);
-        if (have == 4) field.mean_four[i] = mean;
-        const double limit = options.factor * mean;
-        const bool near = options.rule == NeighbourRule::near_delaunay;
-        set_order(field, i, neighbours, near ? limit * limit : no_limit, power);
     }
     return field;
 }
@@ -138,17 +211,23 @@ OptionTable describe(BondOrderOptions& options) {
                   {"near-delaunay", NeighbourRule::near_delaunay},
                   {"four-nearest", NeighbourRule::four_nearest},
                   {"delaunay", NeighbourRule::delaunay},
-                  {"fixed-cutoff", NeighbourRule::fixed_cutoff}},
+                  {"fixed-cutoff", NeighbourRule::fixed_cutoff},
+                  {"voronoi-edge", NeighbourRule::voronoi_edge},
+                  {"edge-weighted", NeighbourRule::edge_weighted}},
                  "which particles count as neighbours");
     table.integer("symmetry", options.symmetry, "-", {1, 24}, "k of the k-fold order");
     table.number("factor", options.factor, "-", {1, 3},
                  "largest distance of a neighbour over the mean of the four nearest");
     table.number("cutoff", options.cutoff, "a", {0.01, 100}, "radius of fixed-cutoff");
+    table.number("edge", options.edge, "-", {0, 4},
+                 "least length of the edge to a neighbour of voronoi-edge over a quarter of the "
+                 "perimeter of the Voronoi cell");
     return table;
 }
 
 bool needs_triangulation(NeighbourRule rule) {
-    return rule == NeighbourRule::delaunay || rule == NeighbourRule::near_delaunay;
+    return rule == NeighbourRule::delaunay || rule == NeighbourRule::near_delaunay ||
+           rule == NeighbourRule::voronoi_edge || rule == NeighbourRule::edge_weighted;
 }
 
 BondOrderField bond_order(const Pattern& pattern, const BondOrderOptions& options) {

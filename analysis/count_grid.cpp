@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <type_traits>
+
+#include "analysis/window_kernel.h"
 
 namespace grainfield::analysis {
 namespace {
@@ -98,18 +101,26 @@ std::int64_t CountGrid::positions(int m) const {
     return x * y;
 }
 
-std::vector<std::int32_t> CountGrid::count(std::span<const Vec2> points) const {
-    std::vector<std::int32_t> contents(size(), 0);
+std::vector<std::int32_t> CountGrid::cells_of(std::span<const Vec2> points) const {
+    std::vector<std::int32_t> found;
+    found.reserve(points.size());
     for (const Vec2& p : points) {
-        double column = std::floor((p.x - origin.x) / cell.x);
-        double row = std::floor((p.y - origin.y) / cell.y);
+        double column = (p.x - origin.x) / cell.x;
+        double row = (p.y - origin.y) / cell.y;
         // A wrapped point just below the upper edge may round onto it.
         if (periodic[0]) column = std::clamp(column, 0.0, cells[0] - 1.0);
         if (periodic[1]) row = std::clamp(row, 0.0, cells[1] - 1.0);
         if (!(column >= 0 && column < cells[0] && row >= 0 && row < cells[1])) continue;
-        ++contents[static_cast<std::size_t>(row) * static_cast<std::size_t>(cells[0]) +
-                   static_cast<std::size_t>(column)];
+        // Truncation is floor here.
+        found.push_back(static_cast<std::int32_t>(row) * cells[0] +
+                        static_cast<std::int32_t>(column));
     }
+    return found;
+}
+
+std::vector<std::int32_t> CountGrid::count(std::span<const Vec2> points) const {
+    std::vector<std::int32_t> contents(size(), 0);
+    for (const std::int32_t at : cells_of(points)) ++contents[static_cast<std::size_t>(at)];
     return contents;
 }
 
@@ -122,24 +133,42 @@ WindowCounter::WindowCounter(const CountGrid& grid, std::span<const std::int32_t
     const std::size_t wide = nx + (grid.periodic[0] ? more : 0);
     const std::size_t high = ny + (grid.periodic[1] ? more : 0);
     columns_ = wide + 1;
-    table_.assign(columns_ * (high + 1), 0);
-    for (std::size_t y = 0; y < high; ++y) {
-        const std::int32_t* row = contents.data() + (y % ny) * nx;
-        const std::uint32_t* below = table_.data() + y * columns_;
-        std::uint32_t* above = table_.data() + (y + 1) * columns_;
-        std::uint32_t sum = 0;
-        for (std::size_t x = 0; x < wide; ++x) {
-            sum += static_cast<std::uint32_t>(row[x < nx ? x : x % nx]);
-            above[x + 1] = below[x + 1] + sum;
+    for (const std::int32_t content : contents) points_ += static_cast<std::uint64_t>(content);
+    const auto fill = [&](auto& table) {
+        using Entry = std::remove_reference_t<decltype(table[0])>;
+        for (std::size_t y = 0; y < high; ++y) {
+            const std::int32_t* row = contents.data() + (y % ny) * nx;
+            const Entry* below = table.data() + y * columns_;
+            Entry* above = table.data() + (y + 1) * columns_;
+            std::uint32_t sum = 0;
+            for (std::size_t x = 0; x < wide; ++x) {
+                sum += static_cast<std::uint32_t>(row[x < nx ? x : x % nx]);
+                above[x + 1] = static_cast<Entry>(below[x + 1] + sum);
+            }
         }
+    };
+    if (points_ <= NarrowTable::most) {
+        narrow_.assign(columns_ * (high + 1) + NarrowTable::padding, 0);
+        fill(narrow_);
+    } else {
+        table_.assign(columns_ * (high + 1), 0);
+        fill(table_);
     }
 }
 
 WindowSums WindowCounter::sums(int m) const {
-    WindowSums result;
-    if (!grid_.fits(m)) return result;
+    if (!grid_.fits(m)) return {};
     const int columns = grid_.periodic[0] ? grid_.cells[0] : grid_.cells[0] - m + 1;
     const int rows = grid_.periodic[1] ? grid_.cells[1] : grid_.cells[1] - m + 1;
+    if (narrow_.empty()) return wide_sums(m, columns, rows);
+    const NarrowSums sums = window_sums(
+        {narrow_.data(), columns_}, static_cast<std::size_t>(m), static_cast<std::size_t>(columns),
+        static_cast<std::size_t>(rows), static_cast<std::uint32_t>(points_));
+    return {static_cast<Wide>(sums.sum), static_cast<Wide>(sums.squares)};
+}
+
+WindowSums WindowCounter::wide_sums(int m, int columns, int rows) const {
+    WindowSums result;
     const auto row = [&](int y) { return table_.data() + static_cast<std::size_t>(y) * columns_; };
     // Any integer near the mean content keeps the squares small; the first window will do.
     const std::uint32_t shift = (row(m)[m] - row(m)[0]) - (row(0)[m] - row(0)[0]);

@@ -33,6 +33,9 @@ struct CountGrid {
     /// Number of positions of an m × m window: all of them on periodic axes.
     std::int64_t positions(int m) const;
 
+    /// The cells of the points, row-major; points outside the grid are left out. Cost O(N).
+    std::vector<std::int32_t> cells_of(std::span<const Vec2> points) const;
+
     /// Points per cell, row-major; points outside the grid are not counted. Cost O(N).
     std::vector<std::int32_t> count(std::span<const Vec2> points) const;
 };
@@ -44,17 +47,23 @@ struct WindowSums {
 };
 
 /// Window sums from cell contents by a summed-area table (`crow1984`): four look-ups a window.
-/// Contents are ≥ 0 and a window must hold less than 2^31. Exact in integers as long as
-/// positions-in-a-row × (largest difference between windows)² < 2^53, else to 1e-15.
+/// Contents are ≥ 0 and a window must hold less than 2^31. Exact for up to 32,767 points in all,
+/// in numbers of 16 bits; for more exact in integers as long as positions-in-a-row × (largest
+/// difference between windows)² < 2^53, else to 1e-15.
 class WindowCounter {
  public:
     WindowCounter(const CountGrid& grid, std::span<const std::int32_t> contents, int largest);
     WindowSums sums(int m) const;
 
  private:
+    WindowSums wide_sums(int m, int columns, int rows) const;
+
     CountGrid grid_;
     std::size_t columns_;
-    std::vector<std::uint32_t> table_;  // modulo 2^32: only differences are used
+    std::uint64_t points_ = 0;
+    // Modulo 2^32 or 2^16: only differences are used. One of them is empty.
+    std::vector<std::uint32_t> table_;
+    std::vector<std::uint16_t> narrow_;
 };
 
 }  // namespace grainfield::analysis

@@ -96,12 +96,14 @@ CellList::CellList(std::span<const Vec2> points, const Box& box) : box_(box) {
     }
     std::partial_sum(first_.begin(), first_.end(), first_.begin());
     std::vector<int> next(first_.begin(), first_.end() - 1);
-    point_.resize(n);
+    at_x_.resize(n);
+    at_y_.resize(n);
     index_.resize(n);
     place_.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
         const int at = next[static_cast<std::size_t>(cell[i])]++;
-        point_[static_cast<std::size_t>(at)] = points[i];
+        at_x_[static_cast<std::size_t>(at)] = points[i].x;
+        at_y_[static_cast<std::size_t>(at)] = points[i].y;
         index_[static_cast<std::size_t>(at)] = static_cast<int>(i);
         place_[i] = at;
     }
@@ -112,7 +114,7 @@ void CellList::take(int first, int last, Vec2 centre, NeighbourList& out) const 
     Neighbour* room = out.room(static_cast<std::size_t>(last - first));
     std::size_t count = 0;
     for (auto at = static_cast<std::size_t>(first); at < static_cast<std::size_t>(last); ++at) {
-        const Vec2 d = point_[at] - centre;
+        const Vec2 d = place(at) - centre;
         const double r2 = squared_norm(d);
         room[count] = {index_[at], d, r2};
         count += r2 > 0 ? 1U : 0U;
@@ -163,7 +165,7 @@ double CellList::gather(Vec2 centre, int rings, NeighbourList& out) const {
         for (int ix = x_low; ix <= x_high; ++ix) {
             const std::size_t cell = row + static_cast<std::size_t>(wrapped(ix, x_.cells));
             for (int at = first_[cell]; at < first_[cell + 1]; ++at) {
-                const Vec2 d = box_.minimum_image(point_[static_cast<std::size_t>(at)] - centre);
+                const Vec2 d = box_.minimum_image(place(static_cast<std::size_t>(at)) - centre);
                 const double r2 = squared_norm(d);
                 if (r2 > 0) {
                     *out.room(1) = {index_[static_cast<std::size_t>(at)], d, r2};
@@ -192,7 +194,7 @@ CellList::Reach CellList::near_in_tree(Vec2 centre, int k, double factor,
 
 CellList::Reach CellList::near(int i, int k, double factor, NeighbourList& out) const {
     const int self = place_[static_cast<std::size_t>(i)];
-    const Vec2 centre = point_[static_cast<std::size_t>(self)];
+    const Vec2 centre = place(static_cast<std::size_t>(self));
     if (tree_) return near_in_tree(centre, k, factor, out);
     std::array<double, most_nearest> smallest;
     for (int rings = 1;; rings *= 2) {
@@ -234,7 +236,7 @@ CellList::Reach CellList::near(int i, int k, double factor, NeighbourList& out) 
 
 void CellList::within(int i, double radius, NeighbourList& out) const {
     const int self = place_[static_cast<std::size_t>(i)];
-    const Vec2 centre = point_[static_cast<std::size_t>(self)];
+    const Vec2 centre = place(static_cast<std::size_t>(self));
     if (tree_) return tree_->within(centre, radius * radius, out);
     int rings = 1;
     while (gather(centre, rings, out) < radius) rings *= 2;

@@ -65,7 +65,7 @@ class CellList {
  public:
     CellList(std::span<const Vec2> points, const Box& box);
 
-    std::size_t size() const { return point_.size(); }
+    std::size_t size() const { return index_.size(); }
 
     /// Indices of the points in the order in which searching them is kindest to the cache.
     std::span<const int> order() const { return index_; }
@@ -85,7 +85,7 @@ class CellList {
     /// All neighbours of point i with r < radius, in no particular order.
     void within(int i, double radius, NeighbourList& out) const;
 
- private:
+    /// The cells along one axis.
     struct Axis {
         double origin = 0;
         double length = 0;
@@ -95,14 +95,31 @@ class CellList {
         bool periodic = false;
         int cell_of(double x) const;
     };
+
+    /// What kernels that go from cell to cell need. The points stand in the order of the cells,
+    /// rows of `x.cells` of them; a tree in place of the cells says that points crowd.
+    struct View {
+        Axis x, y;
+        const int* first;  ///< of each cell, and the end
+        const double* at_x;
+        const double* at_y;
+        const int* index;  ///< original
+        bool has_tree;
+    };
+    View view() const {
+        return {x_, y_, first_.data(), at_x_.data(), at_y_.data(), index_.data(), tree_ != nullptr};
+    }
+
+ private:
     Reach near_in_tree(Vec2 centre, int k, double factor, NeighbourList& out) const;
     double gather(Vec2 centre, int rings, NeighbourList& out) const;
     void take(int first, int last, Vec2 centre, NeighbourList& out) const;
+    Vec2 place(std::size_t at) const { return {at_x_[at], at_y_[at]}; }
 
     Axis x_, y_;
     Box box_;
     std::vector<int> first_;                 // of each cell, in cell order; one extra
-    std::vector<Vec2> point_;                // in cell order
+    std::vector<double> at_x_, at_y_;        // in cell order
     std::vector<int> index_;                 // original index, in cell order
     std::vector<int> place_;                 // place in cell order of each original index
     std::shared_ptr<const PointTree> tree_;  // instead of the cells, if points crowd

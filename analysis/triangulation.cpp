@@ -1,27 +1,21 @@
 #include "analysis/triangulation.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
+#include <limits>
+#include <utility>
 
-#include <boost/polygon/voronoi.hpp>
+#include "analysis/delaunay.h"
 
 namespace grainfield::analysis {
 namespace {
-
-using Diagram = boost::polygon::voronoi_diagram<double>;
-using Site = boost::polygon::point_data<std::int32_t>;
 
 // A point of the continued pattern: an original point and the lattice vector it was moved by.
 struct Copy {
     Vec2 at;
     int index;
-};
-
-struct Region {
-    Vec2 low;
-    Vec2 high;
 };
 
 std::vector<Copy> continued(std::span<const Vec2> points, const Box& box, double margin) {
@@ -49,7 +43,7 @@ std::vector<Copy> continued(std::span<const Vec2> points, const Box& box, double
     return copies;
 }
 
-// Maps the pattern to integers of at most 30 bits and a sign.
+// Maps the pattern to a grid of integers.
 struct Scaling {
     Vec2 centre;
     double scale = 1;
@@ -66,115 +60,160 @@ struct Scaling {
         centre = 0.5 * (low + high);
         const double half = 0.5 * std::max(high.x - low.x, high.y - low.y);
         extent = 2 * half;
-        if (half > 0) scale = double{1 << 30} / half;
+        if (half > 0) scale = double{Delaunay::most} / half;
     }
-    Site site(Vec2 p) const {
+    GridPoint to_grid(Vec2 p) const {
         return {static_cast<std::int32_t>(std::lround((p.x - centre.x) * scale)),
                 static_cast<std::int32_t>(std::lround((p.y - centre.y) * scale))};
     }
-    Vec2 point(double x, double y) const { return {x / scale + centre.x, y / scale + centre.y}; }
+    Vec2 from_grid(Vec2 p) const { return {p.x / scale + centre.x, p.y / scale + centre.y}; }
 };
-
-struct Sites {
-    std::vector<Site> site;           // distinct
-    std::vector<int> representative;  // copy index of each site
-    std::vector<int> of_copy;         // site of each copy
-
-    Sites(const std::vector<Copy>& copies, const Scaling& scaling) {
-        std::vector<Site> all(copies.size());
-        for (std::size_t c = 0; c < copies.size(); ++c) all[c] = scaling.site(copies[c].at);
-        std::vector<int> order(copies.size());
-        std::iota(order.begin(), order.end(), 0);
-        const auto less = [&](int a, int b) {
-            const Site& p = all[static_cast<std::size_t>(a)];
-            const Site& q = all[static_cast<std::size_t>(b)];
-            if (p.x() != q.x()) return p.x() < q.x();
-            return p.y() != q.y() ? p.y() < q.y() : a < b;
-        };
-        std::sort(order.begin(), order.end(), less);
-        of_copy.resize(copies.size());
-        for (int c : order) {
-            const Site& s = all[static_cast<std::size_t>(c)];
-            if (site.empty() || !(s == site.back())) {
-                site.push_back(s);
-                representative.push_back(c);
-            }
-            of_copy[static_cast<std::size_t>(c)] = static_cast<int>(site.size()) - 1;
-        }
-    }
-};
-
-// Whether the circle around a Voronoi vertex through its sites lies in the continued region, so
-// that no point beyond the margin could have cut it.
-bool certain(const Diagram::edge_type& edge, const Scaling& scaling, Vec2 site, const Box& box,
-             double margin) {
-    for (const auto* vertex : {edge.vertex0(), edge.vertex1()}) {
-        if (vertex == nullptr) return false;
-        const Vec2 v = scaling.point(vertex->x(), vertex->y());
-        const double r = norm(v - site);
-        const Vec2 high = box.origin + box.length;
-        if (box.boundary[0] == Boundary::periodic &&
-            (v.x - r < box.origin.x - margin || v.x + r > high.x + margin)) {
-            return false;
-        }
-        if (box.boundary[1] == Boundary::periodic &&
-            (v.y - r < box.origin.y - margin || v.y + r > high.y + margin)) {
-            return false;
-        }
-    }
-    return true;
-}
-
-// Whether the Voronoi edge between `site` and site + d passes within `far` of their midpoint.
-// Points on a line come out of the rounding with flat triangles whose vertices lie far outside;
-// such pairs only touch there and are no neighbours.
-bool passes_near(const Diagram::edge_type& edge, const Scaling& scaling, Vec2 site, Vec2 d,
-                 double far) {
-    // Along the edge the cell of `site` is on the left.
-    const double length = norm(d);
-    const Vec2 along{-d.y / length, d.x / length};
-    const Vec2 middle = site + 0.5 * d;
-    const auto place = [&](const Diagram::vertex_type* vertex) {
-        return dot(scaling.point(vertex->x(), vertex->y()) - middle, along);
-    };
-    if (edge.vertex0() != nullptr && place(edge.vertex0()) > far) return false;
-    return edge.vertex1() == nullptr || place(edge.vertex1()) >= -far;
-}
 
 bool any_periodic(const Box& box) {
     return box.boundary[0] == Boundary::periodic || box.boundary[1] == Boundary::periodic;
 }
 
-// False if the margin was too narrow.
-bool build(std::span<const Vec2> points, const Box& box, double margin, bool must_be_certain,
-           std::vector<std::size_t>& first, std::vector<Neighbour>& neighbours) {
-    const std::vector<Copy> copies = continued(points, box, margin);
-    const Scaling scaling(copies);
-    const Sites sites(copies, scaling);
-    Diagram diagram;
-    boost::polygon::construct_voronoi(sites.site.begin(), sites.site.end(), &diagram);
-    std::vector<const Diagram::cell_type*> cell(sites.site.size(), nullptr);
-    for (const auto& c : diagram.cells()) cell[c.source_index()] = &c;
+// Makes the lists of one pattern.
+class Lists {
+ public:
+    Lists(std::span<const Vec2> points, const Box& box, double margin)
+        : points_(points),
+          box_(box),
+          margin_(margin),
+          copies_(continued(points, box, margin)),
+          scaling_(copies_),
+          delaunay_(on_grid(copies_, scaling_)) {
+        for (int t = 0; t < delaunay_.triangles(); ++t) vertex_.push_back(centre_of(t));
+    }
 
-    first.assign(1, 0);
-    neighbours.clear();
-    neighbours.reserve(6 * points.size());
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const auto* own = cell[static_cast<std::size_t>(sites.of_copy[i])];
-        const auto* start = own != nullptr ? own->incident_edge() : nullptr;
-        const auto* edge = start;
-        while (edge != nullptr) {
-            if (must_be_certain && !certain(*edge, scaling, points[i], box, margin)) return false;
-            const std::size_t other = edge->twin()->cell()->source_index();
-            const Copy& to = copies[static_cast<std::size_t>(sites.representative[other])];
-            const Vec2 d = to.at - points[i];
-            if (passes_near(*edge, scaling, points[i], d, 100 * scaling.extent)) {
-                neighbours.push_back({to.index, d, squared_norm(d)});
-            }
-            edge = edge->next();
-            if (edge == start) break;
+    // False if the margin was too narrow.
+    bool fill(bool must_be_certain, std::vector<std::size_t>& first,
+              std::vector<Neighbour>& neighbours, std::vector<double>& edges);
+
+ private:
+    static std::vector<GridPoint> on_grid(const std::vector<Copy>& copies, const Scaling& scaling) {
+        std::vector<GridPoint> grid(copies.size());
+        for (std::size_t c = 0; c < grid.size(); ++c) grid[c] = scaling.to_grid(copies[c].at);
+        return grid;
+    }
+    Vec2 centre_of(int triangle) const;
+    Vec2 vertex(int triangle) const { return vertex_[static_cast<std::size_t>(triangle)]; }
+    bool is_certain(int triangle, Vec2 site) const;
+    double edge_length(const Delaunay::Spoke& spoke, Vec2 site, Vec2 d) const;
+
+    std::span<const Vec2> points_;
+    const Box& box_;
+    double margin_;
+    std::vector<Copy> copies_;
+    Scaling scaling_;
+    Delaunay delaunay_;
+    std::vector<Vec2> vertex_;  // of the Voronoi diagram, by triangle
+};
+
+// From the points as they are; where rounding to the grid may have turned a flat triangle over,
+// from the grid.
+Vec2 Lists::centre_of(int triangle) const {
+    const std::array<int, 3> corner = delaunay_.corners(triangle);
+    if (corner[0] < 0) return {};
+    const auto at = [&](std::size_t k) { return copies_[static_cast<std::size_t>(corner[k])].at; };
+    const Vec2 u = at(1) - at(0);
+    const Vec2 v = at(2) - at(0);
+    const double u2 = squared_norm(u);
+    const double v2 = squared_norm(v);
+    const double area = u.x * v.y - u.y * v.x;
+    const double grid = 1 / scaling_.scale;
+    if (!(area > 1e-6 * (u2 + v2) && area > 1e3 * grid * std::sqrt(u2 + v2))) {
+        return scaling_.from_grid(delaunay_.centre(triangle));
+    }
+    return at(0) + 0.5 / area * Vec2{v.y * u2 - u.y * v2, u.x * v2 - v.x * u2};
+}
+
+// Whether the circle around a Voronoi vertex through its sites lies in the continued region, so
+// that no point beyond the margin could have cut it.
+bool Lists::is_certain(int triangle, Vec2 site) const {
+    if (triangle < 0) return false;
+    const Vec2 v = vertex(triangle);
+    const double r = norm(v - site);
+    const Vec2 high = box_.origin + box_.length;
+    const auto inside = [&](double at, double low, double top) {
+        return at - r >= low - margin_ && at + r <= top + margin_;
+    };
+    if (box_.boundary[0] == Boundary::periodic && !inside(v.x, box_.origin.x, high.x)) return false;
+    return box_.boundary[1] != Boundary::periodic || inside(v.y, box_.origin.y, high.y);
+}
+
+// Length of the Voronoi edge between `site` and site + d, as much of it as lies between the walls;
+// −1 for pairs that are none: points on a line come out of the rounding with flat triangles whose
+// centres lie far outside, and touch only there.
+double Lists::edge_length(const Delaunay::Spoke& spoke, Vec2 site, Vec2 d) const {
+    const double length = norm(d);
+    const Vec2 along{-d.y / length, d.x / length};
+    const Vec2 middle = site + 0.5 * d;
+    constexpr double unbounded = std::numeric_limits<double>::infinity();
+    const auto place = [&](int triangle, double otherwise) {
+        return triangle < 0 ? otherwise : dot(vertex(triangle) - middle, along);
+    };
+    // From the one on the right to that on the left.
+    double from = place(spoke.right, -unbounded);
+    double to = place(spoke.left, unbounded);
+    const double far = 100 * scaling_.extent;
+    if (from > far || to < -far) return -1;
+    const auto clip = [&](double Vec2::*axis, Boundary boundary) {
+        if (boundary == Boundary::periodic) return;
+        const double low = box_.origin.*axis - middle.*axis;
+        const double high = low + box_.length.*axis;
+        const double slope = along.*axis;
+        if (slope == 0) {
+            if (low > 0 || high < 0) to = from;
+            return;
         }
-        first.push_back(neighbours.size());
+        from = std::max(from, slope > 0 ? low / slope : high / slope);
+        to = std::min(to, slope > 0 ? high / slope : low / slope);
+    };
+    clip(&Vec2::x, box_.boundary[0]);
+    clip(&Vec2::y, box_.boundary[1]);
+    return to > from ? to - from : 0;
+}
+
+bool Lists::fill(bool must_be_certain, std::vector<std::size_t>& first,
+                 std::vector<Neighbour>& neighbours, std::vector<double>& edges) {
+    first.assign(points_.size() + 1, 0);
+    std::vector<Delaunay::Spoke> spokes;
+    // In the order of the curve along which the triangulation lies in memory; the lists are put in
+    // order of the points afterwards.
+    std::vector<Neighbour> found;
+    std::vector<double> length;
+    std::vector<std::size_t> begin(points_.size(), 0);
+    found.reserve(6 * points_.size());
+    length.reserve(6 * points_.size());
+    for (const int c : delaunay_.order()) {
+        const auto i = static_cast<std::size_t>(c);
+        if (i >= points_.size()) continue;  // a copy
+        begin[i] = found.size();
+        delaunay_.around(i, spokes);
+        for (const Delaunay::Spoke& spoke : spokes) {
+            if (must_be_certain &&
+                !(is_certain(spoke.left, points_[i]) && is_certain(spoke.right, points_[i]))) {
+                return false;
+            }
+            const Copy& to = copies_[static_cast<std::size_t>(spoke.to)];
+            const Vec2 d = to.at - points_[i];
+            const double edge = edge_length(spoke, points_[i], d);
+            if (edge < 0) continue;
+            found.push_back({to.index, d, squared_norm(d)});
+            length.push_back(edge);
+        }
+        first[i + 1] = found.size() - begin[i];
+    }
+    for (std::size_t i = 0; i < points_.size(); ++i) first[i + 1] += first[i];
+    neighbours.resize(found.size());
+    edges.resize(found.size());
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+        const auto from = static_cast<std::ptrdiff_t>(begin[i]);
+        const auto to = static_cast<std::ptrdiff_t>(first[i]);
+        const std::size_t count = first[i + 1] - first[i];
+        std::copy_n(found.begin() + from, count, neighbours.begin() + to);
+        std::copy_n(length.begin() + from, count, edges.begin() + to);
     }
     return true;
 }
@@ -187,7 +226,7 @@ Triangulation::Triangulation(std::span<const Vec2> points, const Box& box) {
         return;
     }
     if (!any_periodic(box)) {
-        build(points, box, 0, false, first_, neighbour_);
+        Lists(points, box, 0).fill(false, first_, neighbour_, edge_);
         return;
     }
     const double longest = std::max(box.length.x, box.length.y);
@@ -195,7 +234,7 @@ Triangulation::Triangulation(std::span<const Vec2> points, const Box& box) {
         std::min(4 * std::sqrt(box.area() / static_cast<double>(points.size())), 2 * longest);
     // Twice the longer side is enough for any pattern with all axes periodic; with one walled axis
     // the outermost cells stay unbounded and the widest margin is taken as it is.
-    while (!build(points, box, margin, margin < 2 * longest, first_, neighbour_)) {
+    while (!Lists(points, box, margin).fill(margin < 2 * longest, first_, neighbour_, edge_)) {
         margin = std::min(2 * margin, 2 * longest);
     }
 }

@@ -9,16 +9,17 @@
 
 namespace grainfield::analysis {
 
-/// The Delaunay neighbours of every point: pairs whose Voronoi cells share an edge.
+/// The Delaunay neighbours of every point: pairs whose Voronoi cells share an edge, and its length.
 ///
-/// Voronoi diagram by Fortune's sweep with exact predicates (Boost.Polygon, `boostpolygon`) on
-/// coordinates rounded to 2^-30 of the pattern's extent; cocircular points give no diagonal or one
-/// of them. Periodic axes are continued by copies of the points, wide enough that every Voronoi
-/// vertex of a real cell is certain. Points that round to the same place share their neighbours
-/// and are not neighbours of each other; collinear points have their neighbours on the line (a pair
-/// whose cells meet only farther than 100 extents of the pattern away is no pair).
+/// Exact for coordinates rounded to 2^-29 of half of the pattern's extent (`Delaunay`); cocircular
+/// points give no diagonal or one of them. Periodic axes are continued by copies of the points,
+/// wide enough that every Voronoi vertex of a real cell is certain. Points that round to the same
+/// place share their neighbours and are not neighbours of each other; collinear points have their
+/// neighbours on the line (a pair whose cells meet only farther than 100 extents of the pattern
+/// away is no pair).
 ///
-/// Neighbours of point i come in order of direction. Cost O(N log N).
+/// Neighbours of point i come in order of direction. Cost O(N), and O(N log N) for the order of
+/// insertion.
 class Triangulation {
  public:
     Triangulation(std::span<const Vec2> points, const Box& box);
@@ -28,9 +29,16 @@ class Triangulation {
         return {neighbour_.data() + first_[i], neighbour_.data() + first_[i + 1]};
     }
 
+    /// Lengths of the Voronoi edges between point i and its neighbours [length unit of the points],
+    /// as much of them as lies between the walls of the box.
+    std::span<const double> edges(std::size_t i) const {
+        return {edge_.data() + first_[i], edge_.data() + first_[i + 1]};
+    }
+
  private:
     std::vector<std::size_t> first_;
     std::vector<Neighbour> neighbour_;
+    std::vector<double> edge_;
 };
 
 }  // namespace grainfield::analysis

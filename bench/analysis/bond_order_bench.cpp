@@ -36,11 +36,12 @@ void bond_order_time(benchmark::State& state) {
     const BondOrderOptions options{.rule = static_cast<NeighbourRule>(state.range(1))};
     for (auto _ : state) benchmark::DoNotOptimize(bond_order(pattern, options));
     state.SetLabel(std::array{"near-four", "near-delaunay", "four-nearest", "delaunay",
-                              "fixed-cutoff"}[static_cast<std::size_t>(state.range(1))]);
+                              "fixed-cutoff", "voronoi-edge",
+                              "edge-weighted"}[static_cast<std::size_t>(state.range(1))]);
 }
 
 BENCHMARK(bond_order_time)
-    ->ArgsProduct({{11704, 355500}, {0, 1, 2, 3, 4}})
+    ->ArgsProduct({{11704, 355500}, {0, 1, 2, 3, 4, 5, 6}})
     ->Unit(benchmark::kMillisecond);
 
 }  // namespace

@@ -79,6 +79,44 @@ TEST(CountGrid, OfABoxSmallerThanItsBordersIsEmpty) {
     EXPECT_EQ(grid.size(), 0U);
 }
 
+// 32,767 points in all are counted in 16 bits, one more in 32; all of them in one cell is the most
+// that a window can hold.
+TEST(CountGrid, IsExactOnBothSidesOfTheLimitOfNarrowNumbers) {
+    RandomStream random(3, "narrow");
+    for (const Boundary boundary : {Boundary::walls, Boundary::periodic}) {
+        const CountGrid grid(Box{{0, 0}, {45, 23}, {boundary, boundary}, 0}, 1, 0);
+        for (const std::int32_t points : {32767, 32768}) {
+            for (const bool crowded : {false, true}) {
+                std::vector<std::int32_t> contents(grid.size(), 0);
+                for (std::int32_t p = 0; p < points; ++p) {
+                    const double place = static_cast<double>(grid.size()) * random.uniform();
+                    ++contents[crowded ? 500 : static_cast<std::size_t>(place)];
+                }
+                const WindowCounter counter(grid, contents, 23);
+                for (const int m : {1, 2, 7, 16, 22, 23}) {
+                    Wide sum = 0;
+                    Wide squares = 0;
+                    const bool wraps = boundary == Boundary::periodic;
+                    for (int y = 0; y < (wraps ? 23 : 24 - m); ++y) {
+                        for (int x = 0; x < (wraps ? 45 : 46 - m); ++x) {
+                            Wide content = 0;
+                            for (int cell = 0; cell < m * m; ++cell) {
+                                const int row = (y + cell / m) % 23;
+                                const int column = (x + cell % m) % 45;
+                                content += contents[static_cast<std::size_t>(45 * row + column)];
+                            }
+                            sum += content;
+                            squares += content * content;
+                        }
+                    }
+                    EXPECT_TRUE(counter.sums(m).sum == sum) << m;
+                    EXPECT_TRUE(counter.sums(m).squares == squares) << m;
+                }
+            }
+        }
+    }
+}
+
 TEST(CountGrid, StaysExactForHugeContents) {
     // Content 1e6 in each of 8 × 8 cells: squares of window contents of 6.4e7 need more than the
     // 53 bits of a double.

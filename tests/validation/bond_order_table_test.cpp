@@ -51,6 +51,14 @@ TEST(BondOrderTable, OfPlainDelaunayNeighboursShowsThatTheyAreBlindToSquares) {
     expect_medians(NeighbourRule::delaunay, {0.330, 0.323, 0.312, 0.300});
 }
 
+TEST(BondOrderTable, OfNeighboursWithALongVoronoiEdgeIsMet) {
+    expect_medians(NeighbourRule::voronoi_edge, {0.991, 0.974, 0.934, 0.877});
+}
+
+TEST(BondOrderTable, WeightedByVoronoiEdgesIsMet) {
+    expect_medians(NeighbourRule::edge_weighted, {0.945, 0.900, 0.816, 0.747});
+}
+
 // Is "all within 1.2 r4" the same as "Delaunay neighbours within 1.2 r4"? A particle that is near
 // but no Delaunay neighbour stands behind two others. Below a jitter of 0.05 there is none in
 // 40,000; at 0.10 less than one particle in a hundred has another Q4 (0.5 % measured), which leaves
