@@ -55,8 +55,14 @@ std::string did_you_mean(const Results& results, const std::string& option) {
     return nearest.empty() ? "give --values instead" : fmt::format("did you mean {}?", nearest);
 }
 
-// S0/S1 means something only where S grows with k.
-constexpr const char* no_rise = "S does not grow with k in its range: S1 is not positive";
+// S0/S1 means something only where S grows with k: by more than the error of S1, else the ratio may
+// be anything.
+constexpr const char* no_rise =
+    "S does not grow with k in its range: S1 is not positive, or below its error";
+
+bool rises(double s1, double error) {
+    return s1 > 0 && s1 > error;
+}
 
 struct Gathered {
     std::vector<analysis::CriticalPoint> points;
@@ -71,7 +77,7 @@ Gathered as_fitted(const std::vector<Results>& results, const std::vector<double
         const ObservableResult* fit = results[i].find("fit");
         const Measurement* m = fit == nullptr ? nullptr : fit->find_measurement("s0_over_s1");
         const Measurement* s1 = fit == nullptr ? nullptr : fit->find_measurement("s1");
-        const bool falls = s1 != nullptr && s1->value && *s1->value <= 0;
+        const bool falls = s1 != nullptr && s1->value && !rises(*s1->value, s1->error.value_or(0));
         if (m != nullptr && m->value && m->error && !falls) {
             gathered.points.push_back({x[i], *m->value, *m->error});
             continue;
@@ -108,7 +114,7 @@ Gathered with_shared_exponent(const std::vector<Results>& results, const std::ve
             plan.warn(fmt::format("'{}' is left out: {}", results[i].label, fits[i].reason));
             continue;
         }
-        if (!(fits[i].s1 > 0)) {
+        if (!rises(fits[i].s1, fits[i].error[1])) {
             plan.warn(fmt::format("'{}' is left out: {}", results[i].label, no_rise));
             continue;
         }
