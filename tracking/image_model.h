@@ -8,17 +8,17 @@ namespace grainfield::tracking {
 
 enum class Polarity { dark, bright };
 
-/// The light of one frame: what the calibration calls darkness d is seen there as
-/// offset + span · d [contrast].
+/// The light of one frame: what the calibration calls darkness d is seen there
+/// as offset + span · d [contrast].
 struct Illumination {
     double offset = 0;
     double span = 1;
 };
 
-/// How spheres and light make the image: I(x) = B(x) − [B(x) − I_dark] · (1 − Π_j (1 − P_j(x))),
-/// with the roles of bright and dark exchanged for bright spheres, and corrected where edges meet
-/// as those of a blurred union. Estimated once, on the frame
-/// that the calibration chose, and then frozen.
+/// How spheres and light make the image: I(x) = B(x) − [B(x) − I_dark] · (1 −
+/// Π_j (1 − P_j(x))), with the roles of bright and dark exchanged for bright
+/// spheres, and corrected where edges meet as those of a blurred union.
+/// Estimated once, on the frame that the calibration chose, and then frozen.
 struct ImageModel {
     Polarity polarity = Polarity::dark;
     DiscProfile disc;
@@ -28,14 +28,21 @@ struct ImageModel {
     double noise = 0;              ///< RMS of the residual away from edges [contrast]
     double residual_rms = 0;       ///< RMS of the residual over the frame [contrast]
 
-    /// The darkness image: (B − I)/(B − I_dark), 0 on the background and 1 in the core of a sphere,
-    /// corrected for the light of the frame, clipped to [−0.5, 1.5].
+    /// The darkness image: (B − I)/(B − I_dark), 0 on the background and 1 in the
+    /// core of a sphere, corrected for the light of the frame, clipped to
+    /// [−0.5, 1.5].
     Image darkness(const Image& counts, const Illumination& light = {}) const;
-    /// The same into an image that is kept from frame to frame: fresh memory costs as much.
-    void darkness(const Image& counts, const Illumination& light, Image& result) const;
+    /// The same into an image that is kept from frame to frame: fresh memory
+    /// costs as much.
+    void darkness(const Image& counts, const Illumination& light, Image& result,
+                  int threads = 1) const;
 
     /// The same of one pixel, as calibrated, not clipped.
-    float darkness_at(const Image& counts, int x, int y) const;
+    struct PixelDarkness {
+        float background, per_count;
+        float operator()(float count) const { return (background - count) * per_count; }
+    };
+    PixelDarkness darkness_of(int x, int y) const;
 };
 
 }  // namespace grainfield::tracking

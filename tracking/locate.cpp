@@ -16,28 +16,35 @@ double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// The mean over whole blocks of factor × factor pixels; what is left at the right and lower border
-/// is left out.
-void reduce(const Image& image, int factor, Image& result) {
+int rows_of_blocks(int height, int factor, int spacing) {
+    return (height / factor - 1) / spacing + 1;
+}
+
+/// The mean over whole blocks of factor × factor pixels, of every spacing-th row of them; what is
+/// left at the right and lower border is left out.
+void reduce(const Image& image, int factor, int spacing, int threads, Image& result) {
     const int width = image.width() / factor;
-    const int height = image.height() / factor;
+    const int height = rows_of_blocks(image.height(), factor, spacing);
     if (result.width() != width || result.height() != height) result = Image(width, height);
     const float share = 1.0F / static_cast<float>(factor * factor);
-    std::vector<float> sums(static_cast<std::size_t>(image.width()));
-    for (int y = 0; y < height; ++y) {
-        std::copy_n(image.row(y * factor), image.width(), sums.data());
-        for (int v = 1; v < factor; ++v) {
-            const float* row = image.row(y * factor + v);
-            for (int x = 0; x < image.width(); ++x) sums[static_cast<std::size_t>(x)] += row[x];
+    in_row_bands(image.width(), height, threads, [&](int first, int last) {
+        std::vector<float> sums(static_cast<std::size_t>(image.width()));
+        for (int y = first; y < last; ++y) {
+            const int top = y * spacing * factor;
+            std::copy_n(image.row(top), image.width(), sums.data());
+            for (int v = 1; v < factor; ++v) {
+                const float* row = image.row(top + v);
+                for (int x = 0; x < image.width(); ++x) sums[static_cast<std::size_t>(x)] += row[x];
+            }
+            float* out = result.row(y);
+            const float* in = sums.data();
+            for (int x = 0; x < width; ++x, in += factor) {
+                float sum = in[0];
+                for (int u = 1; u < factor; ++u) sum += in[u];
+                out[x] = sum * share;
+            }
         }
-        float* out = result.row(y);
-        const float* in = sums.data();
-        for (int x = 0; x < width; ++x, in += factor) {
-            float sum = in[0];
-            for (int u = 1; u < factor; ++u) sum += in[u];
-            out[x] = sum * share;
-        }
-    }
+    });
 }
 
 /// A disc in blocks. The derivative of its edge, sech², has variance π²w²/12; averaging over blocks
@@ -47,14 +54,24 @@ DiscProfile reduced(const DiscProfile& disc, int factor) {
     return {disc.diameter / factor, std::hypot(disc.edge_width, blur) / factor};
 }
 
-constexpr double kApproach = 0.04;  // [px]
+// As far as this one joint step is as good as any number of single ones: for an isolated disc the
+// error is of third order, for overlapping ones of second order in the step.
+constexpr double kNewton = 0.08;  // [w]
+constexpr double kSwept = 0.03;   // [w]
+constexpr int kMostSettling = 4;
 constexpr double kFarthest = 0.3;   // [D]
 constexpr double kMostWrong = 0.2;  // of the image
 
+/// Sweeps end where one joint step does the rest.
+RefinementOptions swept(const RefinementOptions& refinement, const DiscProfile& disc) {
+    RefinementOptions sweeps = refinement;
+    sweeps.tolerance = std::max(refinement.tolerance, kSwept * disc.edge_width);
+    return sweeps;
+}
+
 /// Rough rounds stop early: positions only need to be good enough to judge the residual.
-RefinementOptions rough_version(const RefinementOptions& refinement) {
-    RefinementOptions rough = refinement;
-    rough.tolerance = std::max(refinement.tolerance, 0.02);
+RefinementOptions rough_version(const RefinementOptions& refinement, const DiscProfile& disc) {
+    RefinementOptions rough = swept(refinement, disc);
     rough.max_sweeps = std::min(refinement.max_sweeps, 4);
     return rough;
 }
@@ -72,6 +89,8 @@ Locator::Locator(int width, int height, const DiscProfile& disc, int threads, Ed
         const DiscProfile blocks = reduced(disc, factor_);
         coarse_.emplace(width / factor_, height / factor_, blocks, 1);
         coarse_fit_.emplace(Image(width / factor_, height / factor_), blocks, threads);
+        approach_.emplace(Image(width / factor_, rows_of_blocks(height, factor_, kApproachSpacing)),
+                          blocks, threads, kApproachSpacing);
     }
 }
 
@@ -79,18 +98,19 @@ Locator::Locator(int width, int height, const DiscProfile& disc, int threads, Ed
 void Locator::search_coarsely(const Image& darkness, const DetectionOptions& detection,
                               const RefinementOptions& refinement, SphereSearch& fine,
                               Located& found) {
-    reduce(darkness, factor_, coarse_image_);
+    reduce(darkness, factor_, 1, threads_, coarse_image_);
     coarse_fit_->restart(coarse_image_);
     SphereSearch search(*coarse_fit_, *coarse_, detection);
     search.seed();
-    RefinementOptions rough = rough_version(refinement);
+    RefinementOptions rough = rough_version(refinement, disc_);
     rough.tolerance /= factor_;
     search.run(rough);
-    const std::vector<double>& explained = search.fit().explained();
-    for (std::size_t j = 0; j < explained.size(); ++j) {
-        fine.fit().add(correlation_.in_frame(search.fit().positions()[j]),
-                       explained[j] * factor_ * factor_);
-    }
+    std::vector<Vec2> places;
+    places.reserve(search.fit().positions().size());
+    for (const Vec2 p : search.fit().positions()) places.push_back(correlation_.in_frame(p));
+    std::vector<double> explained = search.fit().explained();
+    for (double& e : explained) e *= factor_ * factor_;
+    fine.fit().add_all(places, explained, kSwept * disc_.edge_width);
     const SphereSearch::Summary& summary = search.summary();
     found.passes += summary.passes;
     found.added += summary.added;
@@ -109,36 +129,61 @@ void Locator::search_coarsely(const Image& darkness, const DetectionOptions& det
 Locator::Scene Locator::approached(const Image& darkness, const RefinementOptions& refinement,
                                    const std::vector<Vec2>& start, Located& found) {
     const auto begin = Clock::now();
-    reduce(darkness, factor_, coarse_image_);
-    coarse_fit_->restart(coarse_image_);
+    reduce(darkness, factor_, kApproachSpacing, threads_, coarse_image_);
+    approach_->restart(coarse_image_);
     std::vector<Vec2> places;
     places.reserve(start.size());
     for (const Vec2 p : start) places.push_back(correlation_.in_map(p));
-    coarse_fit_->add_all(places);
-    RefinementOptions rough = rough_version(refinement);
-    rough.tolerance = std::max(refinement.tolerance, kApproach) / factor_;
-    found.coarse_steps += coarse_fit_->refine(rough).steps;
-    const ResidualBlocks residual(coarse_fit_->darkness(), coarse_fit_->transmission(),
-                                  static_cast<int>(std::ceil(coarse_fit_->disc().reach())));
+    approach_->add_all(places);
+    RefinementOptions rough = rough_version(refinement, disc_);
+    rough.tolerance /= factor_;
+    found.coarse_steps += approach_->refine(rough).steps;
+    const ResidualBlocks residual(approach_->darkness(), approach_->transmission(),
+                                  static_cast<int>(std::ceil(approach_->disc().reach())), threads_);
     double wrong = 0;
-    for (const PixelBlock& b : residual.holding(0.5 * coarse_->full_gain())) {
+    for (const PixelBlock& b : residual.holding(0.5 * coarse_->full_gain() / kApproachSpacing)) {
         wrong += static_cast<double>(b.x1 - b.x0) * (b.y1 - b.y0);
     }
     found.approached =
-        wrong <= kMostWrong * coarse_fit_->darkness().width() * coarse_fit_->darkness().height();
+        wrong <= kMostWrong * approach_->darkness().width() * approach_->darkness().height();
     Scene scene;
     if (found.approached) {
-        scene.explained = coarse_fit_->explained();
-        for (double& e : scene.explained) e *= factor_ * factor_;
+        scene.explained = approach_->explained();
+        for (double& e : scene.explained) e *= factor_ * factor_ * kApproachSpacing;
         const double farthest = kFarthest * disc_.diameter;
         for (std::size_t j = 0; j < places.size(); ++j) {
-            const Vec2 p = correlation_.in_frame(coarse_fit_->positions()[j]);
+            const Vec2 p = correlation_.in_frame(approach_->positions()[j]);
             const bool is_near = squared_norm(p - start[j]) < farthest * farthest;
             scene.position.push_back(is_near ? p : start[j]);
         }
     }
     found.refine_seconds += seconds_since(begin);
     return scene;
+}
+
+/// Joint Newton steps until nobody goes far. Who goes very far is swept in between, where each step
+/// is checked.
+JointInformation Locator::settle(SphereSearch& search, const RefinementOptions& refinement,
+                                 Located& found) {
+    JointInformation information;
+    std::vector<char> disturbed;
+    for (int round = 0; round < kMostSettling; ++round) {
+        search.finish(swept(refinement, disc_));
+        const auto begin = Clock::now();
+        if (round > 0 && disturbed.size() == fit_.positions().size()) {
+            update_information(fit_, threads_, disturbed, information);
+            found.steps += std::count(disturbed.begin(), disturbed.end(), 1);
+        } else {
+            information = joint_information(fit_, threads_);
+            found.steps += static_cast<std::int64_t>(information.own.size());
+        }
+        const JointStep joint = joint_step(information, 0.1 * refinement.tolerance);
+        disturbed =
+            fit_.displace(joint.step, joint.left, refinement.tolerance, kNewton * disc_.edge_width);
+        found.refine_seconds += seconds_since(begin);
+        if (disturbed.empty()) break;
+    }
+    return information;
 }
 
 Located Locator::locate(const Image& darkness, const DetectionOptions& detection,
@@ -153,22 +198,26 @@ Located Locator::locate(const Image& darkness, const DetectionOptions& detection
         moved && !start.empty() ? approached(darkness, refinement, start, found) : Scene{start, {}};
     if (!scene.position.empty()) {
         found.warm = true;
-        fit.add_all(scene.position, scene.explained);
+        std::optional<double> left;
+        if (moved) left = kSwept * disc_.edge_width;
+        if (!moved && step > 0) left = 2 * step;
+        fit.add_all(scene.position, scene.explained, left);
     } else if (coarse_) {
         search_coarsely(darkness, detection, refinement, search, found);
     } else {
         search.seed();
     }
-    search.run(rough_version(refinement));
-    search.finish(refinement);
+    search.run(rough_version(refinement, disc_));
+    JointInformation information = settle(search, refinement, found);
     if (meeting_ == EdgeMeeting::blurred_union) {
         const auto begin = Clock::now();
         const std::vector<Vec2> met = fit.positions();
         const Image product = as_product(darkness, fit.transmission(), met, disc_, threads_);
         fit.restart(product);
-        fit.add_all(met);
+        fit.add_all(met, {}, kSwept * disc_.edge_width);
         found.refine_seconds += seconds_since(begin);
-        search.finish(refinement);
+        search.forget_judgement();
+        information = settle(search, refinement, found);
     }
 
     const SphereSearch::Summary& summary = search.summary();
@@ -177,10 +226,9 @@ Located Locator::locate(const Image& darkness, const DetectionOptions& detection
     found.removed += summary.removed;
     found.maps_skipped += summary.maps_skipped;
     found.maps_in_part += summary.maps_in_part;
-    found.unsettled = summary.unsettled;
     found.settled_detection = summary.settled_detection;
     found.noise = summary.noise;
-    found.steps = summary.steps;
+    found.steps += summary.steps;
     found.detect_seconds += summary.detect_seconds;
     found.refine_seconds += summary.refine_seconds;
     found.residual_rms = fit.residual_rms();
@@ -191,9 +239,10 @@ Located Locator::locate(const Image& darkness, const DetectionOptions& detection
     const double border = detection.border * disc_.diameter;
     const std::vector<double> residuals = fit.residuals();
     const std::vector<double>& explained = fit.explained();
-    const std::vector<PositionCovariance> covariances = joint_covariance(fit, threads_);
+    const std::vector<PositionCovariance> covariances = joint_covariance(information, threads_);
     for (std::size_t j = 0; j < residuals.size(); ++j) {
         const Vec2 p = fit.positions()[j];
+        found.unsettled += fit.step_left(j) > swept(refinement, disc_).tolerance ? 1 : 0;
         if (std::min({p.x, p.y, darkness.width() - 1 - p.x, darkness.height() - 1 - p.y}) <
             border) {
             continue;

@@ -10,6 +10,7 @@
 #include "tracking/detect/sphere_search.h"
 #include "tracking/disc_profile.h"
 #include "tracking/refine/joint_fit.h"
+#include "tracking/refine/joint_information.h"
 
 namespace grainfield::tracking {
 
@@ -37,11 +38,11 @@ struct Located {
 };
 
 /// Finds every sphere of a darkness image (SphereSearch) and its uncertainty. Large discs are
-/// searched for on an image of blocks first, as large as leave seven to a diameter; positions are
-/// then refined, and what is missing or too much is looked for again, at full resolution. Where
-/// edges meet as those of a blurred union (EdgeMeeting) the last refinement is repeated on the
-/// image that the product model should see there (as_product). Pixels outside the image do not
-/// count.
+/// searched for on an image of blocks first, as large as leave seven to a diameter; what is missing
+/// or too much is looked for again at full resolution. Sweeps bring each sphere to within a few
+/// hundredths of a pixel, and joint Newton steps (JointInformation) all of them to rest. Where
+/// edges meet as those of a blurred union (EdgeMeeting) this is repeated on the image that the
+/// product model should see there (as_product). Pixels outside the image do not count.
 ///
 /// A start (warm) replaces the search on blocks. If its spheres are expected to have moved by more
 /// than kNear w since, they are refined on blocks first: a step there costs a quarter or less. From
@@ -52,7 +53,7 @@ class Locator {
     Locator(int width, int height, const DiscProfile& disc, int threads,
             EdgeMeeting meeting = EdgeMeeting::product);
     /// `start`: where the spheres were; empty: unknown. `step`: how far they have moved since, RMS
-    /// [px].
+    /// [px]; 0: unknown, but not far.
     Located locate(const Image& darkness, const DetectionOptions& detection,
                    const RefinementOptions& refinement, const std::vector<Vec2>& start = {},
                    double step = 0);
@@ -61,6 +62,7 @@ class Locator {
     const PaddedImage& transmission() const { return fit_.transmission(); }
 
     static constexpr double kNear = 0.15;  ///< [w]
+    static constexpr int kApproachSpacing = 2;
 
  private:
     /// Discs at rest, and what each explains; the latter is empty where nothing is known of it.
@@ -70,6 +72,8 @@ class Locator {
     };
     Scene approached(const Image& darkness, const RefinementOptions& refinement,
                      const std::vector<Vec2>& start, Located& found);
+    JointInformation settle(SphereSearch& search, const RefinementOptions& refinement,
+                            Located& found);
     void search_coarsely(const Image& darkness, const DetectionOptions& detection,
                          const RefinementOptions& refinement, SphereSearch& fine, Located& found);
 
@@ -81,6 +85,7 @@ class Locator {
     JointFit fit_;
     std::optional<DiscCorrelation> coarse_;
     std::optional<JointFit> coarse_fit_;
+    std::optional<JointFit> approach_;  ///< on every kApproachSpacing-th row of blocks
     Image coarse_image_;
 };
 

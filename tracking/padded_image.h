@@ -2,11 +2,26 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 
 #include "core/frame.h"
 #include "core/huge_pages.h"
+#include "core/parallel.h"
 
 namespace grainfield::tracking {
+
+/// Calls body(first, last) for bands of rows that cover an image, in parallel where it is large
+/// enough to be worth the start of threads.
+template <class Body>
+void in_row_bands(int width, int height, int threads, Body&& body) {
+    constexpr std::int64_t kWorthAThread = std::int64_t{1} << 19;
+    constexpr int kRows = 64;
+    const bool is_large = std::int64_t{width} * height >= kWorthAThread;
+    parallel_for((height + kRows - 1) / kRows, is_large ? threads : 1, [&](std::int64_t band) {
+        const int first = static_cast<int>(band) * kRows;
+        body(first, std::min(height, first + kRows));
+    });
+}
 
 /// An image with a margin of constant pixels around it, so that kernels need not ask where it ends.
 class PaddedImage {

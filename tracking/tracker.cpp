@@ -136,7 +136,7 @@ void Tracker::locate(const Frame& frame, std::int64_t position, TrackSummary& su
     bool warm = false;
     for (int attempt = 0; attempt < 2; ++attempt) {
         start = Clock::now();
-        model().darkness(frame.image, light, darkness_);
+        model().darkness(frame.image, light, darkness_, threads_);
         summary.ms_per_frame.detect += milliseconds_since(start);
         found = locator_->locate(darkness_, options_.detection, options_.refinement, places, step);
         if (attempt == 0) warm = found.warm;

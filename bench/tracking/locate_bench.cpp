@@ -93,7 +93,7 @@ void locate_cold(benchmark::State& state) {
     Located found;
     Image darkness;
     for (auto _ : state) {
-        c.calibration.model.darkness(c.frame, {}, darkness);
+        c.calibration.model.darkness(c.frame, {}, darkness, static_cast<int>(state.range(1)));
         found = locator.locate(darkness, {}, {});
     }
     report(state, which, found, c.scene);
@@ -129,7 +129,7 @@ void locate_warm(benchmark::State& state) {
         turn = (turn + 1) % (2 * kFrames - 2);
         at = turn < kFrames ? turn : 2 * kFrames - 2 - turn;
         const std::vector<Vec2> start = found.fitted;
-        model.darkness(frames[at], {}, darkness);
+        model.darkness(frames[at], {}, darkness, static_cast<int>(state.range(1)));
         found = locator.locate(darkness, {}, {}, start, step);
     }
     report(state, which, found, scenes[at]);

@@ -8,58 +8,72 @@ namespace grainfield::tracking {
 namespace {
 
 constexpr double kSample = 4e4;  // fewer, and the medians of whole counts jump by half a count
-// Below this share of the pixels a level is not seen well enough to be followed.
+// Below this share of the pixels a level is not seen well enough to be
+// followed.
 constexpr double kLeastShare = 0.01;
-// Ranks shift a little when spheres gather or leave; the fit settles what is smaller than this.
+// Ranks shift a little when spheres gather or leave; the fit settles what is
+// smaller than this.
 constexpr double kRankAccuracy = 0.01;
 // Below this share of the first contrast a frame shows something else.
 constexpr double kDimmest = 0.2;
 constexpr float kClear = 0.995F;
 constexpr float kCore = 0.005F;
 
-template <class Body>
-void for_sample(const Image& image, Body&& body) {
-    const double pixels = static_cast<double>(image.size());
-    const int stride = std::max(1, static_cast<int>(std::sqrt(pixels / kSample)));
-    for (int y = stride / 2; y < image.height(); y += stride) {
-        for (int x = stride / 2; x < image.width(); x += stride) body(x, y);
-    }
+/// The value of that rank; the order of the values is changed.
+double at_rank(std::vector<float>& values, std::size_t rank) {
+    const auto place = values.begin() + static_cast<std::ptrdiff_t>(rank);
+    std::nth_element(values.begin(), place, values.end());
+    return static_cast<double>(*place);
 }
 
-double at_rank(const std::vector<float>& sorted, double share) {
-    const double last = static_cast<double>(sorted.size() - 1);
-    return static_cast<double>(
-        sorted[static_cast<std::size_t>(std::clamp(share, 0.0, 1.0) * last)]);
+double at_share(std::vector<float>& values, double share) {
+    const double last = static_cast<double>(values.size() - 1);
+    return at_rank(values, static_cast<std::size_t>(std::clamp(share, 0.0, 1.0) * last));
 }
 
 double median(std::vector<float>& values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return static_cast<double>(*middle);
-}
-
-std::vector<float> sorted_sample(const ImageModel& model, const Image& counts) {
-    std::vector<float> values;
-    for_sample(counts, [&](int x, int y) { values.push_back(model.darkness_at(counts, x, y)); });
-    std::sort(values.begin(), values.end());
-    return values;
+    return at_rank(values, values.size() / 2);
 }
 
 }  // namespace
 
+/// Once for each size of the frames: the background is a polynomial, and dear.
+void IlluminationFollower::choose_pixels(const Image& counts) {
+    if (counts.width() == width_ && counts.height() == height_) return;
+    width_ = counts.width();
+    height_ = counts.height();
+    pixels_.clear();
+    const double pixels = static_cast<double>(counts.size());
+    const int stride = std::max(1, static_cast<int>(std::sqrt(pixels / kSample)));
+    for (int y = stride / 2; y < height_; y += stride) {
+        for (int x = stride / 2; x < width_; x += stride) {
+            pixels_.push_back({x, y, model_.darkness_of(x, y)});
+        }
+    }
+}
+
+std::vector<float> IlluminationFollower::sample_of(const Image& counts) {
+    choose_pixels(counts);
+    std::vector<float> values;
+    values.reserve(pixels_.size());
+    for (const Pixel& p : pixels_) values.push_back(p.darkness(counts(p.x, p.y)));
+    return values;
+}
+
 Illumination IlluminationFollower::expected(const Image& counts) {
-    std::vector<float> now = sorted_sample(model_, counts);
+    std::vector<float> now = sample_of(counts);
     Illumination light = last_;
     if (!sample_.empty() && !now.empty()) {
         const auto below = [&](double darkness) {
             const auto value = static_cast<float>(last_.offset + last_.span * darkness);
-            const auto end = std::lower_bound(sample_.begin(), sample_.end(), value);
-            return static_cast<double>(end - sample_.begin()) / static_cast<double>(sample_.size());
+            const auto count = std::count_if(sample_.begin(), sample_.end(),
+                                             [value](float other) { return other < value; });
+            return static_cast<double>(count) / static_cast<double>(sample_.size());
         };
         const double clear = below(0.25);
         const double core = 1 - below(0.75);
         const auto change = [&](double share) {
-            const double difference = at_rank(now, share) - at_rank(sample_, share);
+            const double difference = at_share(now, share) - at_share(sample_, share);
             return std::abs(difference) < kRankAccuracy ? 0 : difference;
         };
         const double clear_change = clear > kLeastShare ? change(clear / 4) : 0;
@@ -77,13 +91,14 @@ Illumination IlluminationFollower::settled(const Image& counts, const Illuminati
                                            const PaddedImage& transmission) {
     std::vector<float> clear;
     std::vector<float> core;
-    for_sample(counts, [&](int x, int y) {
-        const float t = transmission(x, y);
-        if (t <= kClear && t >= kCore) return;
-        const float d = model_.darkness_at(counts, x, y);
+    choose_pixels(counts);
+    for (const Pixel& p : pixels_) {
+        const float t = transmission(p.x, p.y);
+        if (t <= kClear && t >= kCore) continue;
+        const float d = p.darkness(counts(p.x, p.y));
         const auto offset = static_cast<float>(used.offset);
         (t > kClear ? clear : core).push_back((d - offset) / static_cast<float>(used.span));
-    });
+    }
     const double least = kLeastShare * static_cast<double>(sample_.size());
     last_ = used;
     const bool has_clear = static_cast<double>(clear.size()) > least;

@@ -4,10 +4,12 @@
 #include <cstddef>
 #include <numeric>
 
+#include "core/parallel.h"
+
 namespace grainfield::tracking {
 
 ResidualBlocks::ResidualBlocks(const PaddedImage& darkness, const PaddedImage& transmission,
-                               int block)
+                               int block, int threads)
     : width_(darkness.width()),
       height_(darkness.height()),
       block_(std::max(1, block)),
@@ -15,9 +17,9 @@ ResidualBlocks::ResidualBlocks(const PaddedImage& darkness, const PaddedImage& t
       rows_((height_ + block_ - 1) / block_),
       sums_(static_cast<std::size_t>(columns_ + 2) * static_cast<std::size_t>(rows_ + 2), 0.0) {
     const auto padded = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(block_);
-    std::vector<float> column(padded);
-    for (int row = 0; row < rows_; ++row) {
-        std::fill(column.begin(), column.end(), 0.0F);
+    parallel_for(rows_, threads, [&](std::int64_t block_row) {
+        const int row = static_cast<int>(block_row);
+        std::vector<float> column(padded, 0.0F);
         float* sum = column.data();
         for (int y = row * block_; y < std::min(height_, (row + 1) * block_); ++y) {
             const float* d = darkness.row(y);
@@ -32,9 +34,9 @@ ResidualBlocks::ResidualBlocks(const PaddedImage& darkness, const PaddedImage& t
         for (int c = 0; c < columns_; ++c) {
             const auto first = column.begin() + static_cast<std::ptrdiff_t>(c) * block_;
             out[c] = static_cast<double>(std::accumulate(first, first + block_, 0.0F));
-            total_ += out[c];
         }
-    }
+    });
+    total_ = std::accumulate(sums_.begin(), sums_.end(), 0.0);
 }
 
 double ResidualBlocks::around(int column, int row) const {

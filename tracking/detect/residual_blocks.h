@@ -15,7 +15,8 @@ struct PixelBlock {
 /// image.
 class ResidualBlocks {
  public:
-    ResidualBlocks(const PaddedImage& darkness, const PaddedImage& transmission, int block);
+    ResidualBlocks(const PaddedImage& darkness, const PaddedImage& transmission, int block,
+                   int threads = 1);
 
     /// Over the whole image [contrast² px].
     double total() const { return total_; }

@@ -151,6 +151,8 @@ void SphereSearch::seed() {
 }
 
 std::int64_t SphereSearch::remove_unfounded() {
+    // Nothing has changed since all were found to be founded.
+    if (summary_.steps == judged_at_) return 0;
     summary_.noise = flat_noise(fit_.darkness(), fit_.transmission());
     const double noise2 = summary_.noise * summary_.noise;
     threshold_ = std::max(options_.evidence * correlation_.full_gain(),
@@ -164,6 +166,7 @@ std::int64_t SphereSearch::remove_unfounded() {
     }
     if (removed > 0) fit_.keep_only(keep);
     summary_.removed += removed;
+    judged_at_ = removed == 0 ? summary_.steps : -1;
     return removed;
 }
 
@@ -203,7 +206,7 @@ std::int64_t SphereSearch::add_missing() {
     // is a candidate all the same.
     const PaddedImage& darkness = fit_.darkness();
     const ResidualBlocks residual(darkness, fit_.transmission(),
-                                  static_cast<int>(std::ceil(disc_.reach())));
+                                  static_cast<int>(std::ceil(disc_.reach())), fit_.threads());
     const double per_pixel =
         residual.total() / (static_cast<double>(darkness.width()) * darkness.height());
     const double usual = per_pixel * std::numbers::pi * disc_.reach() * disc_.reach();
@@ -233,6 +236,7 @@ std::int64_t SphereSearch::add_missing() {
         ++added;
     }
     summary_.added += added;
+    if (added > 0) judged_at_ = -1;
     return added;
 }
 
@@ -253,9 +257,7 @@ void SphereSearch::run(const RefinementOptions& rough) {
 void SphereSearch::finish(const RefinementOptions& refinement) {
     for (int round = 0; round < kLastRounds; ++round) {
         const auto begin = Clock::now();
-        const JointFit::Summary refined = fit_.refine(refinement);
-        summary_.unsettled = refined.unsettled;
-        summary_.steps += refined.steps;
+        summary_.steps += fit_.refine(refinement).steps;
         summary_.refine_seconds += seconds_since(begin);
         if (remove_unfounded() == 0) break;
     }

@@ -47,9 +47,12 @@ class SphereSearch {
     /// Passes until nothing changes.
     void run(const RefinementOptions& rough);
 
-    /// Refines to the end. Two discs that come together then are one: the weaker one goes and its
-    /// neighbours settle.
+    /// Sweeps until nothing moves. Two discs that come together then are one: the weaker one goes
+    /// and its neighbours settle.
     void finish(const RefinementOptions& refinement);
+
+    /// The image or the positions are not those that were judged last.
+    void forget_judgement() { judged_at_ = -1; }
 
     struct Summary {
         int passes = 0;
@@ -57,7 +60,6 @@ class SphereSearch {
         std::int64_t steps = 0;         ///< disc updates done
         int maps_skipped = 0;           ///< maps of gain that the residual made needless
         int maps_in_part = 0;           ///< computed only where the residual can hold a sphere
-        std::int64_t unsettled = 0;     ///< discs still moving after the last sweep
         bool settled_detection = true;  ///< the last pass changed nothing
         double noise = 0;               ///< robust RMS where the model is flat [contrast]
         double detect_seconds = 0, refine_seconds = 0;
@@ -74,9 +76,10 @@ class SphereSearch {
     DiscProfile disc_;
     DiscCorrelation& correlation_;
     JointFit& fit_;
-    PointGrid rejected_;    ///< places not to be tried again
-    double separation_;     ///< [px]
-    double threshold_ = 0;  ///< least misfit that a sphere must explain [contrast² px]
+    PointGrid rejected_;           ///< places not to be tried again
+    double separation_;            ///< [px]
+    double threshold_ = 0;         ///< least misfit that a sphere must explain [contrast² px]
+    std::int64_t judged_at_ = -1;  ///< disc updates done when nobody had to go; −1: not known
     Summary summary_;
 };
 

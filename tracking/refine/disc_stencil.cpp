@@ -18,13 +18,11 @@
 namespace grainfield::tracking {
 
 /// A view as the kernels want it: pointers to the anchor pixel.
-struct StencilRows {
-    const DiscStencil::Row* rows;
-    int n;
+struct StencilPieces {
+    const DiscStencil::Piece* pieces;
+    std::size_t n;
     const float* darkness;
-    std::ptrdiff_t darkness_pitch;
     float* transmission;
-    std::ptrdiff_t transmission_pitch;
     HalfFloat* kept;
 };
 
@@ -68,21 +66,20 @@ struct Spot {
 /// Calls body(dx, dy, spot) for every vector of the stencil; dx, dy from (x, y), which is the
 /// centre seen from the anchor.
 template <class Body>
-HWY_INLINE void for_each_spot(const StencilRows& s, float x, float y, Body&& body) {
+HWY_INLINE void for_each_spot(const StencilPieces& s, float x, float y, Body&& body) {
     constexpr StencilTag tag;
-    const int lanes = static_cast<int>(hn::Lanes(tag));
-    const auto iota = hn::Sub(hn::Iota(tag, 0.0F), hn::Set(tag, x));
+    const std::size_t lanes = hn::Lanes(tag);
     const auto next = hn::Set(tag, static_cast<float>(lanes));
-    for (int j = 0; j < s.n; ++j) {
-        const DiscStencil::Row row = s.rows[j];
-        const float* d = s.darkness + row.dy * s.darkness_pitch + row.first;
-        float* t = s.transmission + row.dy * s.transmission_pitch + row.first;
-        const auto dy = hn::Set(tag, static_cast<float>(row.dy) - y);
-        auto dx = hn::Add(iota, hn::Set(tag, static_cast<float>(row.first)));
-        const auto at = static_cast<std::size_t>(row.at);
-        for (int i = 0; i < row.count; i += lanes) {
-            const auto step = static_cast<std::size_t>(i);
-            body(dx, dy, Spot{d + i, t + i, s.kept + at + step, at + step});
+    const auto iota = hn::Sub(hn::Iota(tag, 0.0F), hn::Set(tag, x));
+    const auto centre_y = hn::Set(tag, y);
+    for (std::size_t j = 0; j < s.n; ++j) {
+        const DiscStencil::Piece& piece = s.pieces[j];
+        const auto dy = hn::Sub(hn::Set(tag, piece.dy), centre_y);
+        auto dx = hn::Add(iota, hn::Set(tag, piece.dx));
+        for (std::size_t i = 0; i < std::size_t{DiscStencil::kLanes}; i += lanes) {
+            const std::size_t at = static_cast<std::size_t>(piece.at) + i;
+            const std::ptrdiff_t offset = piece.offset + static_cast<std::ptrdiff_t>(i);
+            body(dx, dy, Spot{s.darkness + offset, s.transmission + offset, s.kept + at, at});
             dx = hn::Add(dx, next);
         }
     }
@@ -113,7 +110,7 @@ HWY_INLINE Vector change_of(Vector darkness, Vector before, Vector now) {
 
 /// T ← T · t. The change of the misfit asks for the darkness, hence the choice.
 template <bool with_change>
-HWY_INLINE double draw(const StencilRows& s, const DiscTerms& disc, float x, float y) {
+HWY_INLINE double draw(const StencilPieces& s, const DiscTerms& disc, float x, float y) {
     Vector change = hn::Zero(kTag);
     const Vector reach2 = hn::Set(kTag, disc.reach2);
     for_each_spot(s, x, y, [&](Vector dx, Vector dy, Spot spot) HWY_ATTR {
@@ -134,16 +131,16 @@ HWY_INLINE double draw(const StencilRows& s, const DiscTerms& disc, float x, flo
     return with_change ? sum(change) : 0;
 }
 
-double place_stencil(const StencilRows& s, const DiscTerms& disc, float x, float y) {
+double place_stencil(const StencilPieces& s, const DiscTerms& disc, float x, float y) {
     return draw<true>(s, disc, x, y);
 }
 
-void draw_stencil(const StencilRows& s, const DiscTerms& disc, float x, float y) {
+void draw_stencil(const StencilPieces& s, const DiscTerms& disc, float x, float y) {
     draw<false>(s, disc, x, y);
 }
 
 /// Pixels that the disc reaches: t is 1 beyond, T is 0 in the margin.
-void misfit_stencil(const StencilRows& s, double* sums) {
+void misfit_stencil(const StencilPieces& s, double* sums) {
     Vector misfit = hn::Zero(kTag);
     Vector pixels = hn::Zero(kTag);
     const Vector one = hn::Set(kTag, 1.0F);
@@ -159,7 +156,7 @@ void misfit_stencil(const StencilRows& s, double* sums) {
     sums[1] = sum(pixels);
 }
 
-double lift_stencil(const StencilRows& s) {
+double lift_stencil(const StencilPieces& s) {
     Vector change = hn::Zero(kTag);
     for_each_spot(s, 0, 0, [&](Vector, Vector, Spot spot) HWY_ATTR {
         const Vector old = hn::LoadU(kTag, spot.transmission);
@@ -170,7 +167,7 @@ double lift_stencil(const StencilRows& s) {
     return sum(change);
 }
 
-double explained_stencil(const StencilRows& s) {
+double explained_stencil(const StencilPieces& s) {
     Vector change = hn::Zero(kTag);
     for_each_spot(s, 0, 0, [&](Vector, Vector, Spot spot) HWY_ATTR {
         const Vector old = hn::LoadU(kTag, spot.transmission);
@@ -180,7 +177,7 @@ double explained_stencil(const StencilRows& s) {
     return sum(change);
 }
 
-void linearise_stencil(const StencilRows& s, const DiscTerms& disc, float x, float y,
+void linearise_stencil(const StencilPieces& s, const DiscTerms& disc, float x, float y,
                        double* sums) {
     Vector xx = hn::Zero(kTag);
     Vector xy = xx;
@@ -254,21 +251,36 @@ void couple_rows(const SharedRow* rows, int n, const DiscTerms& disc, double* su
     sums[3] = sum(yy);
 }
 
-double shift_stencil(const StencilRows& s, const DiscTerms& disc, float x, float y,
-                     float* transmission_before, HalfFloat* kept_before) {
+/// T ← T · t / t_before. Without a way back (null) the change is not asked for either.
+template <bool with_way_back>
+HWY_INLINE double shift(const StencilPieces& s, const DiscTerms& disc, float x, float y,
+                        float* transmission_before, HalfFloat* kept_before) {
     Vector change = hn::Zero(kTag);
     for_each_spot(s, x, y, [&](Vector dx, Vector dy, Spot spot) HWY_ATTR {
         const Vector old = hn::LoadU(kTag, spot.transmission);
-        hn::StoreU(old, kTag, transmission_before + spot.at);
         const auto halves = hn::LoadU(Halves(), spot.kept);
-        hn::StoreU(halves, Halves(), kept_before + spot.at);
+        if constexpr (with_way_back) {
+            hn::StoreU(old, kTag, transmission_before + spot.at);
+            hn::StoreU(halves, Halves(), kept_before + spot.at);
+        }
         const Vector before = hn::PromoteTo(StencilTag(), hn::BitCast(HalfFloats(), halves));
         const Vector t = store_half(rough_transmission(dx, hn::Mul(dy, dy), disc), spot.kept);
         const Vector now = hn::Mul(hn::Mul(old, t), reciprocal(before));
         hn::StoreU(now, kTag, spot.transmission);
-        change = hn::Add(change, change_of(hn::LoadU(kTag, spot.darkness), old, now));
+        if constexpr (with_way_back) {
+            change = hn::Add(change, change_of(hn::LoadU(kTag, spot.darkness), old, now));
+        }
     });
-    return sum(change);
+    return with_way_back ? sum(change) : 0;
+}
+
+double shift_stencil(const StencilPieces& s, const DiscTerms& disc, float x, float y,
+                     float* transmission_before, HalfFloat* kept_before) {
+    return shift<true>(s, disc, x, y, transmission_before, kept_before);
+}
+
+void redraw_stencil(const StencilPieces& s, const DiscTerms& disc, float x, float y) {
+    shift<false>(s, disc, x, y, nullptr, nullptr);
 }
 
 }  // namespace grainfield::tracking::HWY_NAMESPACE
@@ -285,49 +297,58 @@ HWY_EXPORT(explained_stencil);
 HWY_EXPORT(linearise_stencil);
 HWY_EXPORT(couple_rows);
 HWY_EXPORT(shift_stencil);
+HWY_EXPORT(redraw_stencil);
 
 namespace {
 
-StencilRows rows_of(const StencilView& view, const std::vector<DiscStencil::Row>& rows) {
+StencilPieces pieces_of(const StencilView& view, const std::vector<DiscStencil::Piece>& pieces) {
     const Anchor a = view.anchor;
-    return {rows.data(),
-            static_cast<int>(rows.size()),
-            view.darkness.row(a.y) + a.x,
-            view.darkness.pitch(),
-            view.transmission.row(a.y) + a.x,
-            view.transmission.pitch(),
-            view.kept};
+    return {pieces.data(), pieces.size(), view.darkness.row(a.y) + a.x,
+            view.transmission.row(a.y) + a.x, view.kept};
 }
 
-StencilRows rows_of(const StencilView& view) {
-    return rows_of(view, view.stencil.rows());
+StencilPieces pieces_of(const StencilView& view) {
+    return pieces_of(view, view.stencil.pieces());
 }
 
-float along(double centre, int anchor) {
-    return static_cast<float>(centre - anchor);
-}
+/// A centre seen from the anchor [px].
+struct FromAnchor {
+    float x, y;
+    FromAnchor(Vec2 centre, const StencilView& view)
+        : x(static_cast<float>(centre.x - view.anchor.x)),
+          y(static_cast<float>(centre.y - view.anchor.y * view.stencil.spacing())) {}
+};
 
 }  // namespace
 
-DiscStencil::DiscStencil(const DiscProfile& disc) : disc_(disc) {
+DiscStencil::DiscStencil(const DiscProfile& disc, std::ptrdiff_t pitch, int spacing)
+    : disc_(disc), pitch_(pitch), spacing_(spacing) {
     const double reach = disc.reach();
-    const int half = static_cast<int>(std::floor(reach + kRoom));
+    const int half = static_cast<int>(std::floor(reach / spacing + kRoom));
     for (int dy = -half; dy <= half; ++dy) {
-        const double height = std::max(0.0, std::abs(dy) - kRoom);
+        const double height = spacing * std::max(0.0, std::abs(dy) - kRoom);
         const double chord = std::sqrt(std::max(0.0, reach * reach - height * height)) + kRoom;
         const int first = -static_cast<int>(std::floor(chord));
         const int count = (1 - 2 * first + kLanes - 1) / kLanes * kLanes;
         rows_.push_back({dy, first, count, static_cast<int>(size_)});
         size_ += static_cast<std::size_t>(count);
+        for (int x = first; x < first + count; x += kLanes) {
+            pieces_.push_back(piece(rows_.back(), x));
+        }
         add_edge_row(rows_.back());
     }
+}
+
+DiscStencil::Piece DiscStencil::piece(const Row& row, int x) const {
+    return {static_cast<std::int32_t>(row.dy * pitch_ + x), row.at + x - row.first,
+            static_cast<float>(x), static_cast<float>(row.dy * spacing_)};
 }
 
 void DiscStencil::add_edge_row(const Row& row) {
     const double outer = disc_.edge_reach();
     const double inner = std::max(0.0, disc_.diameter - outer);
     const int distance = std::abs(row.dy);
-    const double height = std::max(0.0, distance - kRoom);
+    const double height = spacing_ * std::max(0.0, distance - kRoom);
     if (height >= outer) return;
     const double chord = std::sqrt(outer * outer - height * height) + kRoom;
     const int reach = std::min(static_cast<int>(std::floor(chord)), -row.first);
@@ -335,36 +356,30 @@ void DiscStencil::add_edge_row(const Row& row) {
     const int first = std::min(-reach, row.first + row.count - count);
     edge_spans_.push_back({row.dy, first, count, row.at + first - row.first});
     // Columns |dx| ≤ core lie in the core wherever the centre may be.
-    const double low = distance + kRoom;
+    const double low = spacing_ * (distance + kRoom);
     const double core = std::sqrt(std::max(0.0, inner * inner - low * low)) - kRoom;
     for (int x = first; x < first + count; x += kLanes) {
         if (std::max(std::abs(x), std::abs(x + kLanes - 1)) <= core) continue;
-        const int at = row.at + x - row.first;
-        if (!edge_rows_.empty() && edge_rows_.back().at + edge_rows_.back().count == at &&
-            edge_rows_.back().dy == row.dy) {
-            edge_rows_.back().count += kLanes;
-        } else {
-            edge_rows_.push_back({row.dy, x, kLanes, at});
-        }
+        edge_pieces_.push_back(piece(row, x));
     }
 }
 
-Anchor Anchor::of(Vec2 centre) {
-    return {static_cast<int>(std::lround(centre.x)), static_cast<int>(std::lround(centre.y))};
+Anchor Anchor::of(Vec2 centre, int spacing) {
+    return {static_cast<int>(std::lround(centre.x)),
+            static_cast<int>(std::lround(centre.y / spacing))};
 }
 
-bool Anchor::holds(Vec2 centre) const {
+bool Anchor::holds(Vec2 centre, int spacing) const {
     return std::abs(centre.x - x) <= DiscStencil::kRoom &&
-           std::abs(centre.y - y) <= DiscStencil::kRoom;
+           std::abs(centre.y / spacing - y) <= DiscStencil::kRoom;
 }
 
 void fetch(const StencilView& view) {
     constexpr std::ptrdiff_t kLine = 16;  // floats
-    const StencilRows s = rows_of(view);
-    for (int j = 0; j < s.n; ++j) {
-        const DiscStencil::Row& row = s.rows[j];
-        const float* d = s.darkness + row.dy * s.darkness_pitch + row.first;
-        const float* t = s.transmission + row.dy * s.transmission_pitch + row.first;
+    for (const DiscStencil::Row& row : view.stencil.rows()) {
+        const int x = view.anchor.x + row.first;
+        const float* d = view.darkness.row(view.anchor.y + row.dy) + x;
+        const float* t = view.transmission.row(view.anchor.y + row.dy) + x;
         for (std::ptrdiff_t i = 0; i < row.count; i += kLine) {
             fetch_line(d + i);
             fetch_line(t + i);
@@ -377,36 +392,36 @@ void fetch(const StencilView& view) {
 }
 
 double place(const StencilView& view, Vec2 centre) {
-    return HWY_DYNAMIC_DISPATCH(place_stencil)(rows_of(view), terms_of(view.stencil.disc()),
-                                               along(centre.x, view.anchor.x),
-                                               along(centre.y, view.anchor.y));
+    const FromAnchor at(centre, view);
+    return HWY_DYNAMIC_DISPATCH(place_stencil)(pieces_of(view), terms_of(view.stencil.disc()), at.x,
+                                               at.y);
 }
 
 void draw(const StencilView& view, Vec2 centre) {
+    const FromAnchor at(centre, view);
     HWY_DYNAMIC_DISPATCH(draw_stencil)
-    (rows_of(view), terms_of(view.stencil.disc()), along(centre.x, view.anchor.x),
-     along(centre.y, view.anchor.y));
+    (pieces_of(view), terms_of(view.stencil.disc()), at.x, at.y);
 }
 
 double local_residual(const StencilView& view) {
     double sums[2] = {};
-    HWY_DYNAMIC_DISPATCH(misfit_stencil)(rows_of(view), sums);
+    HWY_DYNAMIC_DISPATCH(misfit_stencil)(pieces_of(view), sums);
     return sums[1] > 0 ? std::sqrt(sums[0] / sums[1]) : std::numeric_limits<double>::quiet_NaN();
 }
 
 double lift(const StencilView& view) {
-    return HWY_DYNAMIC_DISPATCH(lift_stencil)(rows_of(view));
+    return HWY_DYNAMIC_DISPATCH(lift_stencil)(pieces_of(view));
 }
 
 double explained(const StencilView& view) {
-    return HWY_DYNAMIC_DISPATCH(explained_stencil)(rows_of(view));
+    return HWY_DYNAMIC_DISPATCH(explained_stencil)(pieces_of(view));
 }
 
 NormalEquations linearise(const StencilView& view, Vec2 centre) {
+    const FromAnchor at(centre, view);
     double sums[6] = {};
     HWY_DYNAMIC_DISPATCH(linearise_stencil)
-    (rows_of(view, view.stencil.edge_rows()), terms_of(view.stencil.disc()),
-     along(centre.x, view.anchor.x), along(centre.y, view.anchor.y), sums);
+    (pieces_of(view, view.stencil.edge_pieces()), terms_of(view.stencil.disc()), at.x, at.y, sums);
     return {sums[0], sums[1], sums[2], sums[3], sums[4], sums[5]};
 }
 
@@ -426,8 +441,9 @@ CrossBlock coupling(const StencilView& a, Vec2 centre_a, const StencilView& b, V
         const int end = std::min(in_a.first + in_a.count, in_b.first - right + in_b.count);
         if (end <= first) continue;
         const int x = a.anchor.x + first;
-        const int y = a.anchor.y + in_a.dy;
-        rows.push_back({a.transmission.row(y) + x, a.kept + in_a.at + (first - in_a.first),
+        const int row = a.anchor.y + in_a.dy;
+        const int y = row * a.stencil.spacing();
+        rows.push_back({a.transmission.row(row) + x, a.kept + in_a.at + (first - in_a.first),
                         b.kept + in_b.at + (first + right - in_b.first),
                         static_cast<float>(x - centre_a.x), static_cast<float>(y - centre_a.y),
                         static_cast<float>(x - centre_b.x), static_cast<float>(y - centre_b.y),
@@ -440,22 +456,27 @@ CrossBlock coupling(const StencilView& a, Vec2 centre_a, const StencilView& b, V
 }
 
 double shift(const StencilView& view, Vec2 to, Redraw redraw, BeforeShift& before) {
+    const FromAnchor at(to, view);
     before.redraw = redraw;
     before.transmission.resize(view.stencil.size());
     before.kept.resize(view.stencil.size());
-    return HWY_DYNAMIC_DISPATCH(shift_stencil)(
-        rows_of(view, view.stencil.redrawn(redraw)), terms_of(view.stencil.disc()),
-        along(to.x, view.anchor.x), along(to.y, view.anchor.y), before.transmission.data(),
-        before.kept.data());
+    return HWY_DYNAMIC_DISPATCH(shift_stencil)(pieces_of(view, view.stencil.redrawn(redraw)),
+                                               terms_of(view.stencil.disc()), at.x, at.y,
+                                               before.transmission.data(), before.kept.data());
+}
+
+void redraw(const StencilView& view, Vec2 to, Redraw redraw) {
+    const FromAnchor at(to, view);
+    HWY_DYNAMIC_DISPATCH(redraw_stencil)
+    (pieces_of(view, view.stencil.redrawn(redraw)), terms_of(view.stencil.disc()), at.x, at.y);
 }
 
 void undo(const StencilView& view, const BeforeShift& before) {
-    const StencilRows s = rows_of(view, view.stencil.redrawn(before.redraw));
-    for (int j = 0; j < s.n; ++j) {
-        const DiscStencil::Row& row = s.rows[j];
-        std::copy_n(before.transmission.data() + row.at, row.count,
-                    s.transmission + row.dy * s.transmission_pitch + row.first);
-        std::copy_n(before.kept.data() + row.at, row.count, view.kept + row.at);
+    float* anchor = view.transmission.row(view.anchor.y) + view.anchor.x;
+    for (const DiscStencil::Piece& piece : view.stencil.redrawn(before.redraw)) {
+        std::copy_n(before.transmission.data() + piece.at, DiscStencil::kLanes,
+                    anchor + piece.offset);
+        std::copy_n(before.kept.data() + piece.at, DiscStencil::kLanes, view.kept + piece.at);
     }
 }
 

@@ -19,53 +19,71 @@ enum class Redraw { whole, edge };
 /// can be kept from one step to the next: half of a step's work is then only read.
 class DiscStencil {
  public:
-    explicit DiscStencil(const DiscProfile& disc);
+    /// For images of that pitch whose rows are `spacing` pixels apart.
+    DiscStencil(const DiscProfile& disc, std::ptrdiff_t pitch, int spacing = 1);
 
-    static constexpr double kRoom = 0.75;  ///< per axis [px]
+    static constexpr double kRoom = 0.75;  ///< per axis [px], [rows]
     static constexpr int kLanes = 8;       ///< rows are whole multiples of this
 
     struct Row {
-        int dy;     ///< from the anchor
+        int dy;     ///< from the anchor [rows]
         int first;  ///< first column, from the anchor
         int count;  ///< pixels, a multiple of kLanes
         int at;     ///< where the row begins among the kept values
     };
     const std::vector<Row>& rows() const { return rows_; }
-    /// Of these only the vectors with pixels that may lie within kEdgeInWidths w of the edge: the
-    /// gradient is small everywhere else. `at` as in rows().
-    const std::vector<Row>& edge_rows() const { return edge_rows_; }
-    /// The same with the core: one row for each line, from the topmost down.
+    /// Rows of the pixels within kEdgeInWidths w of the edge, with the core: one row for each line,
+    /// from the topmost down.
     const std::vector<Row>& edge_spans() const { return edge_spans_; }
-    const std::vector<Row>& redrawn(Redraw redraw) const {
-        return redraw == Redraw::whole ? rows_ : edge_rows_;
+
+    /// kLanes pixels of a row.
+    struct Piece {
+        std::int32_t offset;  ///< in the images, from the anchor
+        std::int32_t at;      ///< among the kept values
+        float dx, dy;         ///< of the first pixel, from the anchor
+    };
+    const std::vector<Piece>& pieces() const { return pieces_; }
+    /// Those with pixels that may lie within kEdgeInWidths w of the edge: the gradient is small
+    /// everywhere else.
+    const std::vector<Piece>& edge_pieces() const { return edge_pieces_; }
+    const std::vector<Piece>& redrawn(Redraw redraw) const {
+        return redraw == Redraw::whole ? pieces_ : edge_pieces_;
     }
+    int spacing() const { return spacing_; }
     std::size_t size() const { return size_; }  ///< values kept per disc
     const DiscProfile& disc() const { return disc_; }
 
  private:
+    Piece piece(const Row& row, int x) const;
     void add_edge_row(const Row& row);
 
     DiscProfile disc_;
+    std::ptrdiff_t pitch_;
+    int spacing_;
     std::vector<Row> rows_;
-    std::vector<Row> edge_rows_;
     std::vector<Row> edge_spans_;
+    std::vector<Piece> pieces_;
+    std::vector<Piece> edge_pieces_;
     std::size_t size_ = 0;
 };
 
 /// The pixel that a disc's window is centred on.
 struct Anchor {
-    int x = 0, y = 0;
+    int x = 0;
+    int y = 0;  ///< [rows]
 
-    static Anchor of(Vec2 centre);
+    /// Of a centre in pixels, where rows are `spacing` pixels apart.
+    static Anchor of(Vec2 centre, int spacing = 1);
     /// The window there holds a disc at `centre`.
-    bool holds(Vec2 centre) const;
+    bool holds(Vec2 centre, int spacing = 1) const;
 };
 
 /// Transmissions of one disc on its stencil, in half precision: t ∈ [1e-3, 1] to 2.4e-4 of its
 /// value. What is stored is what multiplies the image, so that it divides out again.
 using HalfFloat = std::uint16_t;
 
-/// A disc's window in the images of a scene. The images need the margin of disc_kernel.h.
+/// A disc's window in the images of a scene. The images need the margin of disc_kernel.h and the
+/// pitch of the stencil.
 struct StencilView {
     const DiscStencil& stencil;
     const PaddedImage& darkness;
@@ -97,10 +115,10 @@ double explained(const StencilView& view);
 struct NormalEquations {
     double xx = 0, xy = 0, yy = 0;  ///< A [1/px²]
     double bx = 0, by = 0;          ///< b [1/px]
-    double misfit = 0;              ///< Σ (I − M)² over the edge rows
+    double misfit = 0;              ///< Σ (I − M)² over the edge
 };
 
-/// Summed over the edge rows. `centre` is where t was kept.
+/// Summed over the edge. `centre` is where t was kept.
 NormalEquations linearise(const StencilView& view, Vec2 centre);
 
 /// Σ J_a J_bᵀ over the pixels that both edges reach: what couples the positions of two discs.
@@ -119,6 +137,9 @@ struct BeforeShift {
 
 /// T ← T · t_to / t, t kept anew; the anchor must hold `to`. Returns the change of Σ (I − M)².
 double shift(const StencilView& view, Vec2 to, Redraw redraw, BeforeShift& before);
+
+/// The same without the answer and the way back.
+void redraw(const StencilView& view, Vec2 to, Redraw redraw);
 
 /// Undoes the last shift.
 void undo(const StencilView& view, const BeforeShift& before);

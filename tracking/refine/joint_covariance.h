@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "tracking/refine/joint_fit.h"
+#include "tracking/refine/joint_information.h"
 
 namespace grainfield::tracking {
 
@@ -15,17 +15,15 @@ struct PositionCovariance {
 /// The Cramér–Rao bound of every position with all other positions unknown too: the 2×2 diagonal
 /// blocks of the inverse of the joint information matrix
 ///
-///   A_ij = Σ_x J_i J_jᵀ,   J_i = ∂M/∂(x_i, y_i),
+///   A_ij = Σ_x J_i J_jᵀ,   J_i = ∂M/∂(x_i, y_i)   (JointInformation).
 ///
-/// whose off-diagonal blocks are summed for pairs nearer than D + 2.5w (beyond that they hardly
-/// matter). A disc without coupled neighbours has the inverse of its own block. For
+/// A disc without coupled neighbours has the inverse of its own block. For
 /// the others the information of its neighbours is factorised, whoever lies beyond held fixed.
 /// Where that raises the error by more than 17 %, their neighbours are unknown too, couplings among
 /// these left out; if that changes the error by another 3 % (dense crystals), such discs are solved
 /// together, by a sparse Cholesky factor and the recursion of `takahashi1973` for the entries of
-/// the inverse. Discs that are all but hidden
-/// (smallest eigenvalue below 1e-6 of an isolated disc's) are left out and given NaN.
-/// Independent of the number of threads. About 3 µs a disc in a liquid.
-std::vector<PositionCovariance> joint_covariance(const JointFit& fit, int threads);
+/// the inverse. Discs that are all but hidden are left out and given NaN.
+/// Independent of the number of threads. About 2 µs a disc in a liquid.
+std::vector<PositionCovariance> joint_covariance(const JointInformation& info, int threads);
 
 }  // namespace grainfield::tracking

@@ -4,8 +4,10 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "core/parallel.h"
+#include "tracking/point_grid.h"
 #include "tracking/refine/disc_kernel.h"
 
 namespace grainfield::tracking {
@@ -27,10 +29,10 @@ struct Grid {
     double cell;
     int columns, rows;
 
-    Grid(const PaddedImage& image, double cell_size)
+    Grid(double width, double height, double cell_size)
         : cell(cell_size),
-          columns(static_cast<int>(image.width() / cell_size) + 1),
-          rows(static_cast<int>(image.height() / cell_size) + 1) {}
+          columns(static_cast<int>(width / cell_size) + 1),
+          rows(static_cast<int>(height / cell_size) + 1) {}
 
     int column(double x) const { return std::clamp(static_cast<int>(x / cell), 0, columns - 1); }
     int row(double y) const { return std::clamp(static_cast<int>(y / cell), 0, rows - 1); }
@@ -71,16 +73,20 @@ OptionTable describe(RefinementOptions& options) {
     return table;
 }
 
-JointFit::JointFit(const Image& darkness, const DiscProfile& disc, int threads)
+JointFit::JointFit(const Image& darkness, const DiscProfile& disc, int threads, int spacing)
     : profile_(disc),
-      stencil_(disc),
       threads_(threads),
       darkness_(padded_darkness(darkness, disc)),
-      transmission_(clear_transmission(darkness.width(), darkness.height(), disc)) {}
+      transmission_(clear_transmission(darkness.width(), darkness.height(), disc)),
+      stencil_(disc, transmission_.pitch(), spacing) {}
 
 void JointFit::restart(const Image& darkness) {
-    darkness_.assign(darkness);
-    transmission_.fill(1.0F);
+    in_row_bands(darkness.width(), darkness.height(), threads_, [&](int first, int last) {
+        for (int y = first; y < last; ++y) {
+            std::copy_n(darkness.row(y), darkness.width(), darkness_.row(y));
+            std::fill_n(transmission_.row(y), darkness.width(), 1.0F);
+        }
+    });
     positions_.clear();
     discs_.clear();
     free_.clear();
@@ -108,31 +114,34 @@ std::uint32_t JointFit::free_slot() {
 /// Kept within the image; written so that a NaN ends in a corner.
 Vec2 JointFit::inside(Vec2 p) const {
     return {std::max(-0.5, std::min(p.x, darkness_.width() - 0.5)),
-            std::max(-0.5, std::min(p.y, darkness_.height() - 0.5))};
+            std::max(-0.5, std::min(p.y, height() - 0.5))};
 }
 
-void JointFit::append(Vec2 position, std::optional<double> explained) {
+void JointFit::append(Vec2 position, std::optional<double> explained, std::optional<double> left) {
     const Vec2 p = inside(position);
+    const float expected = left ? static_cast<float>(*left) : kFresh;
     positions_.push_back(p);
-    discs_.push_back({.anchor = Anchor::of(p),
+    discs_.push_back({.anchor = Anchor::of(p, stencil_.spacing()),
                       .placed = p,
                       .slot = free_slot(),
-                      .last_step = kFresh,
-                      .left = kFresh,
+                      .last_step = expected,
+                      .left = expected,
                       .drift = explained ? 0 : kFresh,
                       .explained = explained.value_or(0)});
 }
 
-void JointFit::add(Vec2 position, std::optional<double> explained) {
-    append(position, explained);
+void JointFit::add(Vec2 position) {
+    append(position, {}, {});
     draw(view(discs_.back()), positions_.back());
 }
 
-void JointFit::add_all(const std::vector<Vec2>& positions, const std::vector<double>& explained) {
+void JointFit::add_all(const std::vector<Vec2>& positions, const std::vector<double>& explained,
+                       std::optional<double> left) {
     std::vector<std::uint32_t> added;
+    added.reserve(positions.size());
     for (std::size_t i = 0; i < positions.size(); ++i) {
         added.push_back(static_cast<std::uint32_t>(discs_.size()));
-        append(positions[i], explained.empty() ? std::nullopt : std::optional(explained[i]));
+        append(positions[i], explained.empty() ? std::nullopt : std::optional(explained[i]), left);
     }
     in_tiles(added, [&](const std::vector<std::uint32_t>& tile) {
         for (const std::uint32_t j : tile) draw(view(discs_[j]), positions_[j]);
@@ -150,17 +159,16 @@ void JointFit::move(std::size_t j, Vec2 to) {
 double JointFit::move_to(std::size_t j, Vec2 to) {
     Disc& disc = discs_[j];
     const double lifted = lift(view(disc));
-    disc.anchor = Anchor::of(to);
+    disc.anchor = Anchor::of(to, stencil_.spacing());
     disc.placed = to;
     disc.stale = 0;
-    disc.information.xx = -1;
     positions_[j] = to;
     return lifted + place(view(disc), to);
 }
 
 void JointFit::keep_only(const std::vector<char>& keep) {
     // Whoever looks at the gap next has to move again, so its neighbours count as fresh.
-    const Grid grid(darkness_, 2 * profile_.reach());
+    const Grid grid(darkness_.width(), height(), 2 * profile_.reach());
     const std::vector<char> disturbed =
         cells_around(grid, positions_, [&](std::size_t j) { return keep[j] == 0; });
     std::size_t kept = 0;
@@ -184,6 +192,22 @@ void JointFit::keep_only(const std::vector<char>& keep) {
     discs_.resize(kept);
 }
 
+Vec2 damped_step(const NormalEquations& n, Vec2 b) {
+    const double damping = 1e-3 * (n.xx + n.yy) + 1e-3;
+    const double xx = n.xx + damping;
+    const double yy = n.yy + damping;
+    const double determinant = xx * yy - n.xy * n.xy;
+    return {(yy * b.x - n.xy * b.y) / determinant, (xx * b.y - n.xy * b.x) / determinant};
+}
+
+/// How much of a disc is drawn anew when it goes to `to`, and its path since it was drawn as a
+/// whole, after that.
+std::pair<Redraw, float> JointFit::redraw_for(const Disc& disc, Vec2 to) const {
+    const auto path = disc.stale + static_cast<float>(norm(to - disc.placed));
+    if (static_cast<double>(path) > kMostStale * profile_.edge_width) return {Redraw::whole, 0.0F};
+    return {Redraw::edge, path};
+}
+
 /// One damped Gauss–Newton step of disc j; returns the length of the displacement done. Steps up to
 /// `lag` are not drawn.
 double JointFit::step(std::size_t j, double relaxation, double lag) {
@@ -192,18 +216,11 @@ double JointFit::step(std::size_t j, double relaxation, double lag) {
     const Vec2 start = positions_[j];
     const Vec2 from = disc.placed;
     const NormalEquations n = linearise(view(disc), from);
-    disc.information = {n.xx, n.xy, n.yy};
-    // A fully hidden disc has no information; the damping keeps it where it is.
-    const double damping = 1e-3 * (n.xx + n.yy) + 1e-3;
-    const double xx = n.xx + damping;
-    const double yy = n.yy + damping;
-    const double determinant = xx * yy - n.xy * n.xy;
-    Vec2 d{(yy * n.bx - n.xy * n.by) / determinant, (xx * n.by - n.xy * n.bx) / determinant};
-    d *= relaxation;
+    Vec2 d = relaxation * damped_step(n, {n.bx, n.by});
     // Steps shrink from sweep to sweep, so the last one says how much room the next needs.
     const double room =
         std::clamp(1.5 * static_cast<double>(disc.last_step), kLeastRoom, longest_step(profile_));
-    const double length = norm(d);
+    const double length = std::sqrt(squared_norm(d));
     if (length <= lag) {
         positions_[j] = inside(from + d);
         return norm(positions_[j] - start);
@@ -212,14 +229,11 @@ double JointFit::step(std::size_t j, double relaxation, double lag) {
 
     for (int attempt = 0; attempt < 4; ++attempt) {
         const Vec2 to = inside(from + d);
-        const bool in_window = disc.anchor.holds(to);
-        const auto path = disc.stale + static_cast<float>(norm(to - from));
-        const Redraw redraw = static_cast<double>(path) <= kMostStale * profile_.edge_width
-                                  ? Redraw::edge
-                                  : Redraw::whole;
+        const bool in_window = disc.anchor.holds(to, stencil_.spacing());
+        const auto [redraw, stale] = redraw_for(disc, to);
         const double change = in_window ? shift(view(disc), to, redraw, before) : move_to(j, to);
         if (change <= 1e-5 * (n.misfit + 1e-6)) {
-            if (in_window) disc.stale = redraw == Redraw::edge ? path : 0;
+            if (in_window) disc.stale = stale;
             disc.placed = to;
             positions_[j] = to;
             return norm(to - start);
@@ -247,7 +261,7 @@ void JointFit::take_step(std::size_t j, double relaxation, double lag) {
 }
 
 std::vector<char> JointFit::active_discs(double tolerance) const {
-    const Grid grid(darkness_, profile_.diameter + 2 * profile_.edge_width);
+    const Grid grid(darkness_.width(), height(), profile_.diameter + 2 * profile_.edge_width);
     const std::vector<char> moving = cells_around(grid, positions_, [&](std::size_t j) {
         return static_cast<double>(discs_[j].left) > tolerance;
     });
@@ -261,7 +275,8 @@ void JointFit::in_tiles(const std::vector<std::uint32_t>& discs,
     // A disc writes at most reach + one step (and the rest of a vector) beyond its tile, so two
     // tiles of one colour, one tile apart, never touch the same pixel.
     const double furthest = profile_.reach() + std::max(1.0, longest_step(profile_)) + 1;
-    const Grid tiles(darkness_, std::max(kTile, 2 * furthest + PaddedImage::kMostLanes));
+    const Grid tiles(darkness_.width(), height(),
+                     std::max(kTile, 2 * furthest + PaddedImage::kMostLanes));
     std::vector<std::vector<std::uint32_t>> members(tiles.size());
     for (const std::uint32_t j : discs) members[tiles.at(positions_[j])].push_back(j);
     for (int colour = 0; colour < 4; ++colour) {
@@ -295,7 +310,7 @@ JointFit::Summary JointFit::refine(const RefinementOptions& options) {
         const double relaxation = summary.sweeps < kFullSteps ? 1.0 : 0.5;
         in_tiles(active, [&](const std::vector<std::uint32_t>& tile) {
             for (std::size_t k = 0; k < tile.size(); ++k) {
-                if (k + 1 < tile.size()) fetch(view(discs_[tile[k + 1]]));
+                if (k + 1 < tile.size()) fetch(tile[k + 1]);
                 take_step(tile[k], relaxation, kLag * options.tolerance);
             }
             auto done = static_cast<std::int64_t>(tile.size());
@@ -318,7 +333,7 @@ JointFit::Summary JointFit::refine(const RefinementOptions& options) {
 }
 
 const std::vector<double>& JointFit::explained() {
-    const Grid grid(darkness_, 2 * profile_.reach());
+    const Grid grid(darkness_.width(), height(), 2 * profile_.reach());
     const std::vector<char> moved =
         cells_around(grid, positions_, [&](std::size_t j) { return discs_[j].drift > kUnmoved; });
     explained_.resize(discs_.size());
@@ -336,15 +351,62 @@ const std::vector<double>& JointFit::explained() {
     return explained_;
 }
 
-JointFit::Information JointFit::information(std::size_t j) const {
-    const Disc& disc = discs_[j];
-    if (disc.information.xx >= 0) return disc.information;
-    const NormalEquations n = linearise(view(disc), disc.placed);
-    return {n.xx, n.xy, n.yy};
+NormalEquations JointFit::normal_equations(std::size_t j) const {
+    return linearise(view(discs_[j]), discs_[j].placed);
 }
 
 CrossBlock JointFit::coupling(std::size_t i, std::size_t j) const {
     return tracking::coupling(view(discs_[i]), discs_[i].placed, view(discs_[j]), discs_[j].placed);
+}
+
+void JointFit::fetch(std::size_t j) const {
+    tracking::fetch(view(discs_[j]));
+}
+
+std::vector<char> JointFit::displace(const std::vector<Vec2>& step, const std::vector<float>& left,
+                                     double undrawn, double far) {
+    std::vector<std::uint32_t> drawn;
+    std::vector<std::uint32_t> went_far;
+    for (std::uint32_t j = 0; j < discs_.size(); ++j) {
+        Disc& disc = discs_[j];
+        const double length = std::sqrt(squared_norm(step[j]));
+        if (!(length <= far)) went_far.push_back(j);
+        disc.last_step = static_cast<float>(std::min(length, kLeastRoom));
+        // What is neglected is of second order in the step.
+        const auto neglected = static_cast<float>(length * length / profile_.edge_width);
+        disc.left = length > kLeastRoom ? disc.last_step : std::max(left[j], neglected);
+        disc.drift += disc.last_step;
+        const Vec2 d = length > kLeastRoom ? (kLeastRoom / length) * step[j] : step[j];
+        positions_[j] = inside(disc.placed + d);
+        if (length > undrawn) drawn.push_back(j);
+    }
+    in_tiles(drawn, [&](const std::vector<std::uint32_t>& tile) {
+        for (std::size_t k = 0; k < tile.size(); ++k) {
+            if (k + 1 < tile.size()) fetch(tile[k + 1]);
+            redraw(tile[k]);
+        }
+    });
+    if (went_far.empty()) return {};
+    const double range = 2 * profile_.edge_reach();
+    PointGrid grid(darkness_.width(), height(), range);
+    for (const std::uint32_t j : went_far) grid.add(positions_[j], j);
+    std::vector<char> disturbed(discs_.size());
+    for (std::size_t j = 0; j < discs_.size(); ++j) disturbed[j] = grid.any(positions_[j], range);
+    return disturbed;
+}
+
+/// Draws a disc where it is now.
+void JointFit::redraw(std::size_t j) {
+    Disc& disc = discs_[j];
+    const Vec2 to = positions_[j];
+    if (!disc.anchor.holds(to, stencil_.spacing())) {
+        move_to(j, to);
+        return;
+    }
+    const auto [what, stale] = redraw_for(disc, to);
+    tracking::redraw(view(disc), to, what);
+    disc.stale = stale;
+    disc.placed = to;
 }
 
 std::vector<double> JointFit::residuals() const {
@@ -357,20 +419,24 @@ std::vector<double> JointFit::residuals() const {
 }
 
 double JointFit::residual_rms() const {
-    double sum = 0;
-    for (int y = 0; y < darkness_.height(); ++y) {
-        const float* d = darkness_.row(y);
-        const float* t = transmission_.row(y);
-        float row = 0;
+    const int width = darkness_.width();
+    const int height = darkness_.height();
+    std::vector<double> rows(static_cast<std::size_t>(height));
+    in_row_bands(width, height, threads_, [&](int first, int last) {
+        for (int y = first; y < last; ++y) {
+            const float* d = darkness_.row(y);
+            const float* t = transmission_.row(y);
+            float row = 0;
 #pragma omp simd reduction(+ : row)
-        for (int x = 0; x < darkness_.width(); ++x) {
-            const float r = d[x] - 1.0F + t[x];
-            row += r * r;
+            for (int x = 0; x < width; ++x) {
+                const float r = d[x] - 1.0F + t[x];
+                row += r * r;
+            }
+            rows[static_cast<std::size_t>(y)] = static_cast<double>(row);
         }
-        sum += static_cast<double>(row);
-    }
-    const double n = static_cast<double>(darkness_.width()) * darkness_.height();
-    return n > 0 ? std::sqrt(sum / n) : 0;
+    });
+    const double n = static_cast<double>(width) * height;
+    return n > 0 ? std::sqrt(std::accumulate(rows.begin(), rows.end(), 0.0) / n) : 0;
 }
 
 }  // namespace grainfield::tracking

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/frame.h"
@@ -37,15 +38,20 @@ OptionTable describe(RefinementOptions& options);
 /// kB at D = 16 px) besides the two images.
 class JointFit {
  public:
-    JointFit(const Image& darkness, const DiscProfile& disc, int threads);
+    /// The rows of the image may be `spacing` pixels apart: enough for the first steps of a fit at
+    /// a fraction of their cost.
+    JointFit(const Image& darkness, const DiscProfile& disc, int threads, int spacing = 1);
 
+    int spacing() const { return stencil_.spacing(); }
     /// Begins anew, without discs, on an image of the same size; memory is kept.
     void restart(const Image& darkness);
 
-    /// `explained`: what the disc is known to explain, until something near it moves.
-    void add(Vec2 position, std::optional<double> explained = {});
-    /// The same as add() one by one, in parallel; `explained` empty, or one value a disc.
-    void add_all(const std::vector<Vec2>& positions, const std::vector<double>& explained = {});
+    void add(Vec2 position);
+    /// The same as add() one by one, in parallel. `explained`: what each disc is known to explain,
+    /// until something near it moves; empty: unknown. `left`: how far they are expected to be from
+    /// where they belong [px]; those nearer than the tolerance take no step.
+    void add_all(const std::vector<Vec2>& positions, const std::vector<double>& explained = {},
+                 std::optional<double> left = {});
     void move(std::size_t j, Vec2 to);
     /// Removes the discs whose entry in `keep` is zero.
     void keep_only(const std::vector<char>& keep);
@@ -64,17 +70,24 @@ class JointFit {
     const PaddedImage& darkness() const { return darkness_; }
     const PaddedImage& transmission() const { return transmission_; }
     const DiscProfile& disc() const { return profile_; }
+    int threads() const { return threads_; }
 
     /// Σ (I − M)² that each disc explains (disc_stencil.h, explained). Discs in whose neighbourhood
     /// nothing has moved by more than 0.2 px since the last call keep their value.
     const std::vector<double>& explained();
 
-    /// Σ J Jᵀ of one disc [1/px²], as of its last step, and Σ J_i J_jᵀ of two.
-    struct Information {
-        double xx = 0, xy = 0, yy = 0;
-    };
-    Information information(std::size_t j) const;
+    /// As drawn now.
+    NormalEquations normal_equations(std::size_t j) const;
     CrossBlock coupling(std::size_t i, std::size_t j) const;
+    /// Asks for the pixels of a disc ahead of their use.
+    void fetch(std::size_t j) const;
+
+    /// Moves every disc by step[j] from where it is drawn, 0.25 px at most: who would go farther
+    /// steps again in the next refine(). Shorter steps than `undrawn` [px] are not drawn. `left[j]`
+    /// is known to be left of it [px]. Returns who went by more than `far` [px] or shares edge
+    /// pixels with one who did; empty if nobody.
+    std::vector<char> displace(const std::vector<Vec2>& step, const std::vector<float>& left,
+                               double undrawn, double far);
 
     /// RMS of I − M within reach of each disc [contrast].
     std::vector<double> residuals() const;
@@ -86,22 +99,24 @@ class JointFit {
     /// One disc: where it is and what is known of it.
     struct Disc {
         Anchor anchor;
-        Vec2 placed;                        ///< where it is in the image of all discs [px]
-        std::uint32_t slot = 0;             ///< of its transmissions
-        float last_step = 0;                ///< [px]; large for discs that have not moved yet
-        float left = 0;                     ///< [px] expected of the next step; large likewise
-        float stale = 0;                    ///< [px] path since it was drawn as a whole
-        float drift = 0;                    ///< [px] path since `explained`; large for new discs
-        double explained = 0;               ///< as of the last call of explained()
-        Information information{-1, 0, 0};  ///< of the last step; negative: none yet
+        Vec2 placed;             ///< where it is in the image of all discs [px]
+        std::uint32_t slot = 0;  ///< of its transmissions
+        float last_step = 0;     ///< [px]; large for discs that have not moved yet
+        float left = 0;          ///< [px] expected of the next step; large likewise
+        float stale = 0;         ///< [px] path since it was drawn as a whole
+        float drift = 0;         ///< [px] path since `explained`; large for new discs
+        double explained = 0;    ///< as of the last call of explained()
     };
 
     /// What is seen through a const fit is only read.
     StencilView view(const Disc& disc) const;
+    int height() const { return darkness_.height() * stencil_.spacing(); }
     std::uint32_t free_slot();
-    void append(Vec2 position, std::optional<double> explained);
+    void append(Vec2 position, std::optional<double> explained, std::optional<double> left);
     Vec2 inside(Vec2 p) const;
     double move_to(std::size_t j, Vec2 to);
+    std::pair<Redraw, float> redraw_for(const Disc& disc, Vec2 to) const;
+    void redraw(std::size_t j);
     double step(std::size_t j, double relaxation, double lag);
     void take_step(std::size_t j, double relaxation, double lag);
     void in_tiles(const std::vector<std::uint32_t>& discs,
@@ -109,10 +124,10 @@ class JointFit {
     std::vector<char> active_discs(double tolerance) const;
 
     DiscProfile profile_;
-    DiscStencil stencil_;
     int threads_;
     PaddedImage darkness_;
     PaddedImage transmission_;
+    DiscStencil stencil_;
     std::vector<Vec2> positions_;
     std::vector<Disc> discs_;
     HugeVector<HalfFloat> kept_;       ///< transmissions, stencil_.size() a slot
@@ -120,5 +135,9 @@ class JointFit {
     std::uint32_t slots_ = 0;          ///< in use or given back
     std::vector<double> explained_;
 };
+
+/// The Gauss–Newton step (A + λ)⁻¹ b of one disc, λ = 1e-3 (tr A + 1): one that is fully hidden has
+/// no information and stays where it is.
+Vec2 damped_step(const NormalEquations& information, Vec2 b);
 
 }  // namespace grainfield::tracking

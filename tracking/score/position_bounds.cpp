@@ -5,6 +5,7 @@
 
 #include "tracking/refine/joint_covariance.h"
 #include "tracking/refine/joint_fit.h"
+#include "tracking/refine/joint_information.h"
 
 namespace grainfield::tracking {
 
@@ -24,7 +25,7 @@ std::vector<Vec2> position_bounds(const std::vector<Vec2>& positions, const Disc
         fit.add(p);
     }
     std::vector<Vec2> bounds(positions.size(), {kNone, kNone});
-    const auto covariance = joint_covariance(fit, threads);
+    const auto covariance = joint_covariance(joint_information(fit, threads), threads);
     for (std::size_t j = 0; j < place.size(); ++j) {
         bounds[place[j]] = {noise * std::sqrt(covariance[j].xx),
                             noise * std::sqrt(covariance[j].yy)};

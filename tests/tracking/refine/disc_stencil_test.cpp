@@ -30,7 +30,7 @@ struct Scene {
     std::vector<std::vector<HalfFloat>> kept;
 
     Scene(const std::vector<Vec2>& centres, const DiscProfile& disc, PaddedImage image)
-        : stencil(disc),
+        : stencil(disc, image.pitch()),
           darkness(std::move(image)),
           transmission(clear_transmission(darkness.width(), darkness.height(), disc)),
           centre(centres) {
@@ -58,7 +58,7 @@ TEST(DiscStencil, PlacingEqualsTheReferenceProfileToAHalfFloat) {
 
 TEST(DiscStencil, TheWindowHoldsEveryDiscThatItsAnchorHolds) {
     for (const DiscProfile disc : {DiscProfile{3, 0.4}, kDisc, DiscProfile{200, 3}}) {
-        const DiscStencil stencil(disc);
+        const DiscStencil stencil(disc, 500);
         for (const Vec2 c : {Vec2{0.75, 0.75}, Vec2{-0.75, 0.3}, Vec2{0, -0.75}}) {
             const int half = static_cast<int>(disc.reach()) + 3;
             for (int y = -half; y <= half; ++y) {
@@ -96,14 +96,14 @@ TEST(DiscStencil, LiftingUndoesPlacingAndPlacingUndoesLifting) {
     EXPECT_NEAR(explained(with.view(1)), change, 1e-3);
 }
 
-/// Σ J (I − M) of disc j over the edge rows, or over all rows; in double precision.
-Vec2 oracle_gradient(Scene& scene, std::size_t j, const std::vector<DiscStencil::Row>& rows) {
+/// Σ J (I − M) of disc j over the edge, or over all pixels; in double precision.
+Vec2 oracle_gradient(Scene& scene, std::size_t j, const std::vector<DiscStencil::Piece>& pieces) {
     const Anchor anchor = Anchor::of(scene.centre[j]);
     Vec2 sum;
-    for (const DiscStencil::Row& row : rows) {
-        for (int i = 0; i < row.count; ++i) {
-            const int x = anchor.x + row.first + i;
-            const int y = anchor.y + row.dy;
+    for (const DiscStencil::Piece& piece : pieces) {
+        for (int i = 0; i < DiscStencil::kLanes; ++i) {
+            const int x = anchor.x + static_cast<int>(piece.dx) + i;
+            const int y = anchor.y + static_cast<int>(piece.dy);
             if (x < 0 || y < 0 || x >= scene.darkness.width() || y >= scene.darkness.height()) {
                 continue;
             }
@@ -135,44 +135,46 @@ TEST(DiscStencil, TheGradientIsTheDerivativeOfTheMisfit) {
             return (oracle_misfit(darkness, plus) - oracle_misfit(darkness, minus)) / (2 * h);
         };
         // χ² = Σ r², dχ²/dx = −2 b.
-        const Vec2 whole = oracle_gradient(scene, j, scene.stencil.rows());
+        const Vec2 whole = oracle_gradient(scene, j, scene.stencil.pieces());
         EXPECT_NEAR(-2 * whole.x, derivative({1, 0}), 1e-3) << j;
         EXPECT_NEAR(-2 * whole.y, derivative({0, 1}), 1e-3) << j;
         // b sums 60 edge pixels of half-float error 2e-4.
-        const Vec2 edge = oracle_gradient(scene, j, scene.stencil.edge_rows());
+        const Vec2 edge = oracle_gradient(scene, j, scene.stencil.edge_pieces());
         EXPECT_NEAR(n.bx, edge.x, 0.01) << j;
         EXPECT_NEAR(n.by, edge.y, 0.01) << j;
     }
 }
 
-TEST(DiscStencil, TheEdgeRowsHoldAllButTwoThousandthsOfTheInformation) {
+TEST(DiscStencil, TheEdgeHoldsAllButTwoThousandthsOfTheInformation) {
     for (const DiscProfile disc :
          {DiscProfile{3, 0.4}, kDisc, DiscProfile{16, 1.2}, DiscProfile{200, 3}}) {
-        const DiscStencil stencil(disc);
+        const DiscStencil stencil(disc, 500);
         for (const Vec2 c : {Vec2{0.75, 0.75}, Vec2{-0.75, 0.3}, Vec2{0, 0}}) {
-            const auto information = [&](const std::vector<DiscStencil::Row>& rows) {
+            const auto information = [&](const std::vector<DiscStencil::Piece>& pieces) {
                 double sum = 0;
-                for (const DiscStencil::Row& row : rows) {
-                    for (int i = 0; i < row.count; ++i) {
-                        const double slope =
-                            disc.slope(std::hypot(row.first + i - c.x, row.dy - c.y));
+                for (const DiscStencil::Piece& piece : pieces) {
+                    const Vec2 first{static_cast<double>(piece.dx), static_cast<double>(piece.dy)};
+                    for (int i = 0; i < DiscStencil::kLanes; ++i) {
+                        const double slope = disc.slope(norm(first + Vec2{1.0 * i, 0} - c));
                         sum += slope * slope;
                     }
                 }
                 return sum;
             };
-            EXPECT_GT(information(stencil.edge_rows()), 0.998 * information(stencil.rows()))
+            EXPECT_GT(information(stencil.edge_pieces()), 0.998 * information(stencil.pieces()))
                 << disc.diameter;
         }
-        // Each is part of a full row, in whole vectors.
-        for (const DiscStencil::Row& edge : stencil.edge_rows()) {
-            EXPECT_EQ(edge.count % DiscStencil::kLanes, 0);
-            const auto row = std::find_if(stencil.rows().begin(), stencil.rows().end(),
-                                          [&](const auto& r) { return r.dy == edge.dy; });
+        // Each is part of a full row.
+        for (const DiscStencil::Piece& edge : stencil.edge_pieces()) {
+            const int first = static_cast<int>(edge.dx);
+            const auto row =
+                std::find_if(stencil.rows().begin(), stencil.rows().end(),
+                             [&](const auto& r) { return r.dy == static_cast<int>(edge.dy); });
             ASSERT_NE(row, stencil.rows().end());
-            EXPECT_GE(edge.first, row->first);
-            EXPECT_LE(edge.first + edge.count, row->first + row->count);
-            EXPECT_EQ(edge.at - row->at, edge.first - row->first);
+            EXPECT_GE(first, row->first);
+            EXPECT_LE(first + DiscStencil::kLanes, row->first + row->count);
+            EXPECT_EQ(edge.at - row->at, first - row->first);
+            EXPECT_EQ(edge.offset, row->dy * 500 + first);
         }
     }
 }
@@ -209,6 +211,8 @@ TEST(DiscStencil, ShiftingReportsTheChangeOfTheMisfitAndEqualsRebuilding) {
     undo(scene.view(1), before);
     EXPECT_EQ(scene.transmission.inner(), start);
     EXPECT_EQ(scene.kept[1], kept);
+    redraw(scene.view(1), moved[1], Redraw::whole);
+    EXPECT_EQ(scene.transmission.inner(), shifted);
 }
 
 TEST(DiscStencil, ASmallShiftOfTheEdgeAloneIsNearlyThatOfTheWholeAndIsUndone) {

@@ -9,6 +9,8 @@
 
 #include "core/random.h"
 #include "tracking/refine/disc_kernel.h"
+#include "tracking/refine/joint_covariance.h"
+#include "tracking/refine/joint_information.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -174,6 +176,102 @@ TEST(JointFit, WhatADiscExplainsIsKnownAgainWhenItsNeighboursMove) {
             explained_misfit(fit.darkness(), fit.transmission(), fit.positions()[j], disc);
         // What is kept may be as old as a path of 0.05 px.
         EXPECT_NEAR(kept[j], fresh, 0.02 * fresh);
+    }
+}
+
+/// Discs that overlap, swept until few hundredths of a pixel are left.
+JointFit swept(const Image& darkness, const std::vector<Vec2>& truth, const DiscProfile& disc) {
+    JointFit fit = started(darkness, truth, disc, 2, 0.5);
+    RefinementOptions rough;
+    rough.tolerance = 0.03;
+    fit.refine(rough);
+    return fit;
+}
+
+TEST(JointStep, SolvesTheNormalEquationsOfAllPositions) {
+    const DiscProfile disc{16, 1.2};
+    const auto truth = square_patch(0.80 * 16, 8, 20, 0.3);
+    const Image darkness = darkness_of(truth, disc, 140, 0.02, 8);
+    const JointFit fit = swept(darkness, truth, disc);
+    const JointInformation info = joint_information(fit, 2);
+    const auto n = static_cast<Eigen::Index>(truth.size());
+    Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(2 * n, 2 * n);
+    Eigen::VectorXd right(2 * n);
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+        const auto row = static_cast<Eigen::Index>(2 * i);
+        const NormalEquations& own = info.own[i];
+        const double damping = 1e-3 * (own.xx + own.yy) + 1e-3;
+        matrix.block<2, 2>(row, row) << own.xx + damping, own.xy, own.xy, own.yy + damping;
+        right.segment<2>(row) << own.bx, own.by;
+        for (std::size_t e = info.begin[i]; e < info.begin[i + 1]; ++e) {
+            const CrossBlock& b = info.entry[e].block;
+            matrix.block<2, 2>(row, 2 * static_cast<Eigen::Index>(info.entry[e].other)) << b.xx,
+                b.xy, b.yx, b.yy;
+        }
+    }
+    const Eigen::VectorXd exact = matrix.ldlt().solve(right);
+    const JointStep joint = joint_step(info, 1e-6);
+    for (Eigen::Index i = 0; i < n; ++i) {
+        EXPECT_NEAR(joint.step[static_cast<std::size_t>(i)].x, exact(2 * i), 1e-5) << i;
+        EXPECT_NEAR(joint.step[static_cast<std::size_t>(i)].y, exact(2 * i + 1), 1e-5) << i;
+    }
+}
+
+// What takes dozens of sweeps in a crystal.
+TEST(JointStep, GoesWhereSweepsEnd) {
+    const DiscProfile disc{16, 1.2};
+    const auto truth = square_patch(0.80 * 16, 12, 20, 0.3);
+    const Image darkness = darkness_of(truth, disc, 190, 0.02, 2);
+    JointFit exact = started(darkness, truth, disc, 2, 0.5);
+    RefinementOptions strict;
+    strict.tolerance = 1e-5;
+    strict.max_sweeps = 2000;
+    exact.refine(strict);
+    JointFit fit = swept(darkness, truth, disc);
+    // Sweeps alone stop too early here.
+    const double before = rms(fit.positions(), exact.positions());
+    for (int round = 0; round < 3; ++round) {
+        const JointStep joint = joint_step(joint_information(fit, 2), 1e-4);
+        fit.displace(joint.step, joint.left, 0.003, 0.1);
+    }
+    double variance = 0;
+    const auto covariance = joint_covariance(joint_information(fit, 2), 2);
+    for (const PositionCovariance& c : covariance) variance += 0.5 * (c.xx + c.yy);
+    const double error = 0.02 * std::sqrt(variance / static_cast<double>(truth.size()));
+    EXPECT_GT(before, 0.25 * error);
+    EXPECT_LT(rms(fit.positions(), exact.positions()), 0.125 * error);
+}
+
+TEST(JointFit, OnlyDiscsNearThoseThatWentFarAreDisturbed) {
+    const DiscProfile disc{10, 1.2};
+    const auto truth = square_patch(12, 20, 20, 0.3);
+    const Image darkness = darkness_of(truth, disc, 280, 0.02, 4);
+    JointFit fit = started(darkness, truth, disc, 2, 0);
+    const std::vector<Vec2> before = fit.positions();
+    const std::vector<float> left(truth.size(), 0.0F);
+    std::vector<Vec2> step(truth.size(), {0.02, 0});
+    EXPECT_TRUE(fit.displace(step, left, 0.003, 0.1).empty());
+    step[210] = {0.3, 0.4};
+    const std::vector<char> disturbed = fit.displace(step, left, 0.003, 0.1);
+    EXPECT_NEAR(norm(fit.positions()[210] - before[210]), 0.25, 0.03);
+    for (std::size_t j = 0; j < truth.size(); ++j) {
+        const double distance = norm(truth[j] - truth[210]);
+        EXPECT_TRUE(disturbed[j] || distance > 15) << j;
+        EXPECT_TRUE(!disturbed[j] || distance < 17) << j;
+    }
+    // Too far for one step: it is swept, and who stands near it.
+    RefinementOptions options;
+    options.tolerance = 0.03;
+    const JointFit::Summary again = fit.refine(options);
+    EXPECT_GT(again.steps, 0);
+    EXPECT_LT(again.steps, 60);
+
+    JointInformation info = joint_information(fit, 2);
+    const JointInformation same = info;
+    update_information(fit, 2, disturbed, info);
+    for (std::size_t j = 0; j < truth.size(); ++j) {
+        EXPECT_EQ(info.own[j].bx, disturbed[j] ? same.own[j].bx : 0);
+        EXPECT_EQ(info.own[j].xx, same.own[j].xx);
     }
 }
 
