@@ -28,11 +28,11 @@ struct Tracked {
     DiscProfile disc;
 };
 
-Tracked tracked(const std::vector<Image>& frames) {
+Tracked tracked(const std::vector<Image>& frames, const TrackOptions& options = {}) {
     MemoryFrames source(frames);
     Collect sink;
     RunPlan plan;
-    Tracker tracker(source, {}, plan);
+    Tracker tracker(source, options, plan);
     Progress progress("tracking", source.count(), "frames", Verbosity::quiet);
     tracker.run(sink, progress);
     return {sink.snapshots, plan.warnings(),
@@ -141,6 +141,34 @@ TEST(SceneStress, ShadowOverHalfOfTheFrame) {
     EXPECT_EQ(score.missed, 0);
     EXPECT_EQ(score.spurious, 0);
     EXPECT_LT(score.rms, 0.25);
+}
+
+TEST(SceneStress, HalfOfTheFrameWithoutAnyLightIsWarnedOfAndTheLitHalfAloneIsTracked) {
+    // The dark half is one large black shape: no image model of discs holds there.
+    const auto scene = testing::hard_disc_liquid(400, 400, 16, 0.5, 1);
+    const auto span = [](int x, int) { return x < 200 ? 170.0 : 0.0; };
+    const Image frame = lit_frame(scene, 1.2, 20, span, everywhere(3.4));
+    const Tracked whole = tracked({frame});
+    EXPECT_FALSE(whole.warnings.empty());
+    Image lit(200, 400);
+    for (int y = 0; y < 400; ++y) std::copy_n(frame.row(y), 200, lit.row(y));
+    const Tracked half = tracked({lit});
+    const PositionScore score =
+        score_positions(half.snapshots[0].position, scene.position, 4, 200, 400, 40);
+    EXPECT_EQ(score.missed, 0);
+    EXPECT_EQ(score.spurious, 0);
+    EXPECT_LT(over_bound(score, scene, 1.2, 0.0202), 1.15);
+}
+
+TEST(SceneStress, FortyThousandSpheres) {
+    const auto scene = testing::hard_disc_liquid(1900, 1900, 9, 0.71, 1);
+    ASSERT_GT(scene.position.size(), 40000U);
+    // Size given: estimating it is what takes long on a frame like this.
+    TrackOptions options;
+    options.calibration.diameter = 9;
+    options.calibration.edge_width = 0.9;
+    const Tracked result = tracked({testing::tanh_frame(scene, 9, 0.9, 0.02, 1)}, options);
+    expect_all_found(result, scene, 0.9, kNoise, 9, 1.05);
 }
 
 TEST(SceneStress, ASaturatedBackground) {
