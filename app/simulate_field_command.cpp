@@ -114,6 +114,10 @@ Summary SimulateFieldCommand::run(Session& session) {
         if (session.common.explain) return explanation(session.plan);
         // What --resume finds finished is left as it is.
         if (resume_ && jobs.size() > 1 && std::filesystem::exists(jobs[i].output)) continue;
+        // Each output records its own ν: `critical` looks there.
+        for (auto& [name, text] : session.configuration) {
+            if (name == "model.nu") text = to_text(OptionValue(jobs[i].field.model.nu));
+        }
         const FieldJobResult result = run_field_job(jobs[i], field, session);
         summary.text += words(jobs[i].output, result);
         if (jobs.size() == 1) {

@@ -97,7 +97,10 @@ TEST(SimulateField, GivesACriticalLineInNu) {
         const Outcome analysed =
             run_grainfield({"analyze", name, "-o", results, "--fit-k-max", "0.7", "--json"});
         ASSERT_EQ(analysed.code, 0) << analysed.err;
-        ratios.push_back(json::parse(analysed.out)["fit"]["s0_over_s1"]["value"].get<double>());
+        const json fit = json::parse(analysed.out)["fit"];
+        ASSERT_EQ(fit["name"], "s0_over_s1");
+        ASSERT_EQ(fit["unit"], "-");
+        ratios.push_back(fit["value"].get<double>());
         words.push_back(results);
     }
     EXPECT_GT(ratios[0], ratios[1]);
@@ -107,9 +110,10 @@ TEST(SimulateField, GivesACriticalLineInNu) {
     ASSERT_EQ(critical.code, 0) << critical.err;
     const json summary = json::parse(critical.out);
     EXPECT_EQ(summary["runs"], 3);
-    // Slope some 300 (methods of the field model: 260 on 128² lattices), zero at a small ν.
-    EXPECT_NEAR(summary["slope"]["value"].get<double>(), 300, 150);
-    EXPECT_NEAR(summary["critical_value"]["value"].get<double>(), 0, 0.003);
+    // 260 on lattices of 128² with longer runs; here 274 ± 51, and zero at
+    // (−5 ± 13) · 10⁻⁴: three standard errors.
+    EXPECT_NEAR(summary["slope"]["value"].get<double>(), 260, 153);
+    EXPECT_NEAR(summary["critical_value"]["value"].get<double>(), 0, 0.004);
     EXPECT_EQ(run_grainfield({"export", folder / "c.h5", "-o", folder / "c/"}).code, 0);
     EXPECT_THAT(testing::read_all(folder / "c/critical.csv"), HasSubstr("x,s0_over_s1,err"));
     EXPECT_EQ(run_grainfield({"compare", words[1], words[2], words[3], folder / "c.h5", "-o",
