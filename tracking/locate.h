@@ -10,6 +10,7 @@
 #include "tracking/detect/sphere_search.h"
 #include "tracking/disc_profile.h"
 #include "tracking/refine/joint_fit.h"
+#include "tracking/visible_pixels.h"
 
 namespace grainfield::tracking {
 
@@ -56,7 +57,12 @@ class Locator {
     Located locate(const Image& darkness, const DetectionOptions& detection,
                    const RefinementOptions& refinement, const std::vector<Vec2>& start = {},
                    double step = 0);
+    /// Others are not looked at, in all frames to come.
+    void set_visible(const VisiblePixels& visible);
     const DiscProfile& disc() const { return disc_; }
+    /// Image − model of the fit that came last: as the product model sees the image (EdgeMeeting),
+    /// 0 where nothing is looked at [contrast].
+    Image residual() const;
     /// Of the model fitted last.
     const PaddedImage& transmission() const { return fit_.transmission(); }
 
@@ -68,6 +74,7 @@ class Locator {
         std::vector<Vec2> position;
         std::vector<double> explained;
     };
+    double clearance(Vec2 p) const;
     Scene approached(const Image& darkness, const RefinementOptions& refinement,
                      const std::vector<Vec2>& start, Located& found);
     void search_coarsely(const Image& darkness, const DetectionOptions& detection,
@@ -82,6 +89,7 @@ class Locator {
     std::optional<DiscCorrelation> coarse_;
     std::optional<JointFit> coarse_fit_;
     Image coarse_image_;
+    Image clearance_;  ///< squared distance to what is not visible [px²]; empty: all is
 };
 
 }  // namespace grainfield::tracking

@@ -38,9 +38,12 @@ double median(std::vector<float>& values) {
     return static_cast<double>(*middle);
 }
 
-std::vector<float> sorted_sample(const ImageModel& model, const Image& counts) {
+std::vector<float> sorted_sample(const ImageModel& model, const Image& counts,
+                                 const VisiblePixels& visible) {
     std::vector<float> values;
-    for_sample(counts, [&](int x, int y) { values.push_back(model.darkness_at(counts, x, y)); });
+    for_sample(counts, [&](int x, int y) {
+        if (visible(x, y)) values.push_back(model.darkness_at(counts, x, y));
+    });
     std::sort(values.begin(), values.end());
     return values;
 }
@@ -48,7 +51,7 @@ std::vector<float> sorted_sample(const ImageModel& model, const Image& counts) {
 }  // namespace
 
 Illumination IlluminationFollower::expected(const Image& counts) {
-    std::vector<float> now = sorted_sample(model_, counts);
+    std::vector<float> now = sorted_sample(model_, counts, visible_);
     Illumination light = last_;
     if (!sample_.empty() && !now.empty()) {
         const auto below = [&](double darkness) {
@@ -79,7 +82,7 @@ Illumination IlluminationFollower::settled(const Image& counts, const Illuminati
     std::vector<float> core;
     for_sample(counts, [&](int x, int y) {
         const float t = transmission(x, y);
-        if (t <= kClear && t >= kCore) return;
+        if ((t <= kClear && t >= kCore) || !visible_(x, y)) return;
         const float d = model_.darkness_at(counts, x, y);
         const auto offset = static_cast<float>(used.offset);
         (t > kClear ? clear : core).push_back((d - offset) / static_cast<float>(used.span));
@@ -102,6 +105,15 @@ Illumination IlluminationFollower::settled(const Image& counts, const Illuminati
         last_.span = used.span * span;
     }
     return last_;
+}
+
+void IlluminationFollower::transfer(NumberArchive& archive) {
+    archive(sample_);
+    archive(last_.offset);
+    archive(last_.span);
+    archive(has_reference_);
+    archive(clear_reference_);
+    archive(core_reference_);
 }
 
 }  // namespace grainfield::tracking

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "core/frame.h"
+#include "core/number_archive.h"
 #include "tracking/image_model.h"
 #include "tracking/padded_image.h"
+#include "tracking/visible_pixels.h"
 
 namespace grainfield::tracking {
 
@@ -23,7 +26,8 @@ namespace grainfield::tracking {
 /// O(pixels of the sample).
 class IlluminationFollower {
  public:
-    explicit IlluminationFollower(const ImageModel& model) : model_(model) {}
+    explicit IlluminationFollower(const ImageModel& model, VisiblePixels visible = {})
+        : model_(model), visible_(std::move(visible)) {}
 
     /// The light of the next frame, before anything is known of its spheres.
     Illumination expected(const Image& counts);
@@ -33,8 +37,12 @@ class IlluminationFollower {
     Illumination settled(const Image& counts, const Illumination& used,
                          const PaddedImage& transmission);
 
+    /// Saves or restores what the next frame is compared with.
+    void transfer(NumberArchive& archive);
+
  private:
     const ImageModel& model_;
+    VisiblePixels visible_;
     std::vector<float> sample_;  ///< darkness values of the last frame as calibrated, sorted
     Illumination last_;
     bool has_reference_ = false;

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/parallel.h"
 #include "tracking/refine/disc_kernel.h"
@@ -76,15 +77,24 @@ JointFit::JointFit(const Image& darkness, const DiscProfile& disc, int threads)
       stencil_(disc),
       threads_(threads),
       darkness_(padded_darkness(darkness, disc)),
-      transmission_(clear_transmission(darkness.width(), darkness.height(), disc)) {}
+      transmission_(clear_transmission(darkness.width(), darkness.height(), disc)),
+      pixels_(static_cast<double>(darkness.size())) {}
 
 void JointFit::restart(const Image& darkness) {
     darkness_.assign(darkness);
     transmission_.fill(1.0F);
+    visible_.hide_others(darkness_, 1.0F);
+    visible_.hide_others(transmission_, 0.0F);
     positions_.clear();
     discs_.clear();
     free_.clear();
     slots_ = 0;
+}
+
+void JointFit::set_visible(VisiblePixels visible) {
+    visible_ = std::move(visible);
+    pixels_ = static_cast<double>(
+        visible_.count(static_cast<std::int64_t>(darkness_.width()) * darkness_.height()));
 }
 
 StencilView JointFit::view(const Disc& disc) const {
@@ -369,7 +379,7 @@ double JointFit::residual_rms() const {
         }
         sum += static_cast<double>(row);
     }
-    const double n = static_cast<double>(darkness_.width()) * darkness_.height();
+    const double n = pixels();
     return n > 0 ? std::sqrt(sum / n) : 0;
 }
 

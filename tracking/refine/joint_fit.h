@@ -12,6 +12,7 @@
 #include "tracking/disc_profile.h"
 #include "tracking/padded_image.h"
 #include "tracking/refine/disc_stencil.h"
+#include "tracking/visible_pixels.h"
 
 namespace grainfield::tracking {
 
@@ -41,6 +42,11 @@ class JointFit {
 
     /// Begins anew, without discs, on an image of the same size; memory is kept.
     void restart(const Image& darkness);
+
+    /// From the next restart on.
+    void set_visible(VisiblePixels visible);
+    /// Pixels that are looked at.
+    double pixels() const { return pixels_; }
 
     /// `explained`: what the disc is known to explain, until something near it moves.
     void add(Vec2 position, std::optional<double> explained = {});
@@ -79,7 +85,7 @@ class JointFit {
     /// RMS of I − M within reach of each disc [contrast].
     std::vector<double> residuals() const;
 
-    /// RMS of I − M over the frame [contrast].
+    /// RMS of I − M over the visible pixels of the frame [contrast].
     double residual_rms() const;
 
  private:
@@ -119,6 +125,8 @@ class JointFit {
     std::vector<std::uint32_t> free_;  ///< slots given back
     std::uint32_t slots_ = 0;          ///< in use or given back
     std::vector<double> explained_;
+    VisiblePixels visible_;
+    double pixels_;
 };
 
 }  // namespace grainfield::tracking
