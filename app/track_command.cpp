@@ -1,23 +1,16 @@
 #include "app/track_command.h"
 
 #include <algorithm>
-#include <cstdio>
-#include <mutex>
+#include <chrono>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "app/interrupt_deadline.h"
+#include "app/kept_tracks.h"
 #include "app/lengths.h"
-#include "app/watched_frames.h"
-#include "core/errors.h"
 #include "core/interrupt.h"
-#include "io/frame_files.h"
-#include "io/frame_range.h"
-#include "io/frame_region.h"
 #include "io/output_file.h"
-#include "io/read_ahead.h"
-#include "io/trajectory_file.h"
 
 namespace grainfield::app {
 
@@ -28,104 +21,6 @@ using tracking::ImageModel;
 using tracking::Polarity;
 using tracking::Tracker;
 using tracking::TrackSummary;
-
-/// The file being written, shared with the thread that closes it if a signal finds the work stuck
-/// in one frame. Counts what is written: tracks that are too short are not.
-class KeptTracks : public SnapshotSink {
- public:
-    /// `origin`: where the frames begin in those of the source [px]; previews stay with their
-    /// pictures.
-    KeptTracks(io::OutputFile output, const TrajectoryInfo& info, Vec2 origin)
-        : writer_(std::move(output), info), origin_(origin) {}
-
-    void write(const Snapshot& snapshot) override {
-        const std::lock_guard lock(mutex_);
-        if (origin_ == Vec2{}) {
-            writer_.write(snapshot);
-        } else {
-            Snapshot moved = snapshot;
-            for (Vec2& p : moved.position) p += origin_;
-            moved.box.origin += origin_;
-            writer_.write(moved);
-        }
-        ++frames_;
-        particles_ += static_cast<double>(snapshot.size());
-        last_frame_ = snapshot.frame;
-        for (Preview& preview : previews_) {
-            if (preview.snapshot.frame == snapshot.frame) preview.snapshot = snapshot;
-        }
-    }
-
-    /// `found`: what the tracker found in it; replaced by what is written of that, if it comes
-    /// later.
-    void add_preview(const Frame& frame, const Snapshot& found) {
-        const std::lock_guard lock(mutex_);
-        previews_.push_back({frame, found, {}});
-    }
-
-    void add_curve(const Curve& curve) {
-        const std::lock_guard lock(mutex_);
-        writer_.add_curve(curve);
-    }
-
-    void finish(const RunRecord& record) {
-        const std::lock_guard lock(mutex_);
-        for (const Preview& preview : previews_) {
-            // Frames that still waited for their tracks to grow are not in the file.
-            if (preview.snapshot.frame <= last_frame_) writer_.add_preview(preview);
-        }
-        writer_.finish(record);
-    }
-
-    std::int64_t frames() const {
-        const std::lock_guard lock(mutex_);
-        return frames_;
-    }
-    double particles_mean() const {
-        return particles_ / static_cast<double>(std::max<std::int64_t>(frames_, 1));
-    }
-
- private:
-    mutable std::mutex mutex_;
-    io::TrajectoryWriter writer_;
-    Vec2 origin_;
-    std::vector<Preview> previews_;
-    std::int64_t frames_ = 0;
-    std::int64_t last_frame_ = -1;
-    double particles_ = 0;
-};
-
-/// What a signal leaves if the work does not stop by itself: the frames that are written.
-class LastAct {
- public:
-    LastAct(Session session, std::string output)
-        : session_(std::move(session)), output_(std::move(output)) {}
-
-    void holds(KeptTracks* tracks) {
-        const std::lock_guard lock(mutex_);
-        tracks_ = tracks;
-    }
-
-    void operator()() {
-        const std::lock_guard lock(mutex_);
-        if (tracks_ == nullptr || tracks_->frames() == 0) {
-            fmt::print(stderr,
-                       "error: tracking interrupted in the first frame; '{}' was not written.\n",
-                       output_);
-            return;
-        }
-        session_.plan.warn(fmt::format("interrupted within a frame; '{}' holds the {} before it",
-                                       output_, counted(tracks_->frames(), "frame")));
-        tracks_->finish(session_.record());
-        fmt::print(stderr, "warning: {}\n", session_.plan.warnings().back());
-    }
-
- private:
-    std::mutex mutex_;
-    Session session_;
-    std::string output_;
-    KeptTracks* tracks_ = nullptr;
-};
 
 bool has_residual(const Tracker& tracker, const TrackSummary& summary) {
     return tracker.is_calibrated() && summary.particles_mean > 0;
@@ -224,73 +119,100 @@ Command::Inputs TrackCommand::inputs() const {
 std::vector<OptionTable> TrackCommand::options() {
     OptionTable own("");
     own.text("output", output_, "trajectory file to write (H5MD)");
-    own.number("fps", fps_, "1/s", {1e-9, 1e9}, "frame rate; auto: as the file says");
-    own.text("frames", frames_, "which frames, as FIRST:END:STEP");
-    own.text("region", region_, "part of the frames to track, as X,Y,WIDTH,HEIGHT [px]");
-    own.text("flat-field", flat_field_, "picture of the empty, lit cell to divide the frames by");
+    describe(film_, own);
     own.integer("previews", previews_, "-", {0, 1000}, "frames kept in the output to look at");
-    own.integer("max-pixels", max_pixels_, "px", {1, 1e11}, "largest frame accepted");
-    own.flag("strict", strict_, "fail on the first bad frame instead of leaving it out");
+    own.flag("resume", checkpoint_.resume, "go on from OUTPUT.checkpoint if it is there");
+    own.number("checkpoint-every", checkpoint_.every, "min", {0, 1e6}, "time between checkpoints");
     std::vector<OptionTable> tables{own};
     for (OptionTable& table : tracking::describe(tracking_)) tables.push_back(std::move(table));
     return tables;
 }
 
-std::unique_ptr<FrameSource> TrackCommand::corrected(
-    std::unique_ptr<FrameSource> frames, const std::optional<io::FrameRegion>& region) const {
-    if (!flat_field_.empty()) {
-        const auto flat = io::open_frames({flat_field_}, {.fps = {}, .max_pixels = max_pixels_});
-        const Frame frame = flat->read(0);
-        if (frame.status != FrameStatus::ok) {
-            throw InputError({.problem = fmt::format("cannot use '{}' as flat field", flat_field_),
-                              .actual = frame.message,
-                              .expected = "a whole picture",
-                              .suggestion = {}});
-        }
-        frames = io::flatten_frames(std::move(frames), frame.image);
+void TrackCommand::plan_checkpoints(const TrackCheckpoint& saved, std::int64_t frames,
+                                    RunPlan& plan) const {
+    if (saved.from() != nullptr) {
+        plan.run("resume", "goes on from the checkpoint");
+    } else if (checkpoint_.resume) {
+        plan.run("resume", "there is no checkpoint: starts from the beginning");
     }
-    return region ? io::crop_frames(std::move(frames), *region) : std::move(frames);
+    if (frames > 1) {
+        plan.run("checkpoints", fmt::format("every {:g} min", checkpoint_.every));
+    } else {
+        plan.skip("checkpoints", "one frame", "a log of what is written");
+    }
 }
 
 Summary TrackCommand::run(Session& session) {
     require_output(session, output_);
     require_hdf5_name(output_);
-    const auto overwrite = session.common.force ? io::Overwrite::force : io::Overwrite::refuse;
+    // A run that was resumed is recorded as the one that it completes.
+    std::erase_if(session.configuration, [](const auto& o) { return o.first == "resume"; });
     std::optional<io::OutputFile> output;
-    if (!session.common.explain) output.emplace(output_, overwrite);
+    TrackCheckpoint saved(session, output_, checkpoint_);
+    if (!session.common.explain) {
+        const bool replaces = session.common.force || saved.from() != nullptr;
+        output.emplace(output_, replaces ? io::Overwrite::force : io::Overwrite::refuse);
+    }
+    session.start -= std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+        std::chrono::duration<double>(saved.seconds_before()));
     // Before the deadline, so that it outlives it.
     std::optional<KeptTracks> tracks;
-    LastAct last_act(session, output_);
+    LastAct last_act(session, output_, [&saved] { return saved.advice(); });
     std::optional<InterruptDeadline> deadline;
-    deadline.emplace([&last_act](int) { last_act(); });
-    auto selected = io::select_frames(
-        io::open_frames(session.inputs, {.fps = fps_, .max_pixels = max_pixels_}), frames_);
-    const auto region = io::parse_region(region_, selected->width(), selected->height());
-    const Vec2 origin =
-        region ? Vec2{static_cast<double>(region->x), static_cast<double>(region->y)} : Vec2{};
-    WatchedFrames frames(io::read_ahead(corrected(std::move(selected), region)),
-                         strict_ ? BadFrames::refuse : BadFrames::allow);
-    for (const std::string& warning : frames.warnings()) session.plan.warn(warning);
-
+    deadline.emplace([&](int) {
+        last_act();
+        saved.abandon();
+    });
     tracking_.threads = session.threads();
+    const Film film = open_film(session, film_, tracking_);
+    WatchedFrames& frames = *film.frames;
+    tracking_.visible = film.visible;
+    plan_checkpoints(saved, frames.count(), session.plan);
+
     Tracker tracker(frames, tracking_, session.plan);
     if (session.common.explain) return explanation(session.plan);
     warn_of_unit(tracker, session.plan);
 
-    tracks.emplace(std::move(*output), tracker.info(), origin);
+    tracks.emplace(std::move(*output), tracker.info(), film.origin,
+                   frames.count() > 1 ? saved.open_log() : nullptr);
     last_act.holds(&*tracks);
     PreviewChoice choice(previews_, frames.count());
+    std::vector<std::int64_t> previews;
+    tracking::TrackResumption resumption{.from = saved.from()};
+    if (saved.from() != nullptr) {
+        for (const std::int64_t position : saved.previews()) {
+            const Frame frame = frames.read(position);
+            Snapshot awaited;
+            awaited.frame = frame.index;
+            tracks->add_preview(frame, awaited);
+            choice.takes(position);
+            previews.push_back(position);
+        }
+        tracks->replay();
+    }
+    if (frames.count() > 1) {
+        resumption.is_due = [&] { return saved.is_due(); };
+        resumption.save = [&](Checkpoint&& state) {
+            saved.save(std::move(state), previews, session);
+        };
+    }
     Progress progress("tracking", frames.count(), "frames", session.common.verbosity());
-    TrackSummary result =
-        tracker.run(*tracks, progress, [&](const Frame& frame, const Snapshot& snapshot) {
-            if (choice.takes(frames.last_position())) tracks->add_preview(frame, snapshot);
-        });
+    TrackSummary result = tracker.run(
+        *tracks, progress,
+        [&](const Frame& frame, const Snapshot& snapshot) {
+            if (!choice.takes(frames.last_position())) return;
+            tracks->add_preview(frame, snapshot);
+            previews.push_back(frames.last_position());
+        },
+        resumption);
     deadline.reset();
     // Without the tracks that --minimum-length leaves out.
     result.particles_mean = tracks->particles_mean();
+    const std::int64_t done = result.frames + result.frames_corrupt + result.frames_missing;
+    const bool is_complete = done >= frames.count();
     if (caught_signal() != 0) {
-        session.plan.warn(fmt::format("interrupted after {} of {} frames; '{}' holds those",
-                                      frames.last_position() + 1, frames.count(), output_));
+        session.plan.warn(fmt::format("interrupted after {} of {} frames; '{}' holds those{}", done,
+                                      frames.count(), output_, is_complete ? "" : saved.advice()));
     }
     if (result.frames > 0 && !has_residual(tracker, result)) {
         session.plan.warn("no residual is given: no spheres were found");
@@ -301,6 +223,7 @@ Summary TrackCommand::run(Session& session) {
     }
     tracks->finish(session.record());
     session.outputs.push_back(output_);
+    if (is_complete) saved.remove();
     return {.text = words(session, tracker, result),
             .facts = facts(tracker, result),
             .signal = caught_signal()};

@@ -1,13 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
-#include <optional>
 #include <string>
 
 #include "app/command.h"
-#include "core/frame_source.h"
-#include "io/frame_region.h"
+#include "app/film.h"
+#include "app/track_checkpoint.h"
 #include "tracking/tracker.h"
 
 namespace grainfield::app {
@@ -22,19 +20,13 @@ class TrackCommand : public Command {
     Summary run(Session& session) override;
 
  private:
-    /// Frames as the tracker sees them: over the flat field, the region alone.
-    std::unique_ptr<FrameSource> corrected(std::unique_ptr<FrameSource> frames,
-                                           const std::optional<io::FrameRegion>& region) const;
+    void plan_checkpoints(const TrackCheckpoint& saved, std::int64_t frames, RunPlan& plan) const;
     void warn_of_unit(const tracking::Tracker& tracker, RunPlan& plan) const;
 
     std::string output_;
-    std::optional<double> fps_;
-    std::string frames_ = "::";
-    std::string region_;
-    std::string flat_field_;
+    FilmOptions film_;
     std::int64_t previews_ = 3;
-    std::int64_t max_pixels_ = 200'000'000;
-    bool strict_ = false;
+    TrackCheckpoint::Options checkpoint_;
     tracking::TrackOptions tracking_;
 };
 

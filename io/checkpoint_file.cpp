@@ -64,6 +64,7 @@ std::string serialised(const Checkpoint& checkpoint) {
     }
     const std::string header = json{{"kind", checkpoint.kind},
                                     {"configuration", configuration},
+                                    {"texts", checkpoint.texts},
                                     {"reals", lengths(checkpoint.reals)},
                                     {"integers", lengths(checkpoint.integers)}}
                                    .dump(-1, ' ', false, json::error_handler_t::replace);
@@ -144,6 +145,8 @@ Checkpoint parsed(Reader reader, const fs::path& path) {
             checkpoint.configuration.emplace_back(entry.at(0).get<std::string>(),
                                                   entry.at(1).get<std::string>());
         }
+        // Files of version 1 that were written before texts existed have none.
+        if (header.contains("texts")) header.at("texts").get_to(checkpoint.texts);
         reader.arrays(header.at("reals"), checkpoint.reals);
         reader.arrays(header.at("integers"), checkpoint.integers);
     } catch (const json::exception& error) {
@@ -176,7 +179,8 @@ Checkpoint read_checkpoint(const fs::path& path) {
     const std::string bytes = content(path);
     const std::string_view all(bytes);
     if (!all.starts_with(signature)) {
-        refuse(path, "it is not a checkpoint", "a file that 'grainfield simulate' left behind");
+        refuse(path, "it is not a checkpoint",
+               "a file that an interrupted run of grainfield left behind");
     }
     Reader start(all.substr(signature.size()), path);
     if (const auto version = start.number<std::uint32_t>(); version != format_version) {

@@ -13,8 +13,8 @@ namespace grainfield::io {
 /// name, fsync, rename (OutputFile; an older checkpoint of that name is replaced).
 ///
 /// Layout, little-endian: "grainfield checkpoint" and a zero byte (22 bytes), u32 format version,
-/// u64 length of the JSON header, header (kind, configuration, name and length of each array), the
-/// arrays in the order of the header, u32 CRC-32 of everything before it. About 1 GB/s.
+/// u64 length of the JSON header, header (kind, configuration, texts, name and length of each
+/// array), the arrays in the order of the header, u32 CRC-32 of everything before it. About 1 GB/s.
 ///
 /// Throws OutputError as OutputFile does, and when the disk is full; the old checkpoint then stays.
 void write_checkpoint(const Checkpoint& checkpoint, const std::filesystem::path& path);

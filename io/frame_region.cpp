@@ -48,13 +48,7 @@ class CroppedFrames : public ChangedFrames {
     int height() const override { return region_.height; }
 
  private:
-    void change(Image& image) override {
-        Image part(region_.width, region_.height);
-        for (int y = 0; y < region_.height; ++y) {
-            std::copy_n(image.row(region_.y + y) + region_.x, region_.width, part.row(y));
-        }
-        image = std::move(part);
-    }
+    void change(Image& image) override { image = cropped(image, region_); }
 
     FrameRegion region_;
 };
@@ -102,6 +96,14 @@ std::optional<FrameRegion> parse_region(std::string_view text, int width, int he
         refuse("it does not lie within the frame");
     }
     return r;
+}
+
+Image cropped(const Image& image, const FrameRegion& region) {
+    Image part(region.width, region.height);
+    for (int y = 0; y < region.height; ++y) {
+        std::copy_n(image.row(region.y + y) + region.x, region.width, part.row(y));
+    }
+    return part;
 }
 
 std::unique_ptr<FrameSource> crop_frames(std::unique_ptr<FrameSource> source,

@@ -19,6 +19,9 @@ struct FrameRegion {
 /// not four whole numbers or the rectangle does not lie within width × height pixels.
 std::optional<FrameRegion> parse_region(std::string_view text, int width, int height);
 
+/// That part of an image that holds all of it.
+Image cropped(const Image& image, const FrameRegion& region);
+
 /// That part of every frame; pixel (0, 0) of it is pixel (x, y) of the source.
 std::unique_ptr<FrameSource> crop_frames(std::unique_ptr<FrameSource> source,
                                          const FrameRegion& region);

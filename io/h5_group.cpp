@@ -16,10 +16,17 @@ namespace {
 constexpr unsigned gzip_level = 1;
 constexpr double longest_chunk = 4e9;  // HDF5 allows 4 GiB; longer arrays are cut
 
+// Without the times at which HDF5 wrote each object: equal content gives equal bytes.
+H5Handle creation_properties(const H5File& file, hid_t kind) {
+    H5Handle properties = file.own(H5Pcreate(kind), "no property list");
+    file.require(H5Pset_obj_track_times(properties.get(), false), "no property list");
+    return properties;
+}
+
 // Contiguous where there is nothing to hold; otherwise one chunk with a checksum.
 H5Handle array_properties(const H5File& file, const H5Extent& extent, std::size_t entry_bytes,
                           Compression compression) {
-    H5Handle properties = file.own(H5Pcreate(H5P_DATASET_CREATE), "no property list");
+    H5Handle properties = creation_properties(file, H5P_DATASET_CREATE);
     if (std::ranges::find(extent, hsize_t{0}) != extent.end()) return properties;
     H5Extent chunk = extent;
     const double bytes =
@@ -118,8 +125,9 @@ std::string H5Group::text(const std::string& name) const {
 }
 
 H5Group H5Group::make_group(const std::string& name) const {
+    const H5Handle properties = creation_properties(file(), H5P_GROUP_CREATE);
     return {file(),
-            file().own(H5Gcreate2(id(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+            file().own(H5Gcreate2(id(), name.c_str(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
                        "a group cannot be made"),
             child(name)};
 }
@@ -136,7 +144,7 @@ H5Dataset H5Group::make_series(const std::string& name, const H5Extent& row, con
     const H5Handle space =
         file().own(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), most.data()),
                    "no data space");
-    const H5Handle properties = file().own(H5Pcreate(H5P_DATASET_CREATE), "no property list");
+    const H5Handle properties = creation_properties(file(), H5P_DATASET_CREATE);
     file().require(H5Pset_chunk(properties.get(), static_cast<int>(chunk.size()), chunk.data()),
                    "no property list");
     file().require(H5Pset_fill_value(properties.get(), h5_type<T>(), &fill), "no property list");

@@ -99,7 +99,11 @@ H5File H5File::open(const fs::path& path) {
 
 H5File H5File::create(const fs::path& path, const std::string& name) {
     set_up_library();
-    H5Handle handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access_properties().get()));
+    // The root without the time of its making, as all objects (h5_group.cpp).
+    const H5Handle creation(H5Pcreate(H5P_FILE_CREATE));
+    H5Pset_obj_track_times(creation.get(), false);
+    H5Handle handle(
+        H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.get(), access_properties().get()));
     H5File file(std::move(handle), name, true, 0);
     if (!file.handle_) file.fail("the file cannot be created");
     return file;

@@ -3,6 +3,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -52,6 +53,18 @@ std::vector<double> positions(const Snapshot& snapshot) {
         numbers.insert(numbers.end(), {snapshot.position[i].x, snapshot.position[i].y, z[i]});
     }
     return numbers;
+}
+
+/// The record, as long whatever the wall time was: files of equal runs then differ in its digits
+/// (and their checksum) only.
+std::string record_text(const RunRecord& record) {
+    RunRecord timeless = record;
+    timeless.seconds = 0;
+    constexpr std::size_t most_digits = 24;
+    const std::size_t length = text_of(to_json(timeless)).size() + most_digits;
+    std::string text = text_of(to_json(record));
+    text.resize(std::max(text.size(), length), ' ');
+    return text;
 }
 
 void describe_h5md(const H5Group& root) {
@@ -230,7 +243,7 @@ void TrajectoryWriter::add_curve(const Curve& curve) {
 void TrajectoryWriter::finish(const RunRecord& record) {
     // A file without frames still is a trajectory: of no frame, with no particles.
     if (!state_->positions_value) state_->make_positions({});
-    state_->own.write_text("record", text_of(to_json(record)));
+    state_->own.write_text("record", record_text(record));
     if (!state_->curves.empty()) {
         write_curves(state_->own.make_group("curves"), state_->curves);
     }

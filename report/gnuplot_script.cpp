@@ -56,7 +56,7 @@ std::string log_ticks(const std::array<double, 2>& range) {
 std::string axis_commands(const char* which, const Axis& axis, const std::array<double, 2>& range) {
     std::string out = fmt::format("set {0}label {1} noenhanced\nset {0}range [{2:.9g}:{3:.9g}]\n",
                                   which, gnuplot_string(axis.title()), range[0], range[1]);
-    if (which[0] == 'x') out += "set xlabel offset 0,1\n";
+    if (which[0] == 'x') out += "set xlabel offset 0,0.4\n";
     if (axis.scale == Scale::log) {
         out += fmt::format("set logscale {0}\nset {0}tics {1}\n", which, log_ticks(range));
     }

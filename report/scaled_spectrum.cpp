@@ -21,8 +21,9 @@ std::optional<double> slope_of(const Results& run, std::string& reason) {
         reason = !fit->reason.empty() ? fit->reason : "its fit has no S1";
         return std::nullopt;
     }
-    if (*s1->value > 0) return *s1->value;
-    reason = "S does not grow with k in the range of its fit";
+    if (*s1->value > s1->error.value_or(0)) return *s1->value;
+    reason = *s1->value > 0 ? "its S1 is zero within its error"
+                            : "S does not grow with k in the range of its fit";
     return std::nullopt;
 }
 

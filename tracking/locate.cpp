@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
+#include "tracking/calibrate/coarse_size.h"
 #include "tracking/refine/edge_meeting.h"
 #include "tracking/refine/joint_covariance.h"
 
@@ -92,6 +94,38 @@ Locator::Locator(int width, int height, const DiscProfile& disc, int threads, Ed
         approach_.emplace(Image(width / factor_, rows_of_blocks(height, factor_, kApproachSpacing)),
                           blocks, threads, kApproachSpacing);
     }
+}
+
+void Locator::set_visible(const VisiblePixels& visible) {
+    if (visible.are_all() && clearance_.empty()) return;
+    fit_.set_visible(visible);
+    correlation_.set_visible(visible);
+    clearance_ = visible.are_all() ? Image() : squared_distance_transform(visible.mask());
+    if (!coarse_) return;
+    const VisiblePixels blocks = visible.blocks(factor_);
+    coarse_fit_->set_visible(blocks);
+    coarse_->set_visible(blocks);
+    approach_->set_visible(blocks.every_row(kApproachSpacing));
+}
+
+Image Locator::residual() const {
+    Image residual = fit_.darkness().inner();
+    for (int y = 0; y < residual.height(); ++y) {
+        const float* transmission = fit_.transmission().row(y);
+        float* row = residual.row(y);
+        for (int x = 0; x < residual.width(); ++x) row[x] -= 1.0F - transmission[x];
+    }
+    return residual;
+}
+
+/// Distance to the nearest pixel that is not visible, less the pixel of its own [px].
+double Locator::clearance(Vec2 p) const {
+    if (clearance_.empty()) return std::numeric_limits<double>::infinity();
+    const auto at = [](double v, int n) {
+        return std::clamp(static_cast<int>(std::lround(v)), 0, n - 1);
+    };
+    const float squared = clearance_(at(p.x, clearance_.width()), at(p.y, clearance_.height()));
+    return std::sqrt(static_cast<double>(squared)) - 1;
 }
 
 /// Most of the search on an image of blocks: its pixels are fewer by the square of the factor.
@@ -243,8 +277,8 @@ Located Locator::locate(const Image& darkness, const DetectionOptions& detection
     for (std::size_t j = 0; j < residuals.size(); ++j) {
         const Vec2 p = fit.positions()[j];
         found.unsettled += fit.step_left(j) > swept(refinement, disc_).tolerance ? 1 : 0;
-        if (std::min({p.x, p.y, darkness.width() - 1 - p.x, darkness.height() - 1 - p.y}) <
-            border) {
+        if (std::min({p.x, p.y, darkness.width() - 1 - p.x, darkness.height() - 1 - p.y,
+                      clearance(p)}) < border) {
             continue;
         }
         const Vec2 error{std::sqrt(covariances[j].xx), std::sqrt(covariances[j].yy)};

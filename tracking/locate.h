@@ -11,6 +11,7 @@
 #include "tracking/disc_profile.h"
 #include "tracking/refine/joint_fit.h"
 #include "tracking/refine/joint_information.h"
+#include "tracking/visible_pixels.h"
 
 namespace grainfield::tracking {
 
@@ -57,7 +58,12 @@ class Locator {
     Located locate(const Image& darkness, const DetectionOptions& detection,
                    const RefinementOptions& refinement, const std::vector<Vec2>& start = {},
                    double step = 0);
+    /// Others are not looked at, in all frames to come.
+    void set_visible(const VisiblePixels& visible);
     const DiscProfile& disc() const { return disc_; }
+    /// Image − model of the fit that came last: as the product model sees the image (EdgeMeeting),
+    /// 0 where nothing is looked at [contrast].
+    Image residual() const;
     /// Of the model fitted last.
     const PaddedImage& transmission() const { return fit_.transmission(); }
 
@@ -70,6 +76,7 @@ class Locator {
         std::vector<Vec2> position;
         std::vector<double> explained;
     };
+    double clearance(Vec2 p) const;
     Scene approached(const Image& darkness, const RefinementOptions& refinement,
                      const std::vector<Vec2>& start, Located& found);
     JointInformation settle(SphereSearch& search, const RefinementOptions& refinement,
@@ -87,6 +94,7 @@ class Locator {
     std::optional<JointFit> coarse_fit_;
     std::optional<JointFit> approach_;  ///< on every kApproachSpacing-th row of blocks
     Image coarse_image_;
+    Image clearance_;  ///< squared distance to what is not visible [px²]; empty: all is
 };
 
 }  // namespace grainfield::tracking

@@ -9,7 +9,6 @@
 #include "core/errors.h"
 #include "core/interrupt.h"
 #include "core/parallel.h"
-#include "tracking/link/long_tracks.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -57,7 +56,7 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
         if (frame.status != FrameStatus::ok) continue;
         RunPlan attempt;
         calibration_ = calibrate(frame.image, options.calibration, options.detection,
-                                 options.refinement, threads_, attempt);
+                                 options.refinement, threads_, attempt, options.visible);
         if (calibration_) {
             calibration_frame_ = frame.index;
             for (const PlannedStage& s : attempt.stages()) {
@@ -76,7 +75,8 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
     }
     locator_ = std::make_unique<Locator>(source.width(), source.height(), model().disc, threads_,
                                          model().meeting);
-    illumination_ = std::make_unique<IlluminationFollower>(model());
+    locator_->set_visible(options_.visible);
+    illumination_ = std::make_unique<IlluminationFollower>(model(), options_.visible);
     plan.run("detect", "χ² map, then likelihood gain of the residual until nothing changes");
     plan.run("refine", model().meeting == EdgeMeeting::product
                            ? "joint least squares on the product of transmissions"
@@ -168,7 +168,7 @@ Snapshot Tracker::track(const Frame& frame, std::int64_t position, Linker& linke
     snapshot.box.length = {static_cast<double>(frame.image.width()),
                            static_cast<double>(frame.image.height())};
     if (!calibration_) return snapshot;
-    if (const std::string reason = blank_reason(frame.image); !reason.empty()) {
+    if (const std::string reason = blank_reason(frame.image, options_.visible); !reason.empty()) {
         plan_.warn(fmt::format("{}, frame {}: {}", source_.name(), frame.index, reason));
         return snapshot;
     }
@@ -262,8 +262,8 @@ void Tracker::summarise(const TrackSummary& summary) {
 }
 
 TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress,
-                          const std::function<void(const Frame&, const Snapshot&)>& each_frame) {
-    TrackSummary summary;
+                          const std::function<void(const Frame&, const Snapshot&)>& each_frame,
+                          const TrackResumption& resumption) {
     previous_ = {};
     bilayer_.reset();
     if (options_.layers.height) {
@@ -280,10 +280,18 @@ TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress,
                                              0.5 * static_cast<double>(source_.height() - 1)}});
     }
     const double diameter = calibration_ ? model().disc.diameter : 1.0;
-    Linker linker(options_.link, diameter);
-    LongTracks long_tracks(sink, options_.link.minimum_length, options_.link.memory);
-    double particles = 0;
-    for (std::int64_t i = 0; i < source_.count() && caught_signal() == 0; ++i) {
+    Run run{.linker = Linker(options_.link, diameter),
+            .long_tracks = LongTracks(sink, options_.link.minimum_length, options_.link.memory),
+            .summary = {}};
+    Linker& linker = run.linker;
+    LongTracks& long_tracks = run.long_tracks;
+    TrackSummary& summary = run.summary;
+    if (resumption.from != nullptr) {
+        restore(run, *resumption.from);
+        progress.resume_at(run.next);
+    }
+    while (run.next < source_.count() && caught_signal() == 0) {
+        const std::int64_t i = run.next++;
         auto start = Clock::now();
         Frame frame = source_.read(i);
         summary.ms_per_frame.read += milliseconds_since(start);
@@ -295,18 +303,22 @@ TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress,
             continue;
         }
         const Snapshot snapshot = track(frame, i, linker, summary);
-        particles += static_cast<double>(snapshot.size());
+        run.particles += static_cast<double>(snapshot.size());
         ++summary.frames;
         start = Clock::now();
         long_tracks.write(snapshot);
         summary.ms_per_frame.write += milliseconds_since(start);
         if (each_frame) each_frame(frame, snapshot);
         if (previous_.position == i) previous_.counts = std::move(frame.image);
+        if (resumption.save && run.next < source_.count() && resumption.is_due()) {
+            resumption.save(checkpoint(run));
+        }
     }
+    if (resumption.save && run.next < source_.count()) resumption.save(checkpoint(run));
     long_tracks.finish();
     progress.finish();
     const double n = std::max<double>(1, static_cast<double>(summary.frames));
-    summary.particles_mean = particles / n;
+    summary.particles_mean = run.particles / n;
     summary.residual_rms /= n;
     for (double* t :
          {&summary.ms_per_frame.read, &summary.ms_per_frame.detect, &summary.ms_per_frame.refine,

@@ -6,7 +6,9 @@
 #include <optional>
 #include <vector>
 
+#include "core/checkpoint.h"
 #include "core/frame_source.h"
+#include "core/number_archive.h"
 #include "core/option_table.h"
 #include "core/progress.h"
 #include "core/run_plan.h"
@@ -16,7 +18,9 @@
 #include "tracking/image_model.h"
 #include "tracking/layers/bilayer.h"
 #include "tracking/link/linker.h"
+#include "tracking/link/long_tracks.h"
 #include "tracking/locate.h"
+#include "tracking/visible_pixels.h"
 
 namespace grainfield::tracking {
 
@@ -27,6 +31,7 @@ struct TrackOptions {
     LinkOptions link;
     LayerOptions layers;
     std::optional<double> sphere_diameter;  ///< true diameter a [px]; empty: the apparent D
+    VisiblePixels visible;                  ///< pixels that are looked at
     int threads = 0;                        ///< 0: all
 };
 
@@ -55,6 +60,15 @@ struct TrackSummary {
     double dimmest = 1, brightest = 1;  ///< contrast of the frames relative to the first [-]
     Bilayer::Summary layers;            ///< zeros without a height of the cell
     FrameTimes ms_per_frame;
+};
+
+/// How a long run is saved now and then, and taken up again.
+struct TrackResumption {
+    /// The state to go on from; the sink holds the snapshots that were written before it. Throws
+    /// InputError if the film, its calibration or the options are others.
+    const Checkpoint* from = nullptr;
+    std::function<bool()> is_due = {};            ///< asked after each frame
+    std::function<void(Checkpoint&&)> save = {};  ///< also when a signal ends the run early
 };
 
 /// Frames in, linked snapshots out: calibrates the image model on the first usable frame, then
@@ -86,9 +100,11 @@ class Tracker {
     TrajectoryInfo info() const;
 
     /// Tracks all frames. Corrupt and missing frames leave a gap. Stops early, keeping what was
-    /// done, when an interrupt was caught (core/interrupt.h).
+    /// done, when an interrupt was caught (core/interrupt.h). A run that was saved, and a new
+    /// tracker that goes on from there, give the same snapshots as one that was not.
     TrackSummary run(SnapshotSink& sink, Progress& progress,
-                     const std::function<void(const Frame&, const Snapshot&)>& each_frame = {});
+                     const std::function<void(const Frame&, const Snapshot&)>& each_frame = {},
+                     const TrackResumption& resumption = {});
 
  private:
     /// What one frame leaves for the next.
@@ -98,6 +114,19 @@ class Tracker {
         Located found;
         double step_rms = 0;  ///< of its spheres, RMS displacement [px]; 0: unknown
     };
+
+    /// What goes on from frame to frame besides the above.
+    struct Run {
+        Linker linker;
+        LongTracks long_tracks;
+        TrackSummary summary;
+        double particles = 0;
+        std::int64_t next = 0;  ///< position of the next frame
+    };
+    Checkpoint checkpoint(Run& run);
+    void restore(Run& run, const Checkpoint& checkpoint);
+    void transfer(NumberArchive& archive, Run& run);
+    std::vector<double> calibration_numbers() const;
 
     /// Fits frame number `position` among those selected: frames left out on purpose are not
     /// missing. The result is in previous_.

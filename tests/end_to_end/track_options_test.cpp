@@ -119,6 +119,222 @@ TEST_F(TrackOptions, AFlatFieldTakesOutAnEdgeInTheLight) {
     for (const Vec2 p : scene.position) EXPECT_LT(nearest(found, p), 0.2);
 }
 
+/// A caption and a bright disc as large as three spheres, over the frame of few_discs(), and the
+/// mask that hides both.
+struct CoveredFrame {
+    Image frame = testing::disc_frame(testing::few_discs(), 0);
+    Image mask{testing::kPictureSize, testing::kPictureSize, 255};
+
+    CoveredFrame() {
+        for (int y = 0; y < frame.height(); ++y) {
+            for (int x = 0; x < frame.width(); ++x) {
+                const bool caption = y < 30 && x < 120;
+                const bool stain = std::hypot(x - 130, y - 120) < 24;
+                if (!caption && !stain) continue;
+                mask(x, y) = 0;
+                // Strokes as wide as a sphere; a stain darker than any.
+                frame(x, y) = stain ? 0.0F : (x / 6 + y / 6) % 2 == 0 ? 255.0F : 10.0F;
+            }
+        }
+    }
+    /// Pixels from p to what is hidden.
+    double clearance(Vec2 p) const {
+        double least = 1e9;
+        for (int y = 0; y < mask.height(); ++y) {
+            for (int x = 0; x < mask.width(); ++x) {
+                if (mask(x, y) == 0) least = std::min(least, norm(p - Vec2{1.0 * x, 1.0 * y}));
+            }
+        }
+        return least;
+    }
+};
+
+TEST_F(TrackOptions, WhatTheMaskHidesIsNotLookedAt) {
+    const CoveredFrame covered;
+    testing::write_png(folder_ / "frame.png", covered.frame);
+    testing::write_png(folder_ / "mask.png", covered.mask);
+    const auto count_false = [&](const std::vector<Vec2>& found) {
+        return std::count_if(found.begin(), found.end(),
+                             [](Vec2 p) { return nearest(testing::few_discs().position, p) > 1; });
+    };
+    const Outcome plain = track(folder_ / "frame.png", {"--diameter", "9", "--polarity", "dark"});
+    ASSERT_TRUE(plain.code != 0 || count_false(positions()) > 5) << "nothing for a mask to do";
+
+    const Outcome outcome = track(folder_ / "frame.png", {"--mask", folder_ / "mask.png"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const std::vector<Vec2> found = positions();
+    EXPECT_EQ(count_false(found), 0);
+    int expected = 0;
+    for (const Vec2 p : testing::few_discs().position) {
+        const double clearance = covered.clearance(p);
+        // Of spheres cut in half positions are known less well.
+        if (clearance > 9) {
+            ++expected;
+            EXPECT_LT(nearest(found, p), 0.2) << p.x << ' ' << p.y;
+        }
+        if (clearance < 1) EXPECT_GT(nearest(found, p), 3) << "a sphere behind the mask";
+    }
+    EXPECT_GT(expected, 60);
+    // The noise of the picture, nothing of the caption.
+    EXPECT_LT(json::parse(outcome.out)["residual_rms"], 0.03);
+    EXPECT_NEAR(json::parse(outcome.out)["diameter_px"].get<double>(), 9, 0.1);
+
+    const Outcome plan =
+        track(folder_ / "frame.png", {"--mask", folder_ / "mask.png", "--explain"});
+    EXPECT_THAT(plan.out, HasSubstr("of the pixels are not looked at"));
+}
+
+TEST_F(TrackOptions, AMaskIsOfTheWholeFrameAlsoWithARegion) {
+    const CoveredFrame covered;
+    testing::write_png(folder_ / "frame.png", covered.frame);
+    testing::write_png(folder_ / "mask.png", covered.mask);
+    const Outcome outcome =
+        track(folder_ / "frame.png", {"--mask", folder_ / "mask.png", "--region", "8,10,180,170"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const std::vector<Vec2> found = positions();
+    EXPECT_GT(found.size(), 50U);
+    for (const Vec2 p : found) {
+        EXPECT_LT(nearest(testing::few_discs().position, p), 1) << p.x << ' ' << p.y;
+        EXPECT_GT(covered.clearance(p), 2) << p.x << ' ' << p.y;
+    }
+}
+
+TEST_F(TrackOptions, AMaskOfAnotherSizeOrWithoutAnyLightIsRefused) {
+    const auto frames = testing::write_disc_sequence(folder_, 1);
+    testing::write_png(folder_ / "small.png", Image(64, 64, 255));
+    const Outcome small = track(frames[0], {"--mask", folder_ / "small.png"});
+    EXPECT_EQ(small.code, 3);
+    EXPECT_THAT(small.err, HasSubstr("it has 64 x 64 px"));
+    EXPECT_THAT(small.err, HasSubstr("192 x 192 px"));
+    testing::write_png(folder_ / "black.png", Image(192, 192, 0));
+    const Outcome black = track(frames[0], {"--mask", folder_ / "black.png"});
+    EXPECT_EQ(black.code, 3);
+    EXPECT_THAT(black.err, HasSubstr("leaves nothing to look at"));
+    testing::write_png(folder_ / "white.png", Image(192, 192, 1));
+    const Outcome white = track(frames[0], {"--mask", folder_ / "white.png", "--explain"});
+    EXPECT_EQ(white.code, 0) << white.err;
+    EXPECT_THAT(white.out, HasSubstr("is nowhere zero"));
+}
+
+/// A film of a liquid seen through a dirty window: 25 specks of the size of spheres that let 30 %
+/// of the light pass, and a scratch.
+struct DirtyFilm {
+    static constexpr int kSize = 192;
+    std::vector<testing::LayerScene> scenes;
+    Image window{kSize, kSize, 1};
+
+    explicit DirtyFilm(int frames) {
+        for (int i = 0; i < frames; ++i) {
+            scenes.push_back(testing::hard_disc_liquid(kSize, kSize, 10, 0.35,
+                                                       static_cast<std::uint64_t>(i + 1)));
+        }
+        for (int y = 0; y < kSize; ++y) {
+            for (int x = 0; x < kSize; ++x) {
+                const double r = std::hypot(x % 38 - 19.3, y % 38 - 18.6);
+                const double speck = 0.7 / (1 + std::exp(2 * (r - 4.5) / 1.25));
+                const double scratch = std::abs(x - 0.7 * y - 40) < 1.5 ? 0.3 : 0;
+                window(x, y) = static_cast<float>((1 - speck) * (1 - scratch));
+            }
+        }
+    }
+
+    Image frame(int i) const {
+        Image image =
+            testing::tanh_frame(scenes[static_cast<std::size_t>(i)], testing::kApparentDiameter,
+                                testing::kEdgeWidth, 0.02, static_cast<std::uint64_t>(i));
+        return behind_window(std::move(image));
+    }
+    /// What comes from the core of a sphere, 30 counts, does not pass the window.
+    Image behind_window(Image image) const {
+        for (int y = 0; y < kSize; ++y) {
+            for (int x = 0; x < kSize; ++x) {
+                image(x, y) = std::round(30 + window(x, y) * (image(x, y) - 30));
+            }
+        }
+        return image;
+    }
+    std::vector<std::string> write(const testing::ScratchFolder& folder) const {
+        std::vector<std::string> paths;
+        for (int i = 0; i < static_cast<int>(scenes.size()); ++i) {
+            paths.push_back(folder / ("dirty_" + std::to_string(1000 + i) + ".png"));
+            testing::write_png(paths.back(), frame(i));
+        }
+        testing::write_png(folder / "empty.png", behind_window(Image(kSize, kSize, 200)));
+        return paths;
+    }
+};
+
+class DirtyWindow : public TrackOptions {
+ protected:
+    struct Errors {
+        int missed = 0, wrong = 0, spheres = 0;
+        double squares = 0;
+        std::string skipped, warnings;
+    };
+    Errors errors(const DirtyFilm& film, std::vector<std::string> more) {
+        std::vector<std::string> words = film.write(folder_);
+        words.insert(words.end(), more.begin(), more.end());
+        const std::string first = words.front();
+        words.erase(words.begin());
+        const Outcome outcome = track(first, words);
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        std::vector<std::vector<Vec2>> found(film.scenes.size());
+        for (auto& row : rows()) {
+            found[std::stoul(row["frame"])].push_back({std::stod(row["x"]), std::stod(row["y"])});
+        }
+        Errors e;
+        const json summary = json::parse(outcome.out);
+        e.skipped = summary["skipped"].dump();
+        e.warnings = summary["warnings"].dump();
+        for (std::size_t f = 0; f < found.size(); ++f) {
+            for (const Vec2 p : film.scenes[f].position) {
+                const double d = nearest(found[f], p);
+                ++e.spheres;
+                if (d < 2) e.squares += d * d;
+                e.missed += d >= 2;
+            }
+            for (const Vec2 p : found[f]) e.wrong += nearest(film.scenes[f].position, p) >= 2;
+        }
+        return e;
+    }
+};
+
+TEST_F(DirtyWindow, DirtIsTakenForSpheresUnlessTheBackgroundOfTheFilmIsKnown) {
+    const DirtyFilm film(48);
+    const Errors none = errors(film, {});
+    EXPECT_GT(none.wrong, 300) << "nothing to do for --background";
+    for (const std::string& kind :
+         {std::string("static"), std::string("running"), folder_ / "empty.png"}) {
+        const Errors evened = errors(film, {"--background", kind, "--background-window", "40"});
+        EXPECT_EQ(evened.wrong, 0) << kind;
+        EXPECT_EQ(evened.missed, 0) << kind;
+        EXPECT_GT(evened.spheres, 5000);
+        const double rms = std::sqrt(evened.squares / (2 * evened.spheres));
+        const double before = std::sqrt(none.squares / (2 * none.spheres));
+        EXPECT_LT(rms, 0.5 * before) << kind;
+        RecordProperty("rmse_" + kind.substr(0, 7), std::to_string(rms));
+    }
+}
+
+TEST_F(DirtyWindow, SpheresAtRestAreNotPartOfTheBackground) {
+    DirtyFilm film(30);
+    film.window = Image(DirtyFilm::kSize, DirtyFilm::kSize, 1);
+    for (auto& scene : film.scenes) scene = testing::few_discs();
+    const Errors plain = errors(film, {});
+    const Errors evened = errors(film, {"--background", "static"});
+    EXPECT_EQ(evened.wrong, 0);
+    EXPECT_EQ(evened.missed, plain.missed);
+    EXPECT_NEAR(evened.squares, plain.squares, 0.05 * plain.squares);
+    EXPECT_THAT(evened.warnings, HasSubstr("are never clear"));
+}
+
+TEST_F(DirtyWindow, OneFrameHasNoBackgroundOfItsOwn) {
+    const auto frames = testing::write_disc_sequence(folder_, 1);
+    const Outcome outcome = track(frames[0], {"--background", "static", "--explain"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("fewer than three frames"));
+}
+
 TEST_F(TrackOptions, TheHeightOfTheCellNamesLayers) {
     testing::CrystalPatch patch;
     patch.radius = 0.3;

@@ -28,6 +28,7 @@ Checkpoint sample() {
     checkpoint.reals["edge"] = {0.0, -0.0, std::numeric_limits<double>::infinity(),
                                 std::numeric_limits<double>::denorm_min(), 0.1};
     checkpoint.reals["empty"] = {};
+    checkpoint.texts["warnings"] = {"frame 3: zu dunkel für Kugeln", ""};
     checkpoint.integers["step"] = {std::numeric_limits<std::int64_t>::min(), 0, 1LL << 60};
     return checkpoint;
 }

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -73,6 +76,85 @@ TEST(Tracker, FollowsEverySphereThroughAMovie) {
     }
     EXPECT_GT(checked, 1000);
     EXPECT_LE(static_cast<double>(wrong), 0.005 * static_cast<double>(checked));
+}
+
+/// Everything that a file keeps of them.
+void expect_same(const std::vector<Snapshot>& a, const std::vector<Snapshot>& b,
+                 const std::string& where) {
+    ASSERT_EQ(a.size(), b.size()) << where;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        EXPECT_EQ(a[i].frame, b[i].frame) << where;
+        EXPECT_EQ(a[i].position, b[i].position) << where << ", snapshot " << i;
+        EXPECT_EQ(a[i].position_error, b[i].position_error) << where;
+        EXPECT_EQ(a[i].quality, b[i].quality) << where;
+        EXPECT_EQ(a[i].id, b[i].id) << where;
+        EXPECT_EQ(a[i].layer, b[i].layer) << where;
+    }
+}
+
+TEST(Tracker, GoesOnFromAnyFrameAsIfNothingHadHappened) {
+    Movie m = movie(7);
+    m.frames[3] = m.frames[2];  // repeated
+    m.frames[5].status = FrameStatus::corrupt;
+    MemoryFrames source(m.frames);
+    TrackOptions options;
+    options.link.minimum_length = 3;
+    options.layers.height = 1.94;
+    options.sphere_diameter = 12;
+    const auto tracked = [&](const TrackResumption& resumption, Collect& sink, RunPlan& plan) {
+        Tracker tracker(source, options, plan);
+        Progress progress("tracking", source.count(), "frames", Verbosity::quiet);
+        return tracker.run(sink, progress, {}, resumption);
+    };
+    std::vector<Checkpoint> saved;
+    std::vector<std::size_t> written;
+    Collect whole;
+    RunPlan plan;
+    const TrackSummary summary = tracked({.is_due = [] { return true; },
+                                          .save =
+                                              [&](Checkpoint&& state) {
+                                                  saved.push_back(std::move(state));
+                                                  written.push_back(whole.snapshots.size());
+                                              }},
+                                         whole, plan);
+    ASSERT_EQ(saved.size(), 5u) << "after each good frame but the last";
+    EXPECT_EQ(summary.repeated, 1);
+    for (std::size_t k = 0; k < saved.size(); ++k) {
+        Collect rest;
+        rest.snapshots.assign(whole.snapshots.begin(),
+                              whole.snapshots.begin() + static_cast<std::ptrdiff_t>(written[k]));
+        RunPlan other;
+        const TrackSummary again = tracked({.from = &saved[k]}, rest, other);
+        expect_same(rest.snapshots, whole.snapshots, "from checkpoint " + std::to_string(k));
+        EXPECT_EQ(again.frames, summary.frames);
+        EXPECT_EQ(again.repeated, summary.repeated);
+        EXPECT_EQ(again.frames_corrupt, 1);
+        EXPECT_EQ(again.residual_rms, summary.residual_rms);
+        EXPECT_EQ(again.layers.labelled, summary.layers.labelled);
+        EXPECT_EQ(other.warnings(), plan.warnings());
+    }
+}
+
+TEST(Tracker, RefusesACheckpointOfAnotherFilm) {
+    const Movie m = movie(3);
+    MemoryFrames source(m.frames);
+    std::optional<Checkpoint> saved;
+    Collect sink;
+    RunPlan plan;
+    Progress progress("tracking", 3, "frames", Verbosity::quiet);
+    Tracker tracker(source, {}, plan);
+    tracker.run(sink, progress, {},
+                {.is_due = [&] { return !saved; },
+                 .save = [&](Checkpoint&& state) { saved = std::move(state); }});
+    ASSERT_TRUE(saved);
+    std::vector<Frame> others(m.frames.rbegin(), m.frames.rend());
+    MemoryFrames other(others);
+    Tracker stranger(other, {}, plan);
+    EXPECT_THROW(stranger.run(sink, progress, {}, {.from = &*saved}), InputError);
+    Checkpoint damaged = *saved;
+    damaged.reals["state"].pop_back();
+    Tracker same(source, {}, plan);
+    EXPECT_THROW(same.run(sink, progress, {}, {.from = &damaged}), InputError);
 }
 
 TEST(Tracker, FramesLeftOutOnPurposeAreNotMissing) {

@@ -13,6 +13,8 @@ constexpr int kTilesPerSide = 14;
 constexpr int kEnvelopeDegree = 3;
 constexpr int kClearDegree = 5;
 constexpr double kClearTransmission = 0.9;
+/// Tiles of which less is visible say nothing.
+constexpr double kLeastOfTile = 0.25;
 
 int term_count(int degree) {
     return (degree + 1) * (degree + 2) / 2;
@@ -189,14 +191,19 @@ BackgroundSurface BackgroundSurface::fit(int width, int height, int degree,
     return BackgroundSurface(weight > 0 ? sum / weight : 0.0);
 }
 
-BackgroundSurface upper_envelope(const Image& counts, double contrast, double uniform_tolerance) {
+BackgroundSurface upper_envelope(const Image& counts, double contrast, double uniform_tolerance,
+                                 const VisiblePixels& visible) {
     std::vector<BackgroundSurface::Sample> samples;
     std::vector<float> values;
     for (const Tile& t : tiles_of(counts.width(), counts.height(), kTilesPerSide)) {
         values.clear();
         for (int y = t.y0; y < t.y1; ++y) {
-            values.insert(values.end(), counts.row(y) + t.x0, counts.row(y) + t.x1);
+            for (int x = t.x0; x < t.x1; ++x) {
+                if (visible(x, y)) values.push_back(counts(x, y));
+            }
         }
+        const double all = static_cast<double>(t.x1 - t.x0) * (t.y1 - t.y0);
+        if (static_cast<double>(values.size()) < kLeastOfTile * all) continue;
         samples.push_back({(t.x0 + t.x1 - 1) / 2.0, (t.y0 + t.y1 - 1) / 2.0,
                            static_cast<double>(percentile(values, 0.98)), 1.0});
     }

@@ -4,6 +4,7 @@
 
 #include "core/frame.h"
 #include "tracking/padded_image.h"
+#include "tracking/visible_pixels.h"
 
 namespace grainfield::tracking {
 
@@ -43,7 +44,8 @@ class BackgroundSurface {
 /// envelope of bright percentiles of tiles. Tiles without any clear pixel (dense crystal) lie below
 /// the surface and lose their weight in the iteration. `contrast` [counts] is the scale of what
 /// counts as below; uniform if it varies by less than `uniform_tolerance` of it.
-BackgroundSurface upper_envelope(const Image& counts, double contrast, double uniform_tolerance);
+BackgroundSurface upper_envelope(const Image& counts, double contrast, double uniform_tolerance,
+                                 const VisiblePixels& visible = {});
 
 /// Refines B with the fitted scene: every pixel with transmission T above 0.9 gives B an estimate
 /// [I − I_dark (1 − T)]/T of weight T²; tiles of them are fitted by a polynomial. Uniform if the

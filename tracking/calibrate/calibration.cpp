@@ -36,8 +36,8 @@ struct Patch {
 };
 
 /// The square of about 30 diameters that is brightest on average, thus most dilute; the whole frame
-/// if it is not much larger.
-Patch clearest_patch(const Image& counts, const ImageModel& model) {
+/// if it is not much larger. At least half of it is visible.
+Patch clearest_patch(const Image& counts, const ImageModel& model, const VisiblePixels& visible) {
     const int side = std::max(256, static_cast<int>(30 * model.disc.diameter));
     if (counts.width() < 3 * side / 2 || counts.height() < 3 * side / 2) return {counts, 0, 0};
     const Image darkness = model.darkness(counts);
@@ -46,13 +46,17 @@ Patch clearest_patch(const Image& counts, const ImageModel& model) {
     for (int y = 0; y + side <= counts.height(); y += side / 4) {
         for (int x = 0; x + side <= counts.width(); x += side / 4) {
             double sum = 0;
+            double seen = 0;
             for (int row = y; row < y + side; row += 2) {
                 for (int column = x; column < x + side; column += 2) {
+                    if (!visible(column, row)) continue;
                     sum += static_cast<double>(darkness(column, row));
+                    seen += 1;
                 }
             }
+            if (seen < 0.125 * side * side) continue;
             // A patch without spheres teaches nothing.
-            const double mean = sum / (0.25 * side * side);
+            const double mean = sum / seen;
             const double score = mean < 0.1 ? 1 - mean : mean;
             if (best == 0 || score < best) {
                 best = score;
@@ -61,6 +65,7 @@ Patch clearest_patch(const Image& counts, const ImageModel& model) {
             }
         }
     }
+    if (best == 0) return {counts, 0, 0};
     patch.image = Image(side, side);
     for (int y = 0; y < side; ++y) {
         std::copy_n(counts.row(patch.y + y) + patch.x, side, patch.image.row(y));
@@ -71,12 +76,14 @@ Patch clearest_patch(const Image& counts, const ImageModel& model) {
 /// Whichever kind leaves the smaller residual once the spheres are at rest.
 EdgeMeeting meeting_of(const Image& counts, const ImageModel& model,
                        const std::vector<Vec2>& positions, const DetectionOptions& detection,
-                       const RefinementOptions& refinement, int threads, RunPlan& plan) {
+                       const RefinementOptions& refinement, int threads,
+                       const VisiblePixels& visible, RunPlan& plan) {
     DetectionOptions quick = detection;
     quick.max_passes = 1;
     const Image darkness = model.darkness(counts);
     const auto residual = [&](EdgeMeeting meeting) {
         Locator locator(counts.width(), counts.height(), model.disc, threads, meeting);
+        locator.set_visible(visible);
         return locator.locate(darkness, quick, refinement, positions).residual_rms;
     };
     const double product = residual(EdgeMeeting::product);
@@ -97,14 +104,20 @@ struct Explained {
     double signal = 0;
 };
 
-Explained explained_share(const Image& darkness, double residual_rms, double noise) {
+Explained explained_share(const Image& darkness, const VisiblePixels& visible, double residual_rms,
+                          double noise) {
     double sum = 0;
     double squares = 0;
-    for (const float v : darkness.pixels()) {
-        sum += static_cast<double>(v);
-        squares += static_cast<double>(v) * static_cast<double>(v);
+    double n = 0;
+    for (int y = 0; y < darkness.height(); ++y) {
+        for (int x = 0; x < darkness.width(); ++x) {
+            if (!visible(x, y)) continue;
+            const auto v = static_cast<double>(darkness(x, y));
+            sum += v;
+            squares += v * v;
+            n += 1;
+        }
     }
-    const auto n = static_cast<double>(darkness.size());
     const double variance = squares / n - (sum / n) * (sum / n);
     const double misfit = residual_rms * residual_rms;
     const double white = noise * noise;
@@ -123,7 +136,8 @@ struct Fitter {
     Levels levels;
     std::vector<Vec2> positions = {};  ///< of the last update; the next one starts there
     EdgeFit edges = {};
-    Explained explained = {};  ///< by the positions of the last update
+    Explained explained = {};    ///< by the positions of the last update
+    VisiblePixels visible = {};  ///< of the image it works on
 
     /// Locates roughly, then refits disc, dark level and background. True once D and w rest.
     bool update(ImageModel& model, const Image& counts) {
@@ -134,13 +148,14 @@ struct Fitter {
         rough.max_sweeps = std::min(refinement.max_sweeps, positions.empty() ? 4 : 2);
         const Image darkness = model.darkness(counts);
         Locator locator(counts.width(), counts.height(), model.disc, threads);
+        locator.set_visible(visible);
         Located scene = locator.locate(darkness, quick, rough, positions);
         model.noise = scene.noise;
         model.residual_rms = scene.residual_rms;
         positions = std::move(scene.fitted);
         const double clear = model.background(counts.width() / 2.0, counts.height() / 2.0);
         const double noise = levels.noise / std::max(std::abs(clear - model.dark_level), 1e-6);
-        explained = explained_share(darkness, scene.residual_rms, noise);
+        explained = explained_share(darkness, visible, scene.residual_rms, noise);
         const DiscProfile before = model.disc;
         fit_image(model, counts);
         return std::abs(model.disc.diameter - before.diameter) < 0.03 &&
@@ -150,7 +165,7 @@ struct Fitter {
     /// Disc, dark level and background in turn, positions fixed.
     void fit_image(ImageModel& model, const Image& counts) {
         for (int round = 0; round < kImageRounds; ++round) {
-            edges = fit_exposed_edges(model.darkness(counts), positions, model.disc);
+            edges = fit_exposed_edges(model.darkness(counts), positions, model.disc, visible);
             if (edges.pixels == 0 || !edges.converged) return;
             const DiscProfile before = model.disc;
             if (!options.diameter) model.disc.diameter = edges.disc.diameter;
@@ -163,6 +178,7 @@ struct Fitter {
             PaddedImage transmission =
                 clear_transmission(counts.width(), counts.height(), model.disc);
             for (const Vec2 p : positions) place_disc(transmission, p, model.disc);
+            visible.hide_others(transmission, 0.0F);
             model.background =
                 background_between_spheres(counts, transmission, model.dark_level, model.background,
                                            levels.high - levels.low, options.uniform_tolerance);
@@ -188,13 +204,15 @@ Trial try_guess(const Image& work, const FirstGuess& guess, Fitter fitter) {
     model.dark_level = guess.dark_level;
     model.disc.diameter = fitter.options.diameter.value_or(2 * guess.size.radius);
     model.disc.edge_width = fitter.options.edge_width.value_or(
-        std::clamp(rough_edge_width(model.darkness(work)), kNarrowestFirstEdge,
+        std::clamp(rough_edge_width(model.darkness(work), fitter.visible), kNarrowestFirstEdge,
                    std::max(kNarrowestFirstEdge, kWidestFirstEdge * model.disc.diameter)));
-    const Patch patch = clearest_patch(work, model);
+    const VisiblePixels visible = fitter.visible;
+    const Patch patch = clearest_patch(work, model, visible);
     const bool is_whole = patch.image.size() == work.size();
     // The background of a part is taken as part of the whole.
     ImageModel local = model;
     local.background = model.background.shifted(patch.x, patch.y);
+    fitter.visible = visible.part(patch.x, patch.y, patch.image.width(), patch.image.height());
     for (int round = 0; round < (is_whole ? kFrameRounds : kRounds); ++round) {
         const bool settled = fitter.update(local, patch.image);
         if (settled) break;
@@ -208,9 +226,9 @@ Trial try_guess(const Image& work, const FirstGuess& guess, Fitter fitter) {
 /// The first guess that explains the image, or else the one that explains most of it.
 std::optional<Trial> best_trial(const Image& counts, const CalibrationOptions& options,
                                 const Fitter& fitter, RunPlan& plan) {
-    const std::vector<FirstGuess> guesses =
-        first_guesses(counts, fitter.levels, options.polarity != PolarityChoice::bright,
-                      options.polarity != PolarityChoice::dark, options.uniform_tolerance);
+    const std::vector<FirstGuess> guesses = first_guesses(
+        counts, fitter.levels, options.polarity != PolarityChoice::bright,
+        options.polarity != PolarityChoice::dark, options.uniform_tolerance, fitter.visible);
     std::optional<Trial> best;
     std::optional<Polarity> tried_given;
     int tried = 0;
@@ -272,21 +290,27 @@ OptionTable describe(CalibrationOptions& options) {
     return table;
 }
 
-std::string blank_reason(const Image& counts) {
-    return blank_reason(levels_of(counts));
+std::string blank_reason(const Image& counts, const VisiblePixels& visible) {
+    return blank_reason(levels_of(counts, visible));
 }
 
 std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptions& options,
                                      const DetectionOptions& detection,
                                      const RefinementOptions& refinement, int threads,
-                                     RunPlan& plan) {
-    const Levels levels = levels_of(counts);
+                                     RunPlan& plan, const VisiblePixels& visible) {
+    const Levels levels = levels_of(counts, visible);
     if (const std::string reason = blank_reason(levels); !reason.empty()) {
         plan.warn(reason);
         return std::nullopt;
     }
-    const std::optional<Trial> best =
-        best_trial(counts, options, {options, detection, refinement, threads, levels}, plan);
+    const std::optional<Trial> best = best_trial(counts, options,
+                                                 {.options = options,
+                                                  .detection = detection,
+                                                  .refinement = refinement,
+                                                  .threads = threads,
+                                                  .levels = levels,
+                                                  .visible = visible},
+                                                 plan);
     if (!best) return std::nullopt;
 
     // From here on in terms of dark spheres; the sign is undone at the end.
@@ -295,6 +319,7 @@ std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptio
     ImageModel model = best->model;
     Fitter fitter = best->fitter;
     if (!best->is_whole) {
+        fitter.visible = visible;
         fitter.positions.clear();
         for (int round = 0; round < kFrameRounds; ++round) {
             const bool settled = fitter.update(model, work);
@@ -324,8 +349,8 @@ std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptio
         plan.run("background surface", "illumination is uneven");
     }
     if (options.meeting_edges == EdgeChoice::automatic) {
-        model.meeting =
-            meeting_of(work, model, fitter.positions, detection, refinement, threads, plan);
+        model.meeting = meeting_of(work, model, fitter.positions, detection, refinement, threads,
+                                   visible, plan);
     } else {
         plan.skip("meeting edges", "given", "two fits of one frame");
         if (options.meeting_edges == EdgeChoice::blurred_union) {

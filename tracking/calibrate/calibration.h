@@ -9,6 +9,7 @@
 #include "core/run_plan.h"
 #include "tracking/image_model.h"
 #include "tracking/locate.h"
+#include "tracking/visible_pixels.h"
 
 namespace grainfield::tracking {
 
@@ -27,7 +28,7 @@ OptionTable describe(CalibrationOptions& options);
 
 /// Why a frame cannot hold spheres: no contrast (all black or saturated) or nothing above the
 /// noise. Empty if it can. From a sample of its pixels, O(pixels/12).
-std::string blank_reason(const Image& counts);
+std::string blank_reason(const Image& counts, const VisiblePixels& visible = {});
 
 struct Calibration {
     ImageModel model;
@@ -48,6 +49,6 @@ struct Calibration {
 std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptions& options,
                                      const DetectionOptions& detection,
                                      const RefinementOptions& refinement, int threads,
-                                     RunPlan& plan);
+                                     RunPlan& plan, const VisiblePixels& visible = {});
 
 }  // namespace grainfield::tracking

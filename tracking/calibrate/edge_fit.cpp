@@ -9,20 +9,13 @@
 namespace grainfield::tracking {
 namespace {
 
-/// Mean darkness of the exposed pixels at one distance from their centre.
-struct RadialBin {
-    double r = 0;
-    double darkness = 0;
-    double squares = 0;  ///< Σ darkness²
-    double count = 0;
-};
-
+constexpr float kNobodys = 1000;    ///< owners of a pixel that is not visible
 constexpr double kBinWidth = 0.02;  ///< [px], far below any edge width
 
-/// The radial profile over pixels that only one disc reaches. `owners` counts discs per pixel, each
-/// out to where its P falls below 0.01 (u = 2.3).
+}  // namespace
+
 std::vector<RadialBin> exposed_profile(const Image& darkness, const std::vector<Vec2>& positions,
-                                       const DiscProfile& disc) {
+                                       const DiscProfile& disc, const VisiblePixels& visible) {
     const double influence = disc.radius() + 2.3 * disc.edge_width;
     Image owners(darkness.width(), darkness.height());
     const auto visit = [&](Vec2 c, double reach, auto&& action) {
@@ -36,6 +29,13 @@ std::vector<RadialBin> exposed_profile(const Image& darkness, const std::vector<
             }
         }
     };
+    if (!visible.are_all()) {
+        for (int y = 0; y < owners.height(); ++y) {
+            for (int x = 0; x < owners.width(); ++x) {
+                if (!visible(x, y)) owners(x, y) = kNobodys;
+            }
+        }
+    }
     for (const Vec2 c : positions) {
         visit(c, influence, [&](int x, int y, double) { owners(x, y) += 1; });
     }
@@ -60,15 +60,14 @@ std::vector<RadialBin> exposed_profile(const Image& darkness, const std::vector<
     return bins;
 }
 
-}  // namespace
-
-double rough_edge_width(const Image& darkness) {
+double rough_edge_width(const Image& darkness, const VisiblePixels& visible) {
     double between = 0;
     double crossings = 0;
     for (int y = 0; y + 1 < darkness.height(); ++y) {
         const float* row = darkness.row(y);
         const float* below = darkness.row(y + 1);
         for (int x = 0; x + 1 < darkness.width(); ++x) {
+            if (!visible(x, y) || !visible(x + 1, y) || !visible(x, y + 1)) continue;
             const bool inside = row[x] > 0.5F;
             between += row[x] > 0.25F && row[x] < 0.75F ? 1 : 0;
             crossings += inside != (row[x + 1] > 0.5F) ? 1 : 0;
@@ -80,10 +79,10 @@ double rough_edge_width(const Image& darkness) {
 }
 
 EdgeFit fit_exposed_edges(const Image& darkness, const std::vector<Vec2>& positions,
-                          const DiscProfile& start) {
+                          const DiscProfile& start, const VisiblePixels& visible) {
     EdgeFit fit;
     fit.disc = start;
-    const std::vector<RadialBin> bins = exposed_profile(darkness, positions, start);
+    const std::vector<RadialBin> bins = exposed_profile(darkness, positions, start, visible);
     double count = 0;
     double scatter = 0;  // within bins: no fit can remove it
     for (const RadialBin& bin : bins) {

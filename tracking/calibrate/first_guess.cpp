@@ -16,10 +16,11 @@ constexpr double kBlank = 7;
 
 /// In an image in which spheres are dark.
 std::vector<FirstGuess> guesses_for(const Image& counts, Polarity polarity, double dark_level,
-                                    double contrast, double tolerance) {
+                                    double contrast, double tolerance,
+                                    const VisiblePixels& visible) {
     FirstGuess guess;
     guess.polarity = polarity;
-    guess.background = upper_envelope(counts, contrast, tolerance);
+    guess.background = upper_envelope(counts, contrast, tolerance, visible);
     guess.dark_level = dark_level;
     Image mask(counts.width(), counts.height());
     std::vector<float> background(static_cast<std::size_t>(counts.width()));
@@ -28,7 +29,7 @@ std::vector<FirstGuess> guesses_for(const Image& counts, Polarity polarity, doub
         for (int x = 0; x < counts.width(); ++x) {
             const float middle =
                 (background[static_cast<std::size_t>(x)] + static_cast<float>(dark_level)) / 2;
-            mask(x, y) = counts(x, y) < middle ? 1.0F : 0.0F;
+            mask(x, y) = counts(x, y) < middle && visible(x, y) ? 1.0F : 0.0F;
         }
     }
     std::vector<FirstGuess> guesses;
@@ -41,9 +42,20 @@ std::vector<FirstGuess> guesses_for(const Image& counts, Polarity polarity, doub
     return guesses;
 }
 
+/// Whether all nine pixels about this one are looked at.
+bool sees_around(const VisiblePixels& visible, int x, int y) {
+    if (visible.are_all()) return true;
+    for (int v = y - 1; v <= y + 1; ++v) {
+        for (int u = x - 1; u <= x + 1; ++u) {
+            if (!visible(u, v)) return false;
+        }
+    }
+    return true;
+}
+
 }  // namespace
 
-Levels levels_of(const Image& counts) {
+Levels levels_of(const Image& counts, const VisiblePixels& visible) {
     constexpr int kRowStep = 4;
     constexpr int kColumnStep = 3;
     std::vector<float> sample;
@@ -56,6 +68,7 @@ Levels levels_of(const Image& counts) {
         const float* b = counts.row(y);
         const float* c = counts.row(y + 1);
         for (int x = 1; x + 1 < counts.width(); x += kColumnStep) {
+            if (!sees_around(visible, x, y)) continue;
             sample.push_back(b[x]);
             const float mean = (a[x - 1] + a[x] + a[x + 1] + b[x - 1] + b[x] + b[x + 1] + c[x - 1] +
                                 c[x] + c[x + 1]) /
@@ -111,16 +124,18 @@ Image turned_round(const Image& counts) {
 }
 
 std::vector<FirstGuess> first_guesses(const Image& counts, const Levels& levels, bool maybe_dark,
-                                      bool maybe_bright, double uniform_tolerance) {
+                                      bool maybe_bright, double uniform_tolerance,
+                                      const VisiblePixels& visible) {
     const double contrast = levels.high - levels.low;
     std::vector<FirstGuess> dark;
     std::vector<FirstGuess> bright;
     if (maybe_dark) {
-        dark = guesses_for(counts, Polarity::dark, levels.low, contrast, uniform_tolerance);
+        dark =
+            guesses_for(counts, Polarity::dark, levels.low, contrast, uniform_tolerance, visible);
     }
     if (maybe_bright) {
         bright = guesses_for(turned_round(counts), Polarity::bright, -levels.high, contrast,
-                             uniform_tolerance);
+                             uniform_tolerance, visible);
     }
     if (!dark.empty() && !bright.empty() && dark[0].size.coverage < bright[0].size.coverage) {
         std::swap(dark, bright);

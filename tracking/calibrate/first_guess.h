@@ -7,6 +7,7 @@
 #include "tracking/calibrate/background.h"
 #include "tracking/calibrate/coarse_size.h"
 #include "tracking/image_model.h"
+#include "tracking/visible_pixels.h"
 
 namespace grainfield::tracking {
 
@@ -17,7 +18,7 @@ struct Levels {
 };
 
 /// From every fourth row and third column: a percent of accuracy is plenty.
-Levels levels_of(const Image& counts);
+Levels levels_of(const Image& counts, const VisiblePixels& visible = {});
 
 /// Why a frame cannot hold spheres (calibration.h). Empty if it can.
 std::string blank_reason(const Levels& levels);
@@ -37,6 +38,7 @@ struct FirstGuess {
 /// allowed the sizes of coarse_sizes(), at least one guess; first those of the polarity whose
 /// likeliest discs cover more of their mask.
 std::vector<FirstGuess> first_guesses(const Image& counts, const Levels& levels, bool maybe_dark,
-                                      bool maybe_bright, double uniform_tolerance);
+                                      bool maybe_bright, double uniform_tolerance,
+                                      const VisiblePixels& visible = {});
 
 }  // namespace grainfield::tracking

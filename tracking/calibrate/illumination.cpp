@@ -8,11 +8,9 @@ namespace grainfield::tracking {
 namespace {
 
 constexpr double kSample = 4e4;  // fewer, and the medians of whole counts jump by half a count
-// Below this share of the pixels a level is not seen well enough to be
-// followed.
+// Below this share of the pixels a level is not seen well enough to be followed.
 constexpr double kLeastShare = 0.01;
-// Ranks shift a little when spheres gather or leave; the fit settles what is
-// smaller than this.
+// Ranks shift a little when spheres gather or leave; the fit settles what is smaller than this.
 constexpr double kRankAccuracy = 0.01;
 // Below this share of the first contrast a frame shows something else.
 constexpr double kDimmest = 0.2;
@@ -47,7 +45,7 @@ void IlluminationFollower::choose_pixels(const Image& counts) {
     const int stride = std::max(1, static_cast<int>(std::sqrt(pixels / kSample)));
     for (int y = stride / 2; y < height_; y += stride) {
         for (int x = stride / 2; x < width_; x += stride) {
-            pixels_.push_back({x, y, model_.darkness_of(x, y)});
+            if (visible_(x, y)) pixels_.push_back({x, y, model_.darkness_of(x, y)});
         }
     }
 }
@@ -117,6 +115,15 @@ Illumination IlluminationFollower::settled(const Image& counts, const Illuminati
         last_.span = used.span * span;
     }
     return last_;
+}
+
+void IlluminationFollower::transfer(NumberArchive& archive) {
+    archive(sample_);
+    archive(last_.offset);
+    archive(last_.span);
+    archive(has_reference_);
+    archive(clear_reference_);
+    archive(core_reference_);
 }
 
 }  // namespace grainfield::tracking

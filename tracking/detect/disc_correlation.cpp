@@ -8,6 +8,8 @@ namespace {
 
 constexpr int kBlocksPerDiameter = 7;
 constexpr int kLargestFactor = 8;
+/// Share of a disc below which it says nothing.
+constexpr double kLeastVisible = 0.02;
 
 int blocks(int n, int factor) {
     return (n + factor - 1) / factor;
@@ -58,6 +60,8 @@ int DiscCorrelation::suitable_factor(const DiscProfile& disc) {
 
 DiscCorrelation::DiscCorrelation(int width, int height, const DiscProfile& disc, int factor)
     : factor_(factor),
+      pixels_x_(width),
+      pixels_y_(height),
       width_(blocks(width, factor)),
       height_(blocks(height, factor)),
       fourier_(padded(width, disc, factor), padded(height, disc, factor)),
@@ -71,9 +75,13 @@ DiscCorrelation::DiscCorrelation(int width, int height, const DiscProfile& disc,
             full_gain_ += p * p;
         }
     }
+    set_visible({});
+}
+
+void DiscCorrelation::set_visible(const VisiblePixels& visible) {
     // Pixels beyond the border count as absent, not as background.
-    const auto inside = block_means(width, height, factor, [&](int, float* a, float*) {
-        for (int x = 0; x < width; ++x) a[x] += 1.0F;
+    const auto inside = block_means(pixels_x_, pixels_y_, factor_, [&](int y, float* a, float*) {
+        for (int x = 0; x < pixels_x_; ++x) a[x] += visible(x, y) ? 1.0F : 0.0F;
     });
     transform(inside.first);
     const auto spectrum = fourier_.complex();
@@ -171,18 +179,23 @@ Image DiscCorrelation::correlate(const Blocks& blocks, float scale_first, float 
     return map;
 }
 
-Image DiscCorrelation::chi_squared(const PaddedImage& darkness) {
+Image DiscCorrelation::chi_squared(const PaddedImage& darkness, const PaddedImage& transmission) {
     auto [squares, values] =
         block_means(darkness.width(), darkness.height(), factor_, [&](int y, float* a, float* b) {
             const float* d = darkness.row(y);
+            const float* t = transmission.row(y);
             for (int x = 0; x < darkness.width(); ++x) {
-                a[x] += d[x] * d[x];
-                b[x] += d[x];
+                const float seen = t[x] > 0 ? d[x] : 0.0F;
+                a[x] += seen * d[x];
+                b[x] += seen;
             }
         });
     Image map = correlate({std::move(squares), std::move(values)}, 1, -2);
+    // Rounding of the transforms is all that is left where hardly anything is visible.
+    const auto least = static_cast<float>(kLeastVisible * full_gain_);
     for (std::size_t i = 0; i < map.size(); ++i) {
-        map.pixels()[i] = 1.0F + map.pixels()[i] / norm_.pixels()[i];
+        const float norm = norm_.pixels()[i];
+        map.pixels()[i] = norm > least ? 1.0F + map.pixels()[i] / norm : 1.0F;
     }
     return map;
 }

@@ -8,6 +8,7 @@
 #include "tracking/detect/residual_blocks.h"
 #include "tracking/disc_profile.h"
 #include "tracking/padded_image.h"
+#include "tracking/visible_pixels.h"
 
 namespace grainfield::tracking {
 
@@ -26,6 +27,9 @@ class DiscCorrelation {
     DiscCorrelation(int width, int height, const DiscProfile& disc, int factor);
 
     int factor() const { return factor_; }
+    /// Others count as those beyond the border.
+    void set_visible(const VisiblePixels& visible);
+
     /// The place in the frame of a point of the maps.
     Vec2 in_frame(Vec2 in_map) const {
         const double centre = 0.5 * (factor_ - 1);
@@ -39,8 +43,9 @@ class DiscCorrelation {
 
     /// Shattuck's normalised misfit of a single disc at every block (`shattuck_chitrack`):
     ///   χ²(x) = Σ_y P (I − P)² / Σ_y P³ = [I² ⊗ P − 2 I ⊗ P² + 1 ⊗ P³] / (1 ⊗ P³),
-    /// 0 for a perfect disc, 1 on an empty background. The denominator handles the borders.
-    Image chi_squared(const PaddedImage& darkness);
+    /// 0 for a perfect disc, 1 on an empty background and where nothing is visible. The denominator
+    /// handles the borders; `transmission` is 0 where nothing is visible.
+    Image chi_squared(const PaddedImage& darkness, const PaddedImage& transmission);
 
     /// By how much the sum of squared residuals falls if one more disc is placed at each block, all
     /// others fixed. With residual r = I − (1 − T) and transmission T of the discs already placed,
@@ -72,6 +77,7 @@ class DiscCorrelation {
     Image correlate(const Blocks& blocks, float scale_first, float scale_second);
 
     int factor_;
+    int pixels_x_, pixels_y_;
     int width_;   ///< blocks
     int height_;  ///< blocks
     double full_gain_ = 0;

@@ -31,7 +31,9 @@ double flat_noise(const PaddedImage& darkness, const PaddedImage& transmission) 
         const float* d = darkness.row(y);
         const float* t = transmission.row(y);
         for (int x = 0; x < darkness.width(); ++x) {
-            if (t[x] > 0.995F || t[x] < 0.005F) deviations.push_back(std::abs(d[x] - 1.0F + t[x]));
+            // Exactly 0: not visible.
+            if (t[x] > 0.995F || (t[x] < 0.005F && t[x] > 0))
+                deviations.push_back(std::abs(d[x] - 1.0F + t[x]));
         }
     }
     if (deviations.size() < 100) return 0;
@@ -131,7 +133,7 @@ SphereSearch::SphereSearch(JointFit& fit, DiscCorrelation& correlation,
 
 void SphereSearch::seed() {
     const auto begin = Clock::now();
-    Image inverse = correlation_.chi_squared(fit_.darkness());
+    Image inverse = correlation_.chi_squared(fit_.darkness(), fit_.transmission());
     for (float& v : inverse.pixels()) v = 1.0F / std::max(v, 1e-3F);
     const auto cutoff = static_cast<float>(options_.cutoff);
     std::vector<Vec2> places;
@@ -207,8 +209,7 @@ std::int64_t SphereSearch::add_missing() {
     const PaddedImage& darkness = fit_.darkness();
     const ResidualBlocks residual(darkness, fit_.transmission(),
                                   static_cast<int>(std::ceil(disc_.reach())), fit_.threads());
-    const double per_pixel =
-        residual.total() / (static_cast<double>(darkness.width()) * darkness.height());
+    const double per_pixel = residual.total() / std::max(1.0, fit_.pixels());
     const double usual = per_pixel * std::numbers::pi * disc_.reach() * disc_.reach();
     const double unusual = std::min(kUnusual * usual, kSurely * correlation_.full_gain());
     const auto least_gain = static_cast<float>(std::max(kCandidateShare * threshold_, unusual));

@@ -141,4 +141,25 @@ void Bilayer::label(Snapshot& snapshot) {
     snapshot.layer = std::move(labels.layer);
 }
 
+void Bilayer::transfer(NumberArchive& archive) {
+    std::vector<std::int64_t> ids;
+    std::vector<Layer> layers;
+    for (const auto& [id, layer] : earlier_) {
+        ids.push_back(id);
+        layers.push_back(layer);
+    }
+    archive(ids);
+    archive(layers);
+    earlier_.clear();
+    for (std::size_t i = 0; i < std::min(ids.size(), layers.size()); ++i) {
+        earlier_.emplace(ids[i], layers[i]);
+    }
+    archive(summary_.rejected_pairs);
+    archive(summary_.rejected_triples);
+    archive(summary_.spheres);
+    archive(summary_.labelled);
+    archive(summary_.contradictory);
+    archive(summary_.is_exact);
+}
+
 }  // namespace grainfield::tracking

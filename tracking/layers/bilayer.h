@@ -5,6 +5,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "core/number_archive.h"
 #include "core/option_table.h"
 #include "core/snapshot.h"
 #include "tracking/layers/layer_labels.h"
@@ -60,6 +61,9 @@ class Bilayer {
         bool is_exact = true;            ///< what is kept is proven to be the likeliest
     };
     const Summary& summary() const { return summary_; }
+
+    /// Saves or restores what the next frame needs to know of those before it.
+    void transfer(NumberArchive& archive);
 
  private:
     SphereCell cell_;

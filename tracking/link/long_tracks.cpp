@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "core/snapshot_numbers.h"
+
 namespace grainfield::tracking {
 namespace {
 
@@ -80,6 +82,24 @@ void LongTracks::forget() {
         if (gone) dropped_tracks_ += seen.times < minimum_length_;
         return gone;
     });
+}
+
+void LongTracks::transfer(NumberArchive& archive) {
+    archive(frame_);
+    archive.list(waiting_);
+    archive(dropped_tracks_);
+    std::vector<double> seen;
+    for (const auto& [id, track] : seen_) {
+        for (const std::int64_t n : {id, track.times, track.last}) {
+            seen.push_back(static_cast<double>(n));
+        }
+    }
+    archive(seen);
+    seen_.clear();
+    for (std::size_t i = 0; i + 2 < seen.size(); i += 3) {
+        seen_[static_cast<std::int64_t>(seen[i])] = {static_cast<std::int64_t>(seen[i + 1]),
+                                                     static_cast<std::int64_t>(seen[i + 2])};
+    }
 }
 
 }  // namespace grainfield::tracking

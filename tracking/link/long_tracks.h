@@ -4,6 +4,7 @@
 #include <deque>
 #include <unordered_map>
 
+#include "core/number_archive.h"
 #include "core/trajectory.h"
 
 namespace grainfield::tracking {
@@ -27,6 +28,9 @@ class LongTracks : public SnapshotSink {
 
     std::int64_t dropped_tracks() const { return dropped_tracks_; }
     std::size_t waiting() const { return waiting_.size(); }
+
+    /// Saves or restores what waits and what is known of its tracks.
+    void transfer(NumberArchive& archive);
 
  private:
     struct Seen {

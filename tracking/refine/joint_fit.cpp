@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "core/parallel.h"
 #include "tracking/point_grid.h"
@@ -78,7 +79,8 @@ JointFit::JointFit(const Image& darkness, const DiscProfile& disc, int threads, 
       threads_(threads),
       darkness_(padded_darkness(darkness, disc)),
       transmission_(clear_transmission(darkness.width(), darkness.height(), disc)),
-      stencil_(disc, transmission_.pitch(), spacing) {}
+      stencil_(disc, transmission_.pitch(), spacing),
+      pixels_(static_cast<double>(darkness.size())) {}
 
 void JointFit::restart(const Image& darkness) {
     in_row_bands(darkness.width(), darkness.height(), threads_, [&](int first, int last) {
@@ -87,10 +89,18 @@ void JointFit::restart(const Image& darkness) {
             std::fill_n(transmission_.row(y), darkness.width(), 1.0F);
         }
     });
+    visible_.hide_others(darkness_, 1.0F);
+    visible_.hide_others(transmission_, 0.0F);
     positions_.clear();
     discs_.clear();
     free_.clear();
     slots_ = 0;
+}
+
+void JointFit::set_visible(VisiblePixels visible) {
+    visible_ = std::move(visible);
+    pixels_ = static_cast<double>(
+        visible_.count(static_cast<std::int64_t>(darkness_.width()) * darkness_.height()));
 }
 
 StencilView JointFit::view(const Disc& disc) const {
@@ -435,7 +445,7 @@ double JointFit::residual_rms() const {
             rows[static_cast<std::size_t>(y)] = static_cast<double>(row);
         }
     });
-    const double n = static_cast<double>(width) * height;
+    const double n = pixels();
     return n > 0 ? std::sqrt(std::accumulate(rows.begin(), rows.end(), 0.0) / n) : 0;
 }
 

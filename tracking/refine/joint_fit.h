@@ -13,6 +13,7 @@
 #include "tracking/disc_profile.h"
 #include "tracking/padded_image.h"
 #include "tracking/refine/disc_stencil.h"
+#include "tracking/visible_pixels.h"
 
 namespace grainfield::tracking {
 
@@ -45,6 +46,11 @@ class JointFit {
     int spacing() const { return stencil_.spacing(); }
     /// Begins anew, without discs, on an image of the same size; memory is kept.
     void restart(const Image& darkness);
+
+    /// From the next restart on.
+    void set_visible(VisiblePixels visible);
+    /// Pixels that are looked at.
+    double pixels() const { return pixels_; }
 
     void add(Vec2 position);
     /// The same as add() one by one, in parallel. `explained`: what each disc is known to explain,
@@ -92,7 +98,7 @@ class JointFit {
     /// RMS of I − M within reach of each disc [contrast].
     std::vector<double> residuals() const;
 
-    /// RMS of I − M over the frame [contrast].
+    /// RMS of I − M over the visible pixels of the frame [contrast].
     double residual_rms() const;
 
  private:
@@ -134,6 +140,8 @@ class JointFit {
     std::vector<std::uint32_t> free_;  ///< slots given back
     std::uint32_t slots_ = 0;          ///< in use or given back
     std::vector<double> explained_;
+    VisiblePixels visible_;
+    double pixels_;
 };
 
 /// The Gauss–Newton step (A + λ)⁻¹ b of one disc, λ = 1e-3 (tr A + 1): one that is fully hidden has

@@ -26,7 +26,9 @@ double kernel(int x, int y) {
 
 TEST(DiscCorrelation, ChiSquaredEqualsItsDefinitionAlsoAtTheBorder) {
     const Image image = random_image(41, 33, 0, 1, 1);
-    const Image map = DiscCorrelation(41, 33, kDisc, 1).chi_squared(padded_darkness(image, kDisc));
+    const Image map =
+        DiscCorrelation(41, 33, kDisc, 1)
+            .chi_squared(padded_darkness(image, kDisc), clear_transmission(41, 33, kDisc));
     for (const auto& [cx, cy] : {std::pair{0, 0}, {40, 32}, {20, 16}, {3, 30}, {40, 5}}) {
         double numerator = 0;
         double denominator = 0;
@@ -117,7 +119,8 @@ TEST(DiscCorrelation, BlocksOfPixelsGiveNearlyTheSameMapsAtAFractionOfTheWork) {
     DiscCorrelation pixels(101, 99, disc, 1);
     const Image coarse = blocks.gain(padded, clear);
     const Image fine = pixels.gain(padded, clear);
-    const Image chi = blocks.chi_squared(padded);
+    const Image chi =
+        blocks.chi_squared(padded, clear_transmission(padded.width(), padded.height(), kDisc));
     for (int y = 0; y < coarse.height() - 1; ++y) {
         for (int x = 0; x < coarse.width() - 1; ++x) {
             // The centre of a block is the common corner of four pixels.

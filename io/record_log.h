@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace grainfield::io {
+
+/// What a run under way has stored so far: an append-only file of records beside its checkpoint. A
+/// checkpoint notes the length; taking up the run again cuts off what came after it.
+///
+/// A record: u64 length, bytes, u32 CRC-32. Throws OutputError if the disk is full or the file
+/// cannot be made, InputError if what is there is shorter than the checkpoint says or damaged.
+class RecordLog {
+ public:
+    /// Keeps the first `bytes` of what is there; 0 starts afresh.
+    RecordLog(std::filesystem::path path, std::int64_t bytes);
+    ~RecordLog();
+    RecordLog(const RecordLog&) = delete;
+    RecordLog& operator=(const RecordLog&) = delete;
+
+    void append(const std::vector<double>& numbers);
+    std::int64_t count() const { return static_cast<std::int64_t>(starts_.size()); }
+    std::vector<double> read(std::int64_t index) const;
+
+    std::int64_t bytes() const { return bytes_; }
+    /// Brings it to the disk; before the checkpoint that notes its length.
+    void sync();
+    void remove();
+    [[noreturn]] void fail_reading(const char* what) const;
+
+ private:
+    void find_records();
+    std::vector<char> bytes_at(std::int64_t start, std::size_t count) const;
+
+    std::filesystem::path path_;
+    int descriptor_ = -1;
+    std::int64_t bytes_ = 0;
+    std::vector<std::int64_t> starts_;
+};
+
+}  // namespace grainfield::io

@@ -1,0 +1,173 @@
+// `grainfield track` that is killed, interrupted and taken up again.
+#include <chrono>
+#include <filesystem>
+#include <random>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <signal.h>
+
+#include "tests/support/disc_sequence.h"
+#include "tests/support/program.h"
+
+namespace grainfield {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using ::testing::HasSubstr;
+using testing::Outcome;
+using testing::Process;
+using testing::ScratchFolder;
+
+std::vector<std::string> with(std::vector<std::string> words, std::vector<std::string> more) {
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+}
+
+std::vector<std::string> program(std::vector<std::string> words) {
+    words.insert(words.begin(), GRAINFIELD_PROGRAM);
+    return words;
+}
+
+/// Without the wall time, which no two runs share, and the checksum of the text that holds it: all
+/// that is left out of the comparison of bytes.
+std::string timeless(const std::string& path) {
+    std::string bytes = testing::read_all(path);
+    constexpr std::string_view key = "\"seconds\":";
+    const std::size_t begin = bytes.find("{\"command\"");
+    const std::size_t number = bytes.find(key, begin) + key.size();
+    const std::size_t digits = bytes.find(',', number) - number;
+    // Padded to 24 bytes more than it takes with "0.0".
+    const std::string text = bytes.substr(begin, bytes.find("}  ", number) + 1 - begin);
+    const std::size_t length = text.size() - digits + 3 + 24;
+    EXPECT_LT(digits, 24U);
+    EXPECT_LT(begin + length + 4, bytes.size());
+    std::string rest = text;
+    rest.erase(number - begin, digits);
+    return bytes.substr(0, begin) + rest + bytes.substr(begin + length + 4);
+}
+
+class TrackResume : public ::testing::Test {
+ protected:
+    /// A film in which spheres leave, the light changes, a frame is repeated and one is damaged;
+    /// a region, the cell and short tracks besides.
+    std::vector<std::string> run(std::vector<std::string> more = {}) {
+        if (frames_.empty()) {
+            testing::LayerScene scene = testing::few_discs();
+            for (int i = 0; i < 40; ++i) {
+                frames_.push_back(film_ / fmt::format("frame_{:03}.png", i));
+                if (i == 9) {
+                    fs::copy_file(frames_[8], frames_[9]);
+                    continue;
+                }
+                if (i == 17) scene.position.resize(scene.position.size() - 20);
+                Image image = testing::disc_frame(scene, i);
+                const float light = i > 20 ? 0.9F : 1.0F;
+                for (float& v : image.pixels()) v = std::round(light * v);
+                testing::write_png(frames_.back(), image);
+            }
+            fs::resize_file(frames_[25], 500);
+        }
+        std::vector<std::string> words{"track", "-o", folder_ / "t.h5", "--json"};
+        words =
+            with(words, {"--region", "5,3,180,180", "--minimum-length", "4", "--previews", "5",
+                         "--height", "1.94", "--sphere-diameter", "10", "--checkpoint-every", "0"});
+        return with(with(words, std::move(more)), frames_);
+    }
+
+    /// The uninterrupted run, out of the way.
+    std::string whole() {
+        const Outcome outcome = testing::run_grainfield(run());
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        EXPECT_EQ(folder_.entries(), 1U) << "no checkpoint, no log";
+        fs::rename(folder_ / "t.h5", film_ / "whole.h5");
+        return timeless(film_ / "whole.h5");
+    }
+
+    ScratchFolder film_, folder_;
+    std::vector<std::string> frames_;
+};
+
+TEST_F(TrackResume, KilledAnywhereItEndsInTheSameBytes) {
+    const std::string expected = whole();
+    std::mt19937 random(11);
+    int resumed = 0;
+    for (int round = 0; round < 4; ++round) {
+        int kills = 0;
+        for (; kills < 40 && !fs::exists(folder_ / "t.h5"); ++kills) {
+            if (fs::exists(folder_ / "t.h5.checkpoint")) ++resumed;
+            const Process process(program(run({"--resume"})));
+            std::this_thread::sleep_for(std::chrono::milliseconds(60 + random() % 500));
+            process.send(SIGKILL);
+            process.wait();
+        }
+        if (!fs::exists(folder_ / "t.h5")) {
+            const Outcome last = testing::run_grainfield(run({"--resume"}));
+            ASSERT_EQ(last.code, 0) << last.err;
+        }
+        const std::string found = timeless(folder_ / "t.h5");
+        EXPECT_EQ(found.size(), expected.size());
+        ASSERT_TRUE(found == expected) << "round " << round << " after " << kills << " kills";
+        EXPECT_EQ(folder_.entries(), 1U);
+        fs::remove(folder_ / "t.h5");
+    }
+    EXPECT_GT(resumed, 3) << "every run was killed before its first checkpoint or not at all";
+}
+
+TEST_F(TrackResume, InterruptedItKeepsWhatWasDoneAndSaysHowToGoOn) {
+    const std::string expected = whole();
+    Outcome outcome;
+    for (int wait = 300; wait > 1; wait = wait * 2 / 3) {
+        const Process process(program(run()));
+        process.let_work(std::chrono::milliseconds(wait), SIGINT);
+        process.send(SIGINT);
+        outcome = process.wait();
+        if (outcome.code == 130) break;
+        fs::remove(folder_ / "t.h5");
+    }
+    ASSERT_EQ(outcome.code, 130) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("; go on with --resume"));
+    const Outcome info = testing::run_grainfield({"info", folder_ / "t.h5", "--json"});
+    EXPECT_EQ(json::parse(info.out)["frames"], json::parse(outcome.out)["frames"]);
+
+    const Outcome again = testing::run_grainfield(run());
+    EXPECT_EQ(again.code, 4) << "an interrupted run is not thrown away";
+    EXPECT_THAT(again.err, HasSubstr("--resume"));
+    const Outcome other = testing::run_grainfield(run({"--resume", "--memory", "1"}));
+    EXPECT_EQ(other.code, 3);
+    EXPECT_THAT(other.err, HasSubstr("link.memory: 2 in the checkpoint, 1 now"));
+    const Outcome resumed = testing::run_grainfield(run({"--resume"}));
+    ASSERT_EQ(resumed.code, 0) << resumed.err;
+    EXPECT_EQ(folder_.entries(), 1U);
+    EXPECT_TRUE(timeless(folder_ / "t.h5") == expected);
+}
+
+TEST_F(TrackResume, RefusesAnotherFilmAndADamagedCheckpoint) {
+    const std::vector<std::string> words = run();
+    Process process(program(words));
+    for (int i = 0; i < 3000 && !fs::exists(folder_ / "t.h5.checkpoint"); ++i) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    process.send(SIGKILL);
+    process.wait();
+    ASSERT_TRUE(fs::exists(folder_ / "t.h5.checkpoint"));
+    std::vector<std::string> fewer = run({"--resume"});
+    fewer.pop_back();
+    const Outcome other = testing::run_grainfield(fewer);
+    EXPECT_EQ(other.code, 3);
+    EXPECT_THAT(other.err, HasSubstr("input: 40 files"));
+    fs::resize_file(folder_ / "t.h5.checkpoint", 100);
+    const Outcome damaged = testing::run_grainfield(run({"--resume"}));
+    EXPECT_EQ(damaged.code, 3);
+    EXPECT_THAT(damaged.err, HasSubstr("checkpoint"));
+}
+
+}  // namespace
+}  // namespace grainfield
