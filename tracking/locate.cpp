@@ -195,8 +195,8 @@ Locator::Scene Locator::approached(const Image& darkness, const RefinementOption
     return scene;
 }
 
-/// Joint Newton steps until nobody goes far. Who goes very far is swept in between, where each step
-/// is checked.
+/// Joint Newton steps until nobody goes far. Who goes very far, or far more than once, is swept in
+/// between, where each step is checked: discs hardly wider than a pixel may step to and fro.
 JointInformation Locator::settle(SphereSearch& search, const RefinementOptions& refinement,
                                  Located& found) {
     JointInformation information;
@@ -212,10 +212,14 @@ JointInformation Locator::settle(SphereSearch& search, const RefinementOptions& 
             found.steps += static_cast<std::int64_t>(information.own.size());
         }
         const JointStep joint = joint_step(information, 0.1 * refinement.tolerance);
-        disturbed =
-            fit_.displace(joint.step, joint.left, refinement.tolerance, kNewton * disc_.edge_width);
+        disturbed = fit_.displace(joint.step, joint.left, refinement.tolerance,
+                                  kNewton * disc_.edge_width, round > 0);
         found.refine_seconds += seconds_since(begin);
-        if (disturbed.empty()) break;
+        if (disturbed.empty()) return information;
+    }
+    search.finish(swept(refinement, disc_));
+    if (information.own.size() != fit_.positions().size()) {
+        information = joint_information(fit_, threads_);
     }
     return information;
 }

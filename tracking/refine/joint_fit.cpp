@@ -374,7 +374,7 @@ void JointFit::fetch(std::size_t j) const {
 }
 
 std::vector<char> JointFit::displace(const std::vector<Vec2>& step, const std::vector<float>& left,
-                                     double undrawn, double far) {
+                                     double undrawn, double far, bool check_far) {
     std::vector<std::uint32_t> drawn;
     std::vector<std::uint32_t> went_far;
     for (std::uint32_t j = 0; j < discs_.size(); ++j) {
@@ -384,7 +384,8 @@ std::vector<char> JointFit::displace(const std::vector<Vec2>& step, const std::v
         disc.last_step = static_cast<float>(std::min(length, kLeastRoom));
         // What is neglected is of second order in the step.
         const auto neglected = static_cast<float>(length * length / profile_.edge_width);
-        disc.left = length > kLeastRoom ? disc.last_step : std::max(left[j], neglected);
+        const bool is_checked = length > (check_far ? far : kLeastRoom);
+        disc.left = is_checked ? disc.last_step : std::max(left[j], neglected);
         disc.drift += disc.last_step;
         const Vec2 d = length > kLeastRoom ? (kLeastRoom / length) * step[j] : step[j];
         positions_[j] = inside(disc.placed + d);

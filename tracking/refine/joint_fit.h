@@ -89,11 +89,11 @@ class JointFit {
     void fetch(std::size_t j) const;
 
     /// Moves every disc by step[j] from where it is drawn, 0.25 px at most: who would go farther
-    /// steps again in the next refine(). Shorter steps than `undrawn` [px] are not drawn. `left[j]`
-    /// is known to be left of it [px]. Returns who went by more than `far` [px] or shares edge
-    /// pixels with one who did; empty if nobody.
+    /// steps again in the next refine(), and with `check_far` who goes by more than `far`. Shorter
+    /// steps than `undrawn` [px] are not drawn. `left[j]` is known to be left of it [px]. Returns
+    /// who went by more than `far` [px] or shares edge pixels with one who did; empty if nobody.
     std::vector<char> displace(const std::vector<Vec2>& step, const std::vector<float>& left,
-                               double undrawn, double far);
+                               double undrawn, double far, bool check_far = false);
 
     /// RMS of I − M within reach of each disc [contrast].
     std::vector<double> residuals() const;
