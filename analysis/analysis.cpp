@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "analysis/bond_statistics.h"
+#include "analysis/listed_modes.h"
 #include "analysis/observable_set.h"
 #include "analysis/order_correlation.h"
 #include "analysis/order_examples.h"
@@ -56,6 +57,7 @@ struct Measured {
     BondStatistics::Sample bonds;
     OrderCorrelation::Sample order_pairs;
     StructureFactor::Sample modes;
+    ListedModes::Sample listed_modes;
     OrderStructureFactor::Sample order_modes;
     NumberVariance::Sample windows;
     Seconds seconds;
@@ -87,6 +89,9 @@ class Run {
         cluster_stride_ = std::max<std::int64_t>(1, (frames + 63) / 64);
         if (wanted_.msd) msd_.emplace(options.msd, frames, threads);
         if (wanted_.sk || wanted_.fit || wanted_.synthetic) sk_.emplace(options.sk, box, frames);
+        if (wanted_.sk && !options.wavevectors.empty()) {
+            listed_.emplace(options.wavevectors, box, frames);
+        }
         if (wanted_.s4) s4_.emplace(options.s4, box, frames);
         if (wanted_.variance) variance_.emplace(options.variance, box, frames, threads);
     }
@@ -102,6 +107,7 @@ class Run {
         if (sk_) {
             const Stopwatch watch(m.seconds.sk);
             m.modes = sk_->measure(m.pattern);
+            if (listed_) m.listed_modes = listed_->measure(m.pattern);
         }
         if (s4_) {
             const Stopwatch watch(m.seconds.s4);
@@ -117,13 +123,12 @@ class Run {
     void add(Measured m) {
         seconds_ += m.seconds;
         dropped_ += m.pattern.dropped;
+        const bool shares_order = options_.q4.symmetry == phase_order_.symmetry;
+        BondOrderField of_phase;
         if (phase_) {
             const Stopwatch watch(seconds_.phase);
-            if (options_.q4.symmetry == phase_order_.symmetry) {
-                add_phase(m.pattern, m.bonds.field);
-            } else {
-                add_phase(m.pattern, bond_order(m.pattern, phase_order_));
-            }
+            if (!shares_order) of_phase = bond_order(m.pattern, phase_order_);
+            add_phase(m.pattern, shares_order ? m.bonds.field : of_phase);
         }
         if (order_) {
             const Stopwatch watch(seconds_.q4);
@@ -133,9 +138,17 @@ class Run {
             const Stopwatch watch(seconds_.q4);
             bonds_.add(std::move(m.bonds));
         }
+        if (clusters_ && phase_->follows()) {
+            const bool is_kept = shares_order && wanted_.q4;
+            if (!is_kept) last_.field = std::move(shares_order ? m.bonds.field : of_phase);
+            last_.kept = is_kept ? &bonds_.last().field : nullptr;
+            last_.id = m.pattern.id;
+            last_.time = m.pattern.time;
+        }
         if (sk_) {
             const Stopwatch watch(seconds_.sk);
             sk_->add(std::move(m.modes));
+            if (listed_) listed_->add(std::move(m.listed_modes));
         }
         if (s4_) {
             const Stopwatch watch(seconds_.s4);
@@ -182,7 +195,13 @@ class Run {
             push(seconds_.msd,
                  [&] { return msd_->result(phase_ && phase_->follows() ? &*phase_ : nullptr); });
         }
-        if (wanted_.sk) push(seconds_.sk, [&] { return sk_->result(); });
+        if (wanted_.sk) {
+            push(seconds_.sk, [&] {
+                ObservableResult sk = sk_->result();
+                if (listed_) listed_->add_to(sk);
+                return sk;
+            });
+        }
         if (s4_) push(seconds_.s4, [&] { return s4_->result(); });
         if (variance_) push(seconds_.variance, [&] { return variance_->result(); });
         if (wanted_.fit || wanted_.synthetic) add_fits(results);
@@ -211,7 +230,6 @@ class Run {
             return;
         }
         if (phase_->windows() > before) add_clusters();
-        last_ = {pattern.id, field, pattern.time};
     }
 
     // The clusters of the window that was closed last, in its last frame.
@@ -225,7 +243,8 @@ class Run {
             solid.push_back(at >= 0 && at < static_cast<std::int64_t>(classes.size()) &&
                             classes[static_cast<std::size_t>(at)] == Phase::solid);
         }
-        clusters_->add({std::move(last_.id), std::move(solid), &last_.field, last_.time});
+        const BondOrderField* field = last_.kept != nullptr ? last_.kept : &last_.field;
+        clusters_->add({std::move(last_.id), std::move(solid), field, last_.time});
         last_ = {};
     }
 
@@ -262,6 +281,7 @@ class Run {
     std::optional<OrderExamples> examples_;
     struct LastFrame {  // of the open window
         std::vector<std::int64_t> id;
+        const BondOrderField* kept = nullptr;  // by bonds_; else it is here
         BondOrderField field;
         double time = 0;
     };
@@ -270,6 +290,7 @@ class Run {
     std::int64_t cluster_stride_ = 1;
     std::optional<Displacement> msd_;
     std::optional<StructureFactor> sk_;
+    std::optional<ListedModes> listed_;
     std::optional<OrderStructureFactor> s4_;
     std::optional<NumberVariance> variance_;
     Seconds seconds_;
@@ -358,6 +379,10 @@ void plan_analysis(SnapshotSource& source, const AnalysisOptions& options, RunPl
                                                          : "walls: connected and cosine estimators";
         const StructureFactor sk(options.sk, first.box, frames);
         plan.run("sk", fmt::format("{}; {}", estimators, sk.method(first.size())));
+        if (!options.wavevectors.empty()) {
+            plan.run("sk list", fmt::format("{} listed wavevectors by direct sums",
+                                            options.wavevectors.size()));
+        }
     }
     if (wanted.s4) {
         plan.run("s4", fmt::format("structure factor of Q{}, two weighted sums over the particles",
@@ -385,11 +410,20 @@ std::vector<ObservableResult> analyze(SnapshotSource& source, const AnalysisOpti
     const double diameter = diameter_of(source.info());
     const int workers = thread_count(threads);
     Box box{{0, 0}, {1, 1}, {Boundary::walls, Boundary::walls}, 0};
-    if (frames > 0) box = pattern_of(source.read(0), diameter).box;
+    std::size_t particles = 0;
+    if (frames > 0) {
+        const Pattern first = pattern_of(source.read(0), diameter);
+        box = first.box;
+        particles = first.size();
+    }
     Run run(options, source.info(), box, frames, workers);
 
-    // While a batch is measured, the one before is added and the next one is read.
-    const std::int64_t batch = 4 * std::int64_t{workers};
+    // While a batch is measured, the one before is added and the next one is read. Long batches
+    // keep all threads busy, as long as they are small.
+    constexpr std::int64_t most_particles = 200000;  // of a thread
+    const std::int64_t each =
+        most_particles / std::max<std::int64_t>(1, static_cast<std::int64_t>(particles));
+    const std::int64_t batch = std::clamp<std::int64_t>(each, 4, 16) * workers;
     const auto read = [&](std::int64_t first) {
         std::vector<Pattern> patterns;
         for (std::int64_t i = first; i < std::min(first + batch, frames); ++i) {

@@ -28,6 +28,7 @@ struct AnalysisOptions {
     NumberVarianceOptions variance;
     FitOptions fit;
     SyntheticOptions synthetic;
+    std::vector<Vec2> wavevectors{};  ///< for S(k) beyond its grid [1/a]
 };
 
 /// One table per section: analysis, q4, phase, msd, sk, s4, variance, fit, synthetic.

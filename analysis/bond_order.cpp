@@ -172,13 +172,17 @@ void set_weighted_order(BondOrderField& field, std::size_t i, std::span<const Ne
 
 BondOrderField by_triangulation(const Pattern& pattern, const BondOrderOptions& options) {
     BondOrderField field = empty_field(pattern.size());
-    const Triangulation triangulation(pattern.position, pattern.box);
+    const bool weighs =
+        options.rule == NeighbourRule::voronoi_edge || options.rule == NeighbourRule::edge_weighted;
+    const Triangulation triangulation(
+        pattern.position, pattern.box,
+        weighs ? Triangulation::Edges::measured : Triangulation::Edges::none);
     const UnitPower power{options.symmetry};
     std::vector<Neighbour> kept;
     for (std::size_t i = 0; i < pattern.size(); ++i) {
         const auto neighbours = triangulation.neighbours(i);
         if (neighbours.empty()) continue;
-        const auto edges = triangulation.edges(i);
+        const auto edges = weighs ? triangulation.edges(i) : std::span<const double>();
         const double limit = options.factor * set_distances(field, i, neighbours);
         const double perimeter = std::accumulate(edges.begin(), edges.end(), 0.0);
         switch (options.rule) {

@@ -43,13 +43,11 @@ std::optional<double> positive(double error) {
 }
 
 // Whether particle i and all its neighbours are ordered.
-bool inside_crystal(const BondOrderField& field, std::size_t i) {
-    if (!(std::abs(field.q[i]) >= ordered)) return false;
+bool inside_crystal(const BondOrderField& field, const std::vector<double>& abs_q, std::size_t i) {
+    if (!(abs_q[i] >= ordered)) return false;
     const auto count = static_cast<std::size_t>(field.neighbours[i]);
     for (std::size_t n = field.first[i]; n < field.first[i] + count; ++n) {
-        if (!(std::abs(field.q[static_cast<std::size_t>(field.neighbour[n])]) >= ordered)) {
-            return false;
-        }
+        if (!(abs_q[static_cast<std::size_t>(field.neighbour[n])] >= ordered)) return false;
     }
     return true;
 }
@@ -75,14 +73,17 @@ void BondStatistics::add(Sample sample) {
     Mean nearest;
     std::vector<double> spacing;
     std::vector<double> counts(bins, 0.0);
-    for (std::size_t i = 0; i < sample.field.q.size(); ++i) {
-        const double q = std::abs(sample.field.q[i]);
+    std::vector<double> abs_q(sample.field.q.size());
+    std::ranges::transform(sample.field.q, abs_q.begin(),
+                           [](const std::complex<double>& q) { return std::sqrt(std::norm(q)); });
+    for (std::size_t i = 0; i < abs_q.size(); ++i) {
+        const double q = abs_q[i];
         if (std::isfinite(sample.field.nearest[i])) nearest.add(sample.field.nearest[i]);
         if (!std::isfinite(q)) continue;
         order.add(q);
         const int bin = std::min(static_cast<int>(q * bins), bins - 1);
         counts[static_cast<std::size_t>(bin)] += 1;
-        if (inside_crystal(sample.field, i) && std::isfinite(sample.field.mean_four[i])) {
+        if (inside_crystal(sample.field, abs_q, i) && std::isfinite(sample.field.mean_four[i])) {
             spacing.push_back(sample.field.mean_four[i]);
         }
     }

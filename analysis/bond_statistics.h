@@ -46,6 +46,9 @@ class BondStatistics {
     void merge(const BondStatistics& later);
     ObservableResult result() const;
 
+    /// What was added last.
+    const Sample& last() const { return last_; }
+
  private:
     struct Block {  // counts of consecutive frames
         double frames = 0;

@@ -60,6 +60,7 @@ void give_back(std::unique_ptr<RealFourier2D<double>> transform) {
 
 // Into [0, n).
 double wrapped(double u, double n) {
+    if (u >= 0 && u < n) return u;
     const double w = u - n * std::floor(u / n);
     return w < n ? w : 0;
 }
@@ -91,8 +92,9 @@ void add_tile(const SpreadTile& tile, std::size_t tx, std::size_t ty, int nx, in
 
 // Particles in the order of their tiles.
 struct NonuniformFourier::Sorted {
-    std::vector<double> x, y, weight;  // x, y: cells from the corner of the tile
-    std::vector<std::size_t> start;    // of each tile, and the end
+    std::vector<double> x, y;  // cells from the corner of the tile
+    std::vector<std::vector<double>> weights;
+    std::vector<std::size_t> start;  // of each tile, and the end
 };
 
 bool NonuniformFourier::is_affordable(const ModeGrid& grid) {
@@ -117,9 +119,8 @@ NonuniformFourier::NonuniformFourier(const ModeGrid& grid, double tolerance)
     fill(factor_y_, most_of(grid.rows()), ny_);
 }
 
-NonuniformFourier::Sorted NonuniformFourier::sort(std::span<const Vec2> positions,
-                                                  std::span<const double> weights, Vec2 origin,
-                                                  Vec2 spacing) const {
+NonuniformFourier::Sorted NonuniformFourier::sort(std::span<const Vec2> positions, Weights weights,
+                                                  Vec2 origin, Vec2 spacing) const {
     const double to_x = nx_ * spacing.x / (2 * std::numbers::pi);
     const double to_y = ny_ * spacing.y / (2 * std::numbers::pi);
     const std::size_t n = positions.size();
@@ -141,49 +142,58 @@ NonuniformFourier::Sorted NonuniformFourier::sort(std::span<const Vec2> position
     std::vector<std::size_t> next(sorted.start.begin(), sorted.start.end() - 1);
     sorted.x.resize(n);
     sorted.y.resize(n);
-    sorted.weight.resize(weights.size());
+    sorted.weights.assign(weights.size(), std::vector<double>(n));
     for (std::size_t j = 0; j < n; ++j) {
         const std::size_t to = next[tile[j]]++;
         sorted.x[to] = place[j].x;
         sorted.y[to] = place[j].y;
-        if (!weights.empty()) sorted.weight[to] = weights[j];
+        for (std::size_t c = 0; c < weights.size(); ++c) sorted.weights[c][to] = weights[c][j];
     }
     return sorted;
 }
 
 std::vector<std::complex<double>> NonuniformFourier::modes(std::span<const Vec2> positions,
-                                                           std::span<const double> weights,
-                                                           Vec2 origin,
+                                                           Weights weights, Vec2 origin,
                                                            const ModeGrid& grid) const {
-    auto taken = take_transform(nx_, ny_);
-    RealFourier2D<double>& transform = *taken;
-    std::ranges::fill(transform.real(), 0.0);
+    const std::size_t kinds = std::max<std::size_t>(1, weights.size());
+    std::vector<std::unique_ptr<RealFourier2D<double>>> transforms;
+    for (std::size_t c = 0; c < kinds; ++c) {
+        transforms.push_back(take_transform(nx_, ny_));
+        std::ranges::fill(transforms.back()->real(), 0.0);
+    }
     const Sorted sorted = sort(positions, weights, origin, grid.spacing());
-    SpreadTile tile;
+    std::vector<SpreadTile> tiles(kinds);
+    std::vector<std::span<const double>> parts(weights.size());
     for (std::size_t ty = 0; ty < tiles_y_; ++ty) {
         for (std::size_t tx = 0; tx < tiles_x_; ++tx) {
             const std::size_t from = sorted.start[ty * tiles_x_ + tx];
             const std::size_t count = sorted.start[ty * tiles_x_ + tx + 1] - from;
             if (count == 0) continue;
-            std::ranges::fill(tile.value, 0.0);
-            const std::span<const double> weight(sorted.weight);
+            for (SpreadTile& tile : tiles) std::ranges::fill(tile.value, 0.0);
+            for (std::size_t c = 0; c < parts.size(); ++c) {
+                parts[c] = std::span(sorted.weights[c]).subspan(from, count);
+            }
             spread(kernel_, std::span(sorted.x).subspan(from, count),
-                   std::span(sorted.y).subspan(from, count),
-                   weight.empty() ? weight : weight.subspan(from, count), tile);
-            add_tile(tile, tx, ty, nx_, ny_, transform.real());
+                   std::span(sorted.y).subspan(from, count), parts, tiles);
+            for (std::size_t c = 0; c < kinds; ++c) {
+                add_tile(tiles[c], tx, ty, nx_, ny_, transforms[c]->real());
+            }
         }
     }
-    transform.forward();
     const std::size_t columns = static_cast<std::size_t>(nx_) / 2 + 1;
     std::vector<std::complex<double>> rho;
-    rho.reserve(grid.modes().size());
-    for (const Mode& mode : grid.modes()) {
-        const auto row = static_cast<std::size_t>((mode.ny + ny_) % ny_);
-        const auto nx = static_cast<std::size_t>(mode.nx);
-        const auto abs_ny = static_cast<std::size_t>(std::abs(mode.ny));
-        rho.push_back(factor_x_[nx] * factor_y_[abs_ny] * transform.complex()[row * columns + nx]);
+    rho.reserve(kinds * grid.modes().size());
+    for (auto& transform : transforms) {
+        transform->forward();
+        const auto of_grid = transform->complex();
+        for (const Mode& mode : grid.modes()) {
+            const auto row = static_cast<std::size_t>(mode.ny < 0 ? mode.ny + ny_ : mode.ny);
+            const auto nx = static_cast<std::size_t>(mode.nx);
+            const auto abs_ny = static_cast<std::size_t>(std::abs(mode.ny));
+            rho.push_back(factor_x_[nx] * factor_y_[abs_ny] * of_grid[row * columns + nx]);
+        }
+        give_back(std::move(transform));
     }
-    give_back(std::move(taken));
     return rho;
 }
 
@@ -206,11 +216,16 @@ bool DensityTransform::is_direct(std::size_t particles) const {
 }
 
 std::vector<std::complex<double>> DensityTransform::modes(std::span<const Vec2> positions,
-                                                          std::span<const double> weights,
-                                                          Vec2 origin, const ModeGrid& grid) const {
+                                                          Weights weights, Vec2 origin,
+                                                          const ModeGrid& grid) const {
     if (!is_direct(positions.size())) return fourier_->modes(positions, weights, origin, grid);
-    return weights.empty() ? density_modes(positions, origin, grid)
-                           : weighted_modes(positions, weights, origin, grid);
+    if (weights.empty()) return density_modes(positions, origin, grid);
+    std::vector<std::complex<double>> rho;
+    for (const std::span<const double> kind : weights) {
+        const auto part = weighted_modes(positions, kind, origin, grid);
+        rho.insert(rho.end(), part.begin(), part.end());
+    }
+    return rho;
 }
 
 }  // namespace grainfield::analysis

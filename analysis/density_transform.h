@@ -12,6 +12,9 @@
 
 namespace grainfield::analysis {
 
+/// Kinds of weights, each one a particle; none: every particle counts one.
+using Weights = std::span<const std::span<const double>>;
+
 /// Density modes by a non-uniform Fourier transform of the first type (`dutt1993`, `barnett2019`):
 /// particles are spread over a grid at least twice as fine as the modes need, which a fast Fourier
 /// transform takes to wavevectors, where the spreading is divided out.
@@ -24,11 +27,10 @@ class NonuniformFourier {
  public:
     explicit NonuniformFourier(const ModeGrid& grid, double tolerance = 1e-12);
 
-    /// One per mode of `grid`, which is the one the transform was made for. Weights: none, or one a
-    /// particle. Thread-safe; the same bits in any thread.
-    std::vector<std::complex<double>> modes(std::span<const Vec2> positions,
-                                            std::span<const double> weights, Vec2 origin,
-                                            const ModeGrid& grid) const;
+    /// One per mode of `grid`, which is the one the transform was made for, of each kind of weights
+    /// after the other. Thread-safe; the same bits in any thread.
+    std::vector<std::complex<double>> modes(std::span<const Vec2> positions, Weights weights,
+                                            Vec2 origin, const ModeGrid& grid) const;
 
     int nx() const { return nx_; }
     int ny() const { return ny_; }
@@ -39,8 +41,7 @@ class NonuniformFourier {
 
  private:
     struct Sorted;
-    Sorted sort(std::span<const Vec2> positions, std::span<const double> weights, Vec2 origin,
-                Vec2 spacing) const;
+    Sorted sort(std::span<const Vec2> positions, Weights weights, Vec2 origin, Vec2 spacing) const;
 
     SpreadKernel kernel_;
     int nx_, ny_;
@@ -57,10 +58,10 @@ class DensityTransform {
  public:
     explicit DensityTransform(const ModeGrid& grid);
 
-    /// As `density_modes`, `weighted_modes`; relative error 1e-12. Thread-safe.
-    std::vector<std::complex<double>> modes(std::span<const Vec2> positions,
-                                            std::span<const double> weights, Vec2 origin,
-                                            const ModeGrid& grid) const;
+    /// As `density_modes`, or `weighted_modes` of each kind of weights after the other; relative
+    /// error 1e-12. Thread-safe.
+    std::vector<std::complex<double>> modes(std::span<const Vec2> positions, Weights weights,
+                                            Vec2 origin, const ModeGrid& grid) const;
 
     /// Whether so many particles are summed directly.
     bool is_direct(std::size_t particles) const;

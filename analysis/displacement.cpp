@@ -34,6 +34,11 @@ OptionTable describe(DisplacementOptions& options) {
                   "longest lag time; 0: half the duration");
     table.text("van-hove", options.van_hove,
                "lags in frames of the van Hove function, as 1,10,100; empty: none");
+    table.number("exposure", options.exposure, "time unit", {0, 1e12},
+                 "exposure of a frame: the offset of the MSD then tells the localisation error");
+    table.number("localisation", options.localisation, "a", {0, 1e3},
+                 "localisation error per axis: the offset then tells the exposure; with both D is "
+                 "fitted alone");
     table.number("memory", options.memory_mb, "MB", {1, 1e6},
                  "bound of the stored tracks; particles are left out beyond it");
     return table;
@@ -66,13 +71,14 @@ void Displacement::add(Sample pattern) {
     time_.push_back(pattern.time);
     box_ = pattern.box;
     if (pattern.id.empty() && pattern.size() > 0) linked_ = false;
+    index_.start_frame();
     for (std::size_t i = 0; i < pattern.id.size(); ++i) {
         const std::int64_t id = pattern.id[i];
-        if (id < 0 || (identity_hash(id) & thinning_) != 0) continue;
+        if (id < 0 || (thinning_ != 0 && (identity_hash(id) & thinning_) != 0)) continue;
         const Vec2 p = pattern.position[i];
-        const auto [at, is_new] = index_.try_emplace(id, tracks_.size());
+        const auto [at, is_new] = index_.place_of(id, tracks_.size());
         if (is_new) tracks_.push_back({id, ordinal, p, {0, 0}, p, {}});
-        Track& track = tracks_[at->second];
+        Track& track = tracks_[at];
         if (track.first + track.step.size() > ordinal)
             continue;  // identity given twice: first wins
         track.moved += box_.minimum_image(p - track.last);
@@ -93,7 +99,7 @@ void Displacement::drop_left_out() {
     index_.clear();
     stored_ = 0;
     for (std::size_t t = 0; t < tracks_.size(); ++t) {
-        index_.emplace(tracks_[t].id, t);
+        index_.place_of(tracks_[t].id, t);
         stored_ += tracks_[t].step.capacity();
     }
 }
@@ -109,9 +115,9 @@ void Displacement::merge(const Displacement& later) {
     for (const Track& from : later.tracks_) {
         if ((identity_hash(from.id) & thinning_) != 0) continue;
         const std::size_t ordinal = offset + from.first;
-        const auto [at, is_new] = index_.try_emplace(from.id, tracks_.size());
+        const auto [at, is_new] = index_.place_of(from.id, tracks_.size());
         if (is_new) tracks_.push_back({from.id, ordinal, from.origin, {0, 0}, from.origin, {}});
-        Track& track = tracks_[at->second];
+        Track& track = tracks_[at];
         const Vec2 start = track.moved + box_.minimum_image(from.origin - track.last);
         for (std::size_t i = 0; i < from.step.size(); ++i) {
             if (is_finite(from.step[i])) place(track, ordinal + i, start + from.step[i]);
@@ -327,6 +333,8 @@ ObservableResult Displacement::result(const PhaseHistory* phases) const {
         }
     }
     table.has_phases = phases != nullptr;
+    table.exposure = options_.exposure;
+    table.localisation = options_.localisation;
     if (clock->parts > 1) {
         table.note = fmt::format(
             "uneven time stamps: lag times in steps of 1/{} of the median interval, each within "

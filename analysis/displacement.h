@@ -4,12 +4,12 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include "analysis/accumulator.h"
 #include "analysis/pattern.h"
 #include "analysis/phase.h"
+#include "analysis/track_index.h"
 #include "core/option_table.h"
 
 namespace grainfield::analysis {
@@ -22,6 +22,8 @@ struct DisplacementOptions {
     std::int64_t longest = 0;  ///< longest lag [frames]; 0: half the duration
     double memory_mb = 1024;   ///< bound of the stored tracks [MB]
     std::string van_hove{};    ///< lags of the van Hove function [frames], as "1,10"; empty: none
+    std::optional<double> exposure{};      ///< of a frame [time unit]
+    std::optional<double> localisation{};  ///< error per axis of a position [a]
 };
 
 OptionTable describe(DisplacementOptions& options);
@@ -40,7 +42,8 @@ OptionTable describe(DisplacementOptions& options);
 ///
 /// Errors: jackknife over 16 groups of particles (particles as independent; overlapping start
 /// times are thereby allowed for). D = slope/4 over the last decade of lags with free offset, so
-/// that localisation noise (4σ²) does not enter; exponent = d ln MSD/d ln τ there.
+/// that localisation noise (4σ²) and exposure do not enter; exponent = d ln MSD/d ln τ there. What
+/// the offset says when exposure or noise are given: add_msd.
 ///
 /// On request the self part of the van Hove function, curve `van_hove`: the density of the
 /// displacements Δx and Δy at given lags, of all particles,
@@ -107,7 +110,7 @@ class Displacement {
     int threads_;
     std::vector<std::int64_t> frame_;
     std::vector<double> time_;
-    std::unordered_map<std::int64_t, std::size_t> index_;
+    TrackIndex index_;
     std::vector<Track> tracks_;
     Box box_;
     std::size_t stored_ = 0;      // capacity of all steps

@@ -8,6 +8,8 @@
 #include <tuple>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "analysis/blocks.h"
 
 namespace grainfield::analysis {
@@ -79,7 +81,34 @@ struct Fits {
     double exponent = undefined;
 };
 
-Fits fit_last_decade(const std::vector<double>& time, const std::vector<double>& msd) {
+// What is known about the positions.
+struct Positions {
+    std::optional<double> exposure, localisation;
+
+    explicit Positions(const MsdTable& table)
+        : exposure(table.exposure), localisation(table.localisation) {}
+};
+
+// D from MSD − 4 σ² = 4 D (t − t_e/3), and the offset that follows from it.
+void fit_through_offset(const std::vector<double>& t, const std::vector<double>& m,
+                        const std::vector<double>& weight, double exposure, double localisation,
+                        Fits& fits) {
+    double xx = 0;
+    double xy = 0;
+    int points = 0;
+    for (std::size_t i = 0; i < t.size(); ++i) {
+        if (!std::isfinite(m[i]) || t[i] < exposure) continue;
+        const double x = t[i] - exposure / 3;
+        xx += weight[i] * x * x;
+        xy += weight[i] * x * (m[i] - 4 * localisation * localisation);
+        ++points;
+    }
+    fits.diffusion = points >= 3 ? xy / xx / 4 : undefined;
+    fits.offset = 4 * localisation * localisation - 4.0 / 3 * fits.diffusion * exposure;
+}
+
+Fits fit_last_decade(const std::vector<double>& time, const std::vector<double>& msd,
+                     const Positions& positions) {
     double last = 0;
     for (std::size_t i = 0; i < time.size(); ++i) {
         if (std::isfinite(msd[i]) && std::isfinite(time[i])) last = std::max(last, time[i]);
@@ -98,6 +127,9 @@ Fits fit_last_decade(const std::vector<double>& time, const std::vector<double>&
     Fits fits;
     fits.diffusion = line.slope / 4;
     fits.offset = line.intercept;
+    if (positions.exposure && positions.localisation) {
+        fit_through_offset(t, m, relative, *positions.exposure, *positions.localisation, fits);
+    }
     fits.exponent = fit_line(log_t, log_m, one).slope;
     if (!t.empty()) std::tie(fits.first, fits.last) = std::pair(t.front(), t.back());
     return fits;
@@ -119,6 +151,42 @@ Measurement fitted(const char* what, const char* unit, const std::string& phase,
         m.reason = "all particles move alike: no error from their scatter";
     }
     return m;
+}
+
+// What the offset says about the positions: σ where the exposure is given, the exposure where σ
+// is.
+double hidden(const Fits& fits, const Positions& positions) {
+    if (positions.exposure) {
+        return (fits.offset + 4.0 / 3 * fits.diffusion * *positions.exposure) / 4;  // σ²
+    }
+    const double square = *positions.localisation * *positions.localisation;
+    return 3 * (4 * square - fits.offset) / (4 * fits.diffusion);
+}
+
+void add_hidden(const Fits& fits, const std::vector<Fits>& left_out, const Positions& positions,
+                const std::string& phase, double samples, ObservableResult& result) {
+    if (positions.exposure.has_value() == positions.localisation.has_value()) return;
+    const bool is_sigma = positions.exposure.has_value();
+    const char* name = is_sigma ? "localisation" : "exposure";
+    const char* unit = is_sigma ? "a" : "time unit";
+    std::vector<double> left;
+    for (const Fits& part : left_out) left.push_back(hidden(part, positions));
+    Measurement m = fitted(name, unit, phase, hidden(fits, positions), left, samples, "");
+    if (m.value && !(*m.value > 0)) {
+        m.reason = std::string(is_sigma ? "the offset is below that of the exposure: σ² = "
+                                        : "the offset is above 4 σ²: the exposure would be ") +
+                   fmt::format("{:.3g}", *m.value);
+        if (m.error) m.reason += fmt::format(" ± {:.2g}", *m.error);
+        m.value.reset();
+        m.error.reset();
+        m.samples = 0;
+    }
+    if (m.value && is_sigma) {
+        const double sigma = std::sqrt(*m.value);
+        if (m.error) m.error = *m.error / (2 * sigma);
+        m.value = sigma;
+    }
+    result.measurements.push_back(std::move(m));
 }
 
 // The fitted line of one phase, for the plot.
@@ -149,6 +217,7 @@ void add_msd(const MsdTable& table, ObservableResult& result) {
                {{"t", "time unit", "Lag time", {}}, {"msd", "a^2", "Fitted MSD", {}}},
                {}};
 
+    const Positions positions(table);
     const std::size_t none = std::numeric_limits<std::size_t>::max();
     for (std::size_t c = 0; c < names.size(); ++c) {
         const MsdTable::Series& series = table.series[c];
@@ -165,10 +234,12 @@ void add_msd(const MsdTable& table, ObservableResult& result) {
         }
         const std::vector<double> mean = mean_without(series, none);
         std::vector<std::vector<double>> left(series.sum.size());
+        std::vector<Fits> fits_left;
         std::vector<double> d_left, exponent_left, offset_left;
         for (std::size_t g = 0; g < left.size(); ++g) {
             left[g] = mean_without(series, g);
-            const Fits fits = fit_last_decade(table.time, left[g]);
+            const Fits fits = fit_last_decade(table.time, left[g], positions);
+            fits_left.push_back(fits);
             d_left.push_back(fits.diffusion);
             exponent_left.push_back(fits.exponent);
             offset_left.push_back(fits.offset);
@@ -188,13 +259,14 @@ void add_msd(const MsdTable& table, ObservableResult& result) {
             n.values.push_back(pairs);
             phase.push_back(name);
         }
-        const Fits fits = fit_last_decade(table.time, mean);
+        const Fits fits = fit_last_decade(table.time, mean, positions);
         result.measurements.push_back(fitted("d", "a^2/time unit", name, fits.diffusion, d_left,
                                              table.particles[c], table.note));
         result.measurements.push_back(fitted("exponent", "-", name, fits.exponent, exponent_left,
                                              table.particles[c], table.note));
         result.measurements.push_back(fitted("offset", "a^2", name, fits.offset, offset_left,
                                              table.particles[c], table.note));
+        add_hidden(fits, fits_left, positions, name, table.particles[c], result);
         add_line(fits, name, line);
     }
     if (t.values.empty()) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,15 +20,24 @@ struct MsdTable {
     /// Particles that have a pair of sightings, by phase: what the errors take as independent.
     std::array<double, 3> particles{};
     bool has_phases = false;
-    std::string note;  ///< said with every number
+    std::string note;                      ///< said with every number
+    std::optional<double> exposure{};      ///< t_e of a frame [time unit], if known
+    std::optional<double> localisation{};  ///< σ per axis of a position [a], if known
 };
 
 /// Turns the sums into the curve `msd` (t, phase, msd, err, n) and the measurements `d_*`
 /// (diffusion coefficient) and `exponent_*`, with jackknife errors over the groups.
 ///
 /// Both are fitted over the last decade of lags: MSD = 4 D t + c with weights 1/t² (equal relative
-/// errors), ln MSD = exponent · ln t + const. At least three lags are needed. `offset_*` is c:
-/// 4 σ² of the localisation noise less 4 D t_e/3 of an exposure t_e. Curve `msd_fit`: the lines.
+/// errors), ln MSD = exponent · ln t + const. At least three lags are needed. Curve `msd_fit`: the
+/// lines. `offset_*` is c, which a position with noise σ per axis, averaged over an exposure t_e,
+/// makes (`savin2005`, `berglund2010`; for Brownian motion and lags t ≥ t_e)
+///
+///   MSD(t) = 4 D (t − t_e/3) + 4 σ²,   c = 4 σ² − (4/3) D t_e.
+///
+/// c alone cannot tell σ from t_e. With t_e given, `localisation_*` = sqrt((c + 4 D t_e/3)/4) [a];
+/// with σ given, `exposure_*` = 3 (4 σ² − c)/(4 D) [time unit]; with both c is held: D is the only
+/// unknown, and far better known where the lags are short.
 void add_msd(const MsdTable& table, ObservableResult& result);
 
 }  // namespace grainfield::analysis

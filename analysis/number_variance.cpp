@@ -88,8 +88,10 @@ NumberVariance::Sample NumberVariance::measure(const Pattern& pattern) const {
     if (sizes_.empty()) return sample;
     CountGrid here = grid_;
     here.origin += pattern.box.origin - box_.origin;
-    sample.contents = here.count(pattern.position);
-    const WindowCounter counter(grid_, sample.contents, sizes_.back());
+    sample.cells = here.cells_of(pattern.position);
+    std::vector<std::int32_t> contents(grid_.size(), 0);
+    for (const std::int32_t at : sample.cells) ++contents[static_cast<std::size_t>(at)];
+    const WindowCounter counter(grid_, contents, sizes_.back());
     sample.sums.reserve(sizes_.size());
     for (int m : sizes_) sample.sums.push_back(counter.sums(m));
     return sample;
@@ -100,9 +102,7 @@ void NumberVariance::add(Sample sample) {
     ++block.frames;
     block.particles += sample.particles;
     density_.add(sample.particles / box_.area());
-    for (std::size_t c = 0; c < sample.contents.size(); ++c) {
-        block.contents[c] += sample.contents[c];
-    }
+    for (const std::int32_t at : sample.cells) ++block.contents[static_cast<std::size_t>(at)];
     for (std::size_t s = 0; s < sample.sums.size(); ++s) {
         block.sums[s].sum += sample.sums[s].sum;
         block.sums[s].squares += sample.sums[s].squares;

@@ -57,8 +57,8 @@ class NumberVariance {
     struct Sample {
         std::int64_t frame = 0;
         double particles = 0;
-        std::vector<std::int32_t> contents;
-        std::vector<WindowSums> sums;  // per size
+        std::vector<std::int32_t> cells;  // one a particle inside the border
+        std::vector<WindowSums> sums;     // per size
     };
 
     NumberVariance(const NumberVarianceOptions& options, const Box& box, std::int64_t frames,

@@ -106,12 +106,13 @@ void PhaseHistory::add(Sample sample) {
         open_ = Row{sample.frame, sample.time, 0, 0, 0, 0};
     }
     ++open_frames_;
+    index_.start_frame();
     for (std::size_t i = 0; i < sample.id.size(); ++i) {
         if (!std::isfinite(sample.abs_q[i])) continue;
-        const auto [at, is_new] = index_.try_emplace(sample.id[i], tracks_.size());
+        const auto [at, is_new] = index_.place_of(sample.id[i], tracks_.size());
         if (is_new) tracks_.emplace_back();
-        Track& track = tracks_[at->second];
-        if (track.count == 0) touched_.push_back(at->second);
+        Track& track = tracks_[at];
+        if (track.count == 0) touched_.push_back(at);
         const auto q = static_cast<double>(sample.abs_q[i]);
         track.sum += q;
         track.squares += q * q;
@@ -230,11 +231,11 @@ void PhaseHistory::merge(const PhaseHistory& later) {
         const auto next = static_cast<std::int64_t>(windows_.size());
         here.push_back(windows_.try_emplace(key, next).first->second);
     }
-    for (const auto& [id, from] : closed.index_) {
+    for (const auto& [id, from] : closed.index_.all()) {
         const Track& source = closed.tracks_[from];
-        const auto [at, is_new] = index_.try_emplace(id, tracks_.size());
+        const auto [at, is_new] = index_.place_of(id, tracks_.size());
         if (is_new) tracks_.emplace_back();
-        Track& track = tracks_[at->second];
+        Track& track = tracks_[at];
         for (std::size_t w = 0; w < source.classes.size(); ++w) {
             const std::int64_t window = here[static_cast<std::size_t>(source.first_window) + w];
             const std::int64_t place = window - track.first_window;
@@ -247,8 +248,8 @@ void PhaseHistory::merge(const PhaseHistory& later) {
 }
 
 std::span<const Phase> PhaseHistory::classes(std::int64_t id, std::int64_t& first_window) const {
-    const auto at = index_.find(id);
-    if (at == index_.end() || !window_.length) return {};
+    const auto at = index_.all().find(id);
+    if (at == index_.all().end() || !window_.length) return {};
     first_window = tracks_[at->second].first_window;
     return tracks_[at->second].classes;
 }

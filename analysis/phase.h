@@ -7,11 +7,11 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include "analysis/accumulator.h"
 #include "analysis/blocks.h"
+#include "analysis/track_index.h"
 #include "core/option_table.h"
 #include "core/trajectory.h"
 
@@ -111,7 +111,7 @@ class PhaseHistory {
     PhaseOptions options_;
     PhaseWindow window_;
     std::int64_t frames_ = 0;
-    std::unordered_map<std::int64_t, std::size_t> index_;
+    TrackIndex index_;
     std::vector<Track> tracks_;
     std::vector<std::size_t> touched_;
     double open_key_ = 0;

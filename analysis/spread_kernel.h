@@ -12,7 +12,7 @@ namespace grainfield::analysis {
 ///   φ(z) = exp(β (sqrt(1 − (2z/w)²) − 1)),  |z| ≤ w/2,   z in cells, β = 2.3 w,
 ///
 /// for grids twice as fine as the transform needs. Values at the w cells around a particle come
-/// from one polynomial a cell, fitted when the kernel is made.
+/// from one polynomial a cell, fitted when the kernel is made; those of mirror images share one.
 class SpreadKernel {
  public:
     static constexpr int most_width = 16;
@@ -23,9 +23,11 @@ class SpreadKernel {
 
     int width() const { return width_; }
     std::size_t padded_width() const { return padded_; }
-    int degree() const { return degree_; }
+    /// Powers of t² in the even and in the odd part of a polynomial.
+    int powers() const { return powers_; }
 
-    /// [power from the highest][cell], padded_width() cells, zeros beyond the width.
+    /// [power of t² from the highest][even, odd part][cell]: the lower half of the cells, in whole
+    /// groups of `padding`.
     const double* coefficients() const { return coefficients_.data(); }
 
     double value(double z) const;
@@ -36,7 +38,7 @@ class SpreadKernel {
  private:
     int width_;
     std::size_t padded_;
-    int degree_;
+    int powers_;
     double beta_;
     std::vector<double> coefficients_;
 };
@@ -50,11 +52,12 @@ struct SpreadTile {
     std::vector<double> value = std::vector<double>(columns * rows, 0.0);
 };
 
-/// Adds Σ_j w_j φ(cell − x_j) φ(row − y_j) to a tile. x, y: in cells from the corner of the tile
-/// proper, within [0, 32]; no weights: one each. One thread; the order of the sum is that of the
-/// particles. Bits depend on the instruction set (fused multiply-add), not on the machine beyond
-/// that. Cost about w² / 4 vector operations a particle.
+/// Adds Σ_j w_j φ(cell − x_j) φ(row − y_j) to one tile for each kind of weights. x, y: in cells
+/// from the corner of the tile proper, within [0, 32]; no weights: one tile, one each. One thread;
+/// the order of the sum is that of the particles. Bits depend on the instruction set (fused
+/// multiply-add), not on the machine beyond that. Cost about w² / 4 vector operations a particle
+/// and tile, and as many for all tiles together.
 void spread(const SpreadKernel& kernel, std::span<const double> x, std::span<const double> y,
-            std::span<const double> weights, SpreadTile& tile);
+            std::span<const std::span<const double>> weights, std::span<SpreadTile> tiles);
 
 }  // namespace grainfield::analysis

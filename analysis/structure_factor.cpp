@@ -1,9 +1,12 @@
 #include "analysis/structure_factor.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -40,6 +43,26 @@ double affordable(const StructureFactorOptions& options, const Box& box, int blo
                     options.k_max * std::sqrt(most_bytes / bytes))});
 }
 
+// Throws OptionError unless the list ascends from zero or more.
+std::vector<double> edges_of(const std::string& list) {
+    std::vector<double> edges;
+    bool ascends = true;
+    for (const char* at = list.data(); at != list.data() + list.size() && ascends;) {
+        double edge = 0;
+        const auto [end, error] = std::from_chars(at, list.data() + list.size(), edge);
+        const bool is_last = end == list.data() + list.size();
+        ascends = error == std::errc() && std::isfinite(edge) && edge >= 0 &&
+                  (edges.empty() || edge > edges.back()) &&
+                  (is_last || (*end == ',' && end + 1 != list.data() + list.size()));
+        edges.push_back(edge);
+        at = is_last ? end : end + 1;
+    }
+    if (list.empty() || (ascends && edges.size() >= 2)) return edges;
+    throw OptionError(ErrorText{"the edges of the annuli of |k| are not usable", "'" + list + "'",
+                                "two or more numbers in 1/a that ascend from 0 or more",
+                                "for example 0.05,0.1,0.2,0.4"});
+}
+
 bool same_length(double a, double b) {
     return std::abs(a - b) <= 1e-9 * std::max(a, b);
 }
@@ -55,6 +78,8 @@ OptionTable describe(StructureFactorOptions& options, const std::string& section
         "wavevectors 2 pi n/L or pi n/L; auto: by boundary");
     table.number("shell-width", options.shell_width, "1/a", {1e-12, 1e9},
                  "width of the isotropic average; auto: distinct |k| first, then the grid step");
+    table.text("edges", options.edges,
+               "edges of annuli of |k| in 1/a, as 0.05,0.1,0.2, to average over instead; or empty");
     return table;
 }
 
@@ -63,6 +88,7 @@ StructureFactor::StructureFactor(const StructureFactorOptions& options, const Bo
     : options_(options),
       box_(box),
       plan_(BlockPlan::of(frames)),
+      edges_(edges_of(options.edges)),
       grid_(spacing_of(options, box), affordable(options, box, plan_.blocks)),
       transform_(std::make_shared<DensityTransform>(grid_)) {
     const auto& modes = grid_.modes();
@@ -145,19 +171,20 @@ StructureFactor::Sample StructureFactor::measure(
         imaginary[j] = order[j].imag();
         particles += 1;
     }
-    Sample sample{particles, transform_->modes(pattern.position, real, pattern.box.origin, grid_)};
-    const auto second = transform_->modes(pattern.position, imaginary, pattern.box.origin, grid_);
-    sample.rho.insert(sample.rho.end(), second.begin(), second.end());
-    return sample;
+    const std::array<std::span<const double>, 2> parts{real, imaginary};
+    return {particles, transform_->modes(pattern.position, parts, pattern.box.origin, grid_)};
 }
 
 void StructureFactor::add(Sample sample) {
     Block& block = blocks_[static_cast<std::size_t>(plan_.block_of(added_++))];
     block.frames += 1;
     block.particles += sample.particles;
-    for (std::size_t m = 0; m < sample.rho.size(); ++m) {
-        block.rho[m] += sample.rho[m];
-        block.power[m % grid_.modes().size()] += std::norm(sample.rho[m]);
+    const std::size_t modes = grid_.modes().size();
+    for (std::size_t first = 0; first < sample.rho.size(); first += modes) {
+        for (std::size_t m = 0; m < modes; ++m) {
+            block.rho[first + m] += sample.rho[first + m];
+            block.power[m] += std::norm(sample.rho[first + m]);
+        }
     }
     for (std::size_t c = 0; c < neumann_modes_.size(); ++c) {
         const Mode& mode = grid_.modes()[neumann_modes_[c]];

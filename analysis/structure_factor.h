@@ -32,6 +32,7 @@ struct StructureFactorOptions {
     double k_max = 2;  ///< largest |k| [1/a]
     WaveGrid grid = WaveGrid::automatic;
     std::optional<double> shell_width{};  ///< width of the isotropic average [1/a]; auto: below
+    std::string edges{};  ///< of annuli of |k| [1/a], "0.05,0.1,0.2", in place of shells; or empty
 };
 
 OptionTable describe(StructureFactorOptions& options, const std::string& section = "sk");
@@ -50,9 +51,10 @@ OptionTable describe(StructureFactorOptions& options, const std::string& section
 /// of frames; equal to it below 17 frames) and given in the curve `sk_samples`.
 ///
 /// Isotropic average over shells of |k| (half plane), by default every distinct |k| below 5.5 grid
-/// steps and shells one step wide above: k is the mean |k| of the modes, n their
-/// number. In a walled box plane waves on the π/L grid are correlated and leak (docs/analysis.md):
-/// use `sk_neumann` for the limit k → 0.
+/// steps and shells one step wide above; or over given annuli e_i ≤ |k| < e_{i+1} (the last one
+/// closed), whatever lies outside left out: k is the mean |k| of the modes, n their number. In a
+/// walled box plane waves on the π/L grid are correlated and leak (docs/analysis.md): use
+/// `sk_neumann` for the limit k → 0.
 ///
 /// No error, and a reason, where blocks next to each other are more alike than blocks in general
 /// (von Neumann's ratio of the block means below a half, `vonneumann1941`): such modes change more
@@ -192,6 +194,7 @@ class StructureFactor {
     StructureFactorOptions options_;
     Box box_;
     BlockPlan plan_;
+    std::vector<double> edges_;  // of annuli; empty: shells
     ModeGrid grid_;
     std::shared_ptr<const DensityTransform> transform_;  // of particles
     std::size_t components_ = 1;

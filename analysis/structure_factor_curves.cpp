@@ -61,7 +61,13 @@ StructureFactor::Shells StructureFactor::shells(Estimator estimator) const {
     std::map<std::int64_t, std::vector<std::size_t>> by_shell;
     for (std::size_t m = 0; m < grid_.modes().size(); ++m) {
         if (estimator == Estimator::neumann && neumann_index_[m] == nowhere) continue;
-        by_shell[shell_of(grid_.modes()[m].k, step, options_.shell_width)].push_back(m);
+        const double k = grid_.modes()[m].k;
+        if (edges_.empty()) {
+            by_shell[shell_of(k, step, options_.shell_width)].push_back(m);
+        } else if (k >= edges_.front() && k <= edges_.back()) {
+            const auto above = std::ranges::upper_bound(edges_.begin(), edges_.end() - 1, k);
+            by_shell[above - edges_.begin()].push_back(m);
+        }
     }
     Shells shells;
     for (auto& [number, members] : by_shell) {
@@ -363,6 +369,11 @@ ObservableResult StructureFactor::result() const {
     }
     if (sums.particles <= 0) {
         result.reason = added_ == 0 ? "no frames" : "no particles";
+        return result;
+    }
+    if (shells(Estimator::raw).k.empty()) {
+        result.reason =
+            fmt::format("no wavevector of the grid lies in the annuli {}", options_.edges);
         return result;
     }
     const bool connected = added_ >= 2 && !box_.is_periodic();

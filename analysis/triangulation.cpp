@@ -83,11 +83,16 @@ class Lists {
           copies_(continued(points, box, margin)),
           scaling_(copies_),
           delaunay_(on_grid(copies_, scaling_)) {
-        for (int t = 0; t < delaunay_.triangles(); ++t) vertex_.push_back(centre_of(t));
+        const double near = 50 * scaling_.extent;
+        for (int t = 0; t < delaunay_.triangles(); ++t) {
+            vertex_.push_back(centre_of(t));
+            const double r2 = squared_norm(vertex_.back() - scaling_.centre);
+            is_near_.push_back(r2 < near * near ? 1 : 0);
+        }
     }
 
     // False if the margin was too narrow.
-    bool fill(bool must_be_certain, std::vector<std::size_t>& first,
+    bool fill(bool must_be_certain, bool wants_edges, std::vector<std::size_t>& first,
               std::vector<Neighbour>& neighbours, std::vector<double>& edges);
 
  private:
@@ -99,6 +104,9 @@ class Lists {
     Vec2 centre_of(int triangle) const;
     Vec2 vertex(int triangle) const { return vertex_[static_cast<std::size_t>(triangle)]; }
     bool is_certain(int triangle, Vec2 site) const;
+    bool is_near(int triangle) const {
+        return triangle >= 0 && is_near_[static_cast<std::size_t>(triangle)] != 0;
+    }
     double edge_length(const Delaunay::Spoke& spoke, Vec2 site, Vec2 d) const;
 
     std::span<const Vec2> points_;
@@ -107,7 +115,8 @@ class Lists {
     std::vector<Copy> copies_;
     Scaling scaling_;
     Delaunay delaunay_;
-    std::vector<Vec2> vertex_;  // of the Voronoi diagram, by triangle
+    std::vector<Vec2> vertex_;           // of the Voronoi diagram, by triangle
+    std::vector<std::uint8_t> is_near_;  // whether it lies within 50 extents
 };
 
 // From the points as they are; where rounding to the grid may have turned a flat triangle over,
@@ -146,7 +155,7 @@ bool Lists::is_certain(int triangle, Vec2 site) const {
 // −1 for pairs that are none: points on a line come out of the rounding with flat triangles whose
 // centres lie far outside, and touch only there.
 double Lists::edge_length(const Delaunay::Spoke& spoke, Vec2 site, Vec2 d) const {
-    const double length = norm(d);
+    const double length = std::sqrt(squared_norm(d));
     const Vec2 along{-d.y / length, d.x / length};
     const Vec2 middle = site + 0.5 * d;
     constexpr double unbounded = std::numeric_limits<double>::infinity();
@@ -175,7 +184,7 @@ double Lists::edge_length(const Delaunay::Spoke& spoke, Vec2 site, Vec2 d) const
     return to > from ? to - from : 0;
 }
 
-bool Lists::fill(bool must_be_certain, std::vector<std::size_t>& first,
+bool Lists::fill(bool must_be_certain, bool wants_edges, std::vector<std::size_t>& first,
                  std::vector<Neighbour>& neighbours, std::vector<double>& edges) {
     first.assign(points_.size() + 1, 0);
     std::vector<Delaunay::Spoke> spokes;
@@ -185,7 +194,7 @@ bool Lists::fill(bool must_be_certain, std::vector<std::size_t>& first,
     std::vector<double> length;
     std::vector<std::size_t> begin(points_.size(), 0);
     found.reserve(6 * points_.size());
-    length.reserve(6 * points_.size());
+    if (wants_edges) length.reserve(6 * points_.size());
     for (const int c : delaunay_.order()) {
         const auto i = static_cast<std::size_t>(c);
         if (i >= points_.size()) continue;  // a copy
@@ -198,35 +207,37 @@ bool Lists::fill(bool must_be_certain, std::vector<std::size_t>& first,
             }
             const Copy& to = copies_[static_cast<std::size_t>(spoke.to)];
             const Vec2 d = to.at - points_[i];
-            const double edge = edge_length(spoke, points_[i], d);
+            const bool is_sure = is_near(spoke.left) && is_near(spoke.right);
+            const double edge = wants_edges || !is_sure ? edge_length(spoke, points_[i], d) : 0;
             if (edge < 0) continue;
             found.push_back({to.index, d, squared_norm(d)});
-            length.push_back(edge);
+            if (wants_edges) length.push_back(edge);
         }
         first[i + 1] = found.size() - begin[i];
     }
     for (std::size_t i = 0; i < points_.size(); ++i) first[i + 1] += first[i];
     neighbours.resize(found.size());
-    edges.resize(found.size());
+    edges.resize(length.size());
     for (std::size_t i = 0; i < points_.size(); ++i) {
         const auto from = static_cast<std::ptrdiff_t>(begin[i]);
         const auto to = static_cast<std::ptrdiff_t>(first[i]);
         const std::size_t count = first[i + 1] - first[i];
         std::copy_n(found.begin() + from, count, neighbours.begin() + to);
-        std::copy_n(length.begin() + from, count, edges.begin() + to);
+        if (wants_edges) std::copy_n(length.begin() + from, count, edges.begin() + to);
     }
     return true;
 }
 
 }  // namespace
 
-Triangulation::Triangulation(std::span<const Vec2> points, const Box& box) {
+Triangulation::Triangulation(std::span<const Vec2> points, const Box& box, Edges edges) {
+    const bool wants_edges = edges == Edges::measured;
     if (points.empty()) {
         first_.assign(1, 0);
         return;
     }
     if (!any_periodic(box)) {
-        Lists(points, box, 0).fill(false, first_, neighbour_, edge_);
+        Lists(points, box, 0).fill(false, wants_edges, first_, neighbour_, edge_);
         return;
     }
     const double longest = std::max(box.length.x, box.length.y);
@@ -234,7 +245,8 @@ Triangulation::Triangulation(std::span<const Vec2> points, const Box& box) {
         std::min(4 * std::sqrt(box.area() / static_cast<double>(points.size())), 2 * longest);
     // Twice the longer side is enough for any pattern with all axes periodic; with one walled axis
     // the outermost cells stay unbounded and the widest margin is taken as it is.
-    while (!Lists(points, box, margin).fill(margin < 2 * longest, first_, neighbour_, edge_)) {
+    while (!Lists(points, box, margin)
+                .fill(margin < 2 * longest, wants_edges, first_, neighbour_, edge_)) {
         margin = std::min(2 * margin, 2 * longest);
     }
 }

@@ -22,7 +22,9 @@ namespace grainfield::analysis {
 /// insertion.
 class Triangulation {
  public:
-    Triangulation(std::span<const Vec2> points, const Box& box);
+    enum class Edges { none, measured };
+
+    Triangulation(std::span<const Vec2> points, const Box& box, Edges edges = Edges::none);
 
     std::size_t size() const { return first_.empty() ? 0 : first_.size() - 1; }
     std::span<const Neighbour> neighbours(std::size_t i) const {
@@ -30,7 +32,7 @@ class Triangulation {
     }
 
     /// Lengths of the Voronoi edges between point i and its neighbours [length unit of the points],
-    /// as much of them as lies between the walls of the box.
+    /// as much of them as lies between the walls of the box. Only where they were asked for.
     std::span<const double> edges(std::size_t i) const {
         return {edge_.data() + first_[i], edge_.data() + first_[i + 1]};
     }

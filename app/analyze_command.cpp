@@ -14,6 +14,7 @@
 #include "io/points_csv.h"
 #include "io/results_file.h"
 #include "io/trajectory_file.h"
+#include "io/wavevector_csv.h"
 #include "report/run_identity.h"
 #include "report/text.h"
 
@@ -124,6 +125,8 @@ std::vector<OptionTable> AnalyzeCommand::options() {
                 {"periodic", BoundaryChoice::periodic},
                 {"walls", BoundaryChoice::walls}},
                "what the sides of the box are");
+    own.text("wavevectors", wavevectors_,
+             "table kx,ky of wavevectors in 1/a at which S(k) is measured besides its grid");
     own.number("fps", fps_, "1/s", {1e-9, 1e9}, "frame rate; auto: as the file says");
     own.number("diameter", diameter_, "length unit of the file", {1e-9, 1e9},
                "particle diameter a, the unit of the results; auto: as the file says");
@@ -177,7 +180,19 @@ Summary AnalyzeCommand::work(Session& session) const {
     const auto overwrite = session.common.force ? io::Overwrite::force : io::Overwrite::refuse;
     const std::filesystem::path& input = session.inputs.front();
     const io::FileKind kind = io::identify(input);
-    if (kind == io::FileKind::field) return run_fields(session);
+    if (kind == io::FileKind::field) {
+        if (!wavevectors_.empty()) {
+            throw OptionError({.problem = "fields have no S(k) at listed wavevectors",
+                               .actual = fmt::format("--wavevectors {}", wavevectors_),
+                               .expected = "a trajectory or a table of points",
+                               .suggestion =
+                                   "leave the option out: the modes of the lattice are all "
+                                   "that a field has"});
+        }
+        return run_fields(session);
+    }
+    analysis::AnalysisOptions options = analysis_;
+    if (!wavevectors_.empty()) options.wavevectors = io::read_wavevectors(wavevectors_);
     if (kind == io::FileKind::points && boundary_ == BoundaryChoice::periodic && box_.empty() &&
         !io::states_box(input)) {
         throw OptionError({.problem = "a periodic boundary needs the box",
@@ -205,14 +220,14 @@ Summary AnalyzeCommand::work(Session& session) const {
         }
     }
     if (session.common.explain) {
-        analysis::plan_analysis(snapshots, analysis_, session.plan);
+        analysis::plan_analysis(snapshots, options, session.plan);
         return explanation(session.plan);
     }
 
     Progress progress("analysing", snapshots.count(), "frames", session.common.verbosity());
     Results results;
     results.observables =
-        analysis::analyze(snapshots, analysis_, session.threads(), session.plan, progress);
+        analysis::analyze(snapshots, options, session.threads(), session.plan, progress);
     progress.finish();
     results.source = snapshots.info();
     results.observables.insert(results.observables.begin(),

@@ -30,6 +30,7 @@ class AnalyzeCommand : public Command {
     std::string output_;
     std::string label_;
     std::string box_;
+    std::string wavevectors_;
     BoundaryChoice boundary_ = BoundaryChoice::as_in_file;
     std::optional<double> fps_;
     std::optional<double> diameter_;

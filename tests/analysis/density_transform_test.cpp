@@ -1,5 +1,6 @@
 #include "analysis/density_transform.h"
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -59,17 +60,29 @@ TEST(NonuniformFourier, IsRightTo1e12ForEveryModeOfAVideoFrame) {
     EXPECT_LT(worst_difference(rho, truth) / std::sqrt(11704.0), 3e-12);
 }
 
-TEST(NonuniformFourier, TakesWeights) {
+TEST(NonuniformFourier, TakesKindsOfWeights) {
     RandomStream random(3, "weights");
     const Box box = square_box(25);
     const std::vector<Vec2> points = poisson_points(700, box, random);
-    std::vector<double> weights;
-    for (std::size_t j = 0; j < points.size(); ++j) weights.push_back(random.normal());
+    std::vector<double> weights, others;
+    for (std::size_t j = 0; j < points.size(); ++j) {
+        weights.push_back(random.normal());
+        others.push_back(random.uniform());
+    }
     const ModeGrid grid({2 * std::numbers::pi / 25, 2 * std::numbers::pi / 25}, 6);
     const NonuniformFourier fourier(grid);
-    EXPECT_LT(relative_difference(fourier.modes(points, weights, {0, 0}, grid),
+    const std::array<std::span<const double>, 2> both{weights, others};
+    const Modes rho = fourier.modes(points, both, {0, 0}, grid);
+    ASSERT_EQ(rho.size(), 2 * grid.modes().size());
+    const auto half = rho.begin() + static_cast<std::ptrdiff_t>(grid.modes().size());
+    EXPECT_LT(relative_difference(Modes(rho.begin(), half),
                                   weighted_modes(points, weights, {0, 0}, grid)),
               1e-12);
+    EXPECT_LT(
+        relative_difference(Modes(half, rho.end()), weighted_modes(points, others, {0, 0}, grid)),
+        1e-12);
+    EXPECT_EQ(fourier.modes(points, std::span(both).first(1), {0, 0}, grid),
+              Modes(rho.begin(), half));
 }
 
 TEST(NonuniformFourier, OfAPerfectLatticeVanishesOffBraggTo1e18) {

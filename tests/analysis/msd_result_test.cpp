@@ -1,6 +1,7 @@
 #include "analysis/msd_result.h"
 
 #include <cmath>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -27,6 +28,50 @@ TEST(MsdResult, FitsDiffusionThroughALocalisationOffset) {
     EXPECT_NEAR(*result.find_measurement("d_all")->error, 0, 1e-12);
     EXPECT_FALSE(result.find_measurement("d_solid")->value.has_value());
     EXPECT_FALSE(result.find_measurement("d_solid")->reason.empty());
+}
+
+// c = 4 σ² − (4/3) D t_e with D = 0.3, σ = 0.1, t_e = 0.06.
+double blurred(double t) {
+    return 4 * 0.3 * (t - 0.06 / 3) + 4 * 0.01;
+}
+
+TEST(MsdResult, TellsTheLocalisationErrorFromTheOffsetAndTheExposure) {
+    MsdTable t = table(blurred);
+    t.exposure = 0.06;
+    ObservableResult result;
+    add_msd(t, result);
+    EXPECT_NEAR(*result.find_measurement("localisation_all")->value, 0.1, 1e-9);
+    EXPECT_EQ(result.find_measurement("exposure_all"), nullptr);
+}
+
+TEST(MsdResult, TellsTheExposureFromTheOffsetAndTheLocalisationError) {
+    MsdTable t = table(blurred);
+    t.localisation = 0.1;
+    ObservableResult result;
+    add_msd(t, result);
+    EXPECT_NEAR(*result.find_measurement("exposure_all")->value, 0.06, 1e-9);
+    EXPECT_EQ(result.find_measurement("localisation_all"), nullptr);
+}
+
+TEST(MsdResult, HoldsTheOffsetWhereBothAreGiven) {
+    MsdTable t = table([](double lag) { return blurred(lag) + (lag > 10 ? 0.2 : 0); });
+    t.exposure = 0.06;
+    t.localisation = 0.1;
+    ObservableResult result;
+    add_msd(t, result);
+    const double d = *result.find_measurement("d_all")->value;
+    EXPECT_NEAR(*result.find_measurement("offset_all")->value, 0.04 - 4.0 / 3 * d * 0.06, 1e-12);
+    EXPECT_NEAR(d, 0.3, 0.01);
+}
+
+TEST(MsdResult, HasAReasonInPlaceOfANegativeSquare) {
+    MsdTable t = table([](double lag) { return 4 * 0.3 * (lag - 0.5); });
+    t.exposure = 0.06;
+    ObservableResult result;
+    add_msd(t, result);
+    const Measurement* m = result.find_measurement("localisation_all");
+    EXPECT_FALSE(m->value.has_value());
+    EXPECT_NE(m->reason.find("below that of the exposure"), std::string::npos);
 }
 
 TEST(MsdResult, FitsTheExponentOfAPowerLaw) {
