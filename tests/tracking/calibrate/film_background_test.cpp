@@ -95,7 +95,8 @@ TEST(FilmBackground, BrightSpheresAreTheSameTurnedRound) {
     const Image a = dark.estimate(kLevels, 1).level;
     const Image b = turned.estimate(bright, 1).level;
     for (std::size_t i = 0; i < a.size(); ++i) {
-        if (std::isfinite(a.pixels()[i])) EXPECT_NEAR(255 - b.pixels()[i], a.pixels()[i], 1e-3);
+        if (!std::isfinite(a.pixels()[i])) continue;
+        EXPECT_NEAR(255 - b.pixels()[i], a.pixels()[i], 1e-3);
     }
 }
 
