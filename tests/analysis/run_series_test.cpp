@@ -33,13 +33,22 @@ TEST(RunSeries, AveragesTheLaterHalfOnly) {
     EXPECT_EQ(result.curves.front().find("t")->values.size(), 200U);
 }
 
-TEST(RunSeries, ErrorsAreThoseOfIndependentBlocks) {
-    // A slow wave: 100 rows of which 25 make a period, nothing like 100 independent ones.
+TEST(RunSeries, ErrorsAreThoseOfIndependentRows) {
+    // 400 late rows that follow each other in runs of ten: 40 independent ones.
     std::vector<double> energy;
-    for (int i = 0; i < 200; ++i) energy.push_back(std::sin(i * 0.06));
+    for (int i = 0; i < 800; ++i) energy.push_back(std::sin(37.0 * (i / 10) * (i / 10)));
     const Measurement m = run_series({series_of(energy)}).measurements.front();
-    EXPECT_GT(m.error.value(), 0.1);
-    EXPECT_LT(m.samples, 30);
+    EXPECT_GT(m.error.value(), 0.05);  // 0.7/sqrt(40) = 0.11
+    EXPECT_LT(m.samples, 120);
+}
+
+TEST(RunSeries, GivesNoErrorToAWaveAsLongAsTheRun) {
+    std::vector<double> energy;
+    for (int i = 0; i < 200; ++i) energy.push_back(std::sin(i * 0.06));  // 105 rows a period
+    const Measurement m = run_series({series_of(energy)}).measurements.front();
+    EXPECT_TRUE(m.value.has_value());
+    EXPECT_FALSE(m.error.has_value());
+    EXPECT_NE(m.reason.find("more slowly"), std::string::npos);
 }
 
 TEST(RunSeries, SaysWhyThereIsNothing) {
