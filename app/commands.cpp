@@ -8,6 +8,7 @@
 #include "app/simulate_field_command.h"
 #include "app/simulate_md_command.h"
 #include "app/track_command.h"
+#include "app/tune_command.h"
 #include "app/validate_command.h"
 
 namespace grainfield::app {
@@ -15,6 +16,7 @@ namespace grainfield::app {
 std::vector<std::unique_ptr<Command>> make_commands() {
     std::vector<std::unique_ptr<Command>> commands;
     commands.push_back(std::make_unique<TrackCommand>());
+    commands.push_back(std::make_unique<TuneCommand>());
     commands.push_back(std::make_unique<SimulateMdCommand>());
     commands.push_back(std::make_unique<SimulateFieldCommand>());
     commands.push_back(std::make_unique<RenderCommand>());

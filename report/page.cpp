@@ -259,7 +259,8 @@ std::string page_html(const PageContent& content) {
     out +=
         "<noscript><p class=\"absent\">The plots need JavaScript; it runs on this machine "
         "only.</p></noscript>\n";
-    out += tables_html(content) + numbers_html(content);
+    out += tables_html(content);
+    if (content.key_numbers) out += numbers_html(content);
     out += map_html(content) + "<section class=\"figures\">\n";
     for (const Figure& figure : content.figures) out += figure_html(content, figure);
     out += spectrum_maps_html(content);

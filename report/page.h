@@ -22,6 +22,7 @@ struct PageContent {
     std::vector<std::string> files;    ///< names of those that exist
     const RunPlan& plan;               ///< of the command that writes the report
     const std::vector<Table>& tables;  ///< before the key numbers; may be empty
+    bool key_numbers = true;           ///< a table of what an analysis measures
 };
 
 /// The whole HTML page, self-contained: styles, scripts (plotly.js with its licence) and data are

@@ -43,7 +43,9 @@ void write_report(const std::vector<Results>& runs, const ReportOptions& options
     }
     for (const std::string& text : mismatches(runs, labels, identities)) plan.warn(text);
     std::vector<Figure> figures = additions.figures;
-    for (Figure& figure : make_figures(runs, labels)) figures.push_back(std::move(figure));
+    if (options.observables) {
+        for (Figure& figure : make_figures(runs, labels)) figures.push_back(std::move(figure));
+    }
     const std::vector<ParticleMap> maps = make_maps(runs, {.threads = options.threads});
     std::string title = clean_text(options.title);
     if (title.empty()) title = "Report of a vibrated layer";
@@ -58,7 +60,7 @@ void write_report(const std::vector<Results>& runs, const ReportOptions& options
     }
     write_file(html, page_html({title, runs, labels, figures, maps,
                                 options.figures ? relative_folder(figures_dir, html) : "", files,
-                                plan, tables}));
+                                plan, tables, options.observables}));
 }
 
 }  // namespace grainfield::report

@@ -15,7 +15,8 @@ struct ReportOptions {
     std::string title;    ///< heading of the page; empty: made from the runs
     bool figures = true;  ///< also write every figure as SVG, PDF and CSV into the folder beside
     int threads = 0;      ///< 0: all of the machine
-    bool paper = false;   ///< begin with the table of the paper's values (paper_table)
+    bool observables = true;  ///< figures and key numbers of what an analysis measures
+    bool paper = false;       ///< begin with the table of the paper's values (paper_table)
 };
 
 /// What a command adds to a report of its own: tables before the key numbers, figures before those
