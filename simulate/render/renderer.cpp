@@ -78,8 +78,8 @@ void explain_optics(const RenderOptions& o, const View& view, RunPlan& plan) {
     }
     plan.skip(
         "uniform sampling",
-        fmt::format("no ray where only the panel is seen, one where twice the standard "
-                    "deviation around is below {:.2g} of the bright field, up to {} elsewhere",
+        fmt::format("no ray where only the panel is seen, one where neighbours agree (twice their "
+                    "standard deviation below {:.2g} of the bright field), up to {} elsewhere",
                     tolerance, o.raytrace.most_samples),
         "a third to most of the rays; the summary says how many and what it changes");
 }
