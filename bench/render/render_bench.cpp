@@ -128,8 +128,8 @@ void sampling() {
         noise = std::sqrt(noise / static_cast<double>(truth.size())) / unit;
         std::printf("s = %s, camera noise %.3f %%\n", crystal ? ".81 a" : ".924 a", 100 * noise);
         for (const Way way :
-             {Way{0, 2}, Way{0, 4}, Way{0, 8}, Way{0.3, 2}, Way{0.15, 3}, Way{0.1, 3}, Way{0.05, 3},
-              Way{0.1, 4}, Way{0.05, 4}, Way{0.05, 5}, Way{0.03, 5}, Way{0.05, 6}, Way{0.02, 6}}) {
+             {Way{0, 2}, Way{0, 4}, Way{0, 8}, Way{0.4, 16}, Way{0.3, 16}, Way{0.25, 16},
+              Way{0.2, 16}, Way{0.185, 16}, Way{0.185, 8}, Way{0.15, 16}, Way{0.1, 16}}) {
             RaytraceOptions o;
             o.tolerance = way.tolerance;
             o.most_samples = way.samples;
@@ -137,7 +137,7 @@ void sampling() {
             const double begin = processor_ms();
             const Image radiance = optics.radiance(instants, fine);
             const double spent = processor_ms() - begin;
-            std::printf("  tolerance %.2f, %d samples: error %.3f %%, %.2f µs, %.1f rays a pixel\n",
+            std::printf("  tolerance %.3f, %d samples: error %.3f %%, %.2f µs, %.1f rays a pixel\n",
                         way.tolerance, way.samples, 100 * rms(camera.exposure(radiance), truth),
                         1e3 * spent / (96.0 * 96), optics.cost().rays / (96.0 * 96));
         }

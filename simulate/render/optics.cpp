@@ -9,7 +9,9 @@ std::unique_ptr<Optics> make_optics(const RenderOptions& options, int threads) {
     if (options.optics == OpticsKind::silhouette) {
         return std::make_unique<SilhouetteOptics>(options.silhouette, threads);
     }
-    return std::make_unique<RaytraceOptics>(options.raytrace, threads);
+    RaytraceOptions raytrace = options.raytrace;
+    raytrace.tolerance = sampling_tolerance(options);
+    return std::make_unique<RaytraceOptics>(raytrace, threads);
 }
 
 }  // namespace grainfield::simulate

@@ -15,6 +15,13 @@ namespace {
 
 constexpr float mixed = std::numeric_limits<float>::quiet_NaN();
 
+// Of the variance of the bright field's noise: what is left in the dark (read noise, rounding and
+// stray light of the default camera).
+constexpr double dark_noise = 0.06;
+// Where no neighbour tells [bright field].
+constexpr double usual_rim = 0.4;
+constexpr int seen_around = 2;  // pixels to each side
+
 // Through `pixel`, from just above the spheres: single precision would not bear the true distance.
 LightPath camera_ray(const View& view, Vec2 pixel, double top) {
     const Vec3 origin = view.at_height(pixel, top);
@@ -34,12 +41,6 @@ Vec2 sub_pixel(int k, int column, int row) {
     return {x - std::floor(x) - 0.5, y - std::floor(y) - 0.5};
 }
 
-struct RowCost {
-    std::int64_t rays = 0;
-    std::int64_t samples = 0;
-    std::int64_t settled = 0;
-};
-
 /// The passes over the pixels of one image.
 class Picture {
  public:
@@ -47,6 +48,7 @@ class Picture {
         : cell_(cell),
           view_(view),
           options_(options),
+          tolerance_(options.tolerance.value_or(sampling_tolerance({}))),
           open_(std::move(open)),
           pilot_(open_.width(), open_.height(), mixed) {}
 
@@ -63,7 +65,7 @@ class Picture {
                 image(x, y) = static_cast<float>(panel(x, y));
                 ++cost.settled;
             } else {
-                image(x, y) = is_settled(x, y) ? pilot_(x, y) : sampled(x, y, cost);
+                image(x, y) = sampled(x, y, cost);
             }
         }
     }
@@ -75,6 +77,8 @@ class Picture {
             for (int k = 0; k < options_.most_samples; ++k) {
                 sum += sample(x, y, k, cost).radiance;
             }
+            ++cost.unsettled;
+            cost.unsettled_samples += options_.most_samples;
             image(x, y) = static_cast<float>(sum / options_.most_samples);
         }
     }
@@ -98,28 +102,50 @@ class Picture {
         return cell_.panel(ray.origin, ray.direction);
     }
 
+    // What the rays of the pixels around it saw; few of them where the sphere ends. Four would not
+    // do: they miss the thin bright lines of the mirror images.
+    struct Around {
+        double brightness = usual_rim;
+        double deviation = usual_rim / 2;
+    };
+
+    Around around(int x, int y) const {
+        int count = 0;
+        double sum = 0;
+        double squares = 0;
+        const int end_x = std::min(x + seen_around + 1, view_.width());
+        const int end_y = std::min(y + seen_around + 1, view_.height());
+        for (int j = std::max(0, y - seen_around); j < end_y; ++j) {
+            for (int i = std::max(0, x - seen_around); i < end_x; ++i) {
+                const float value = pilot_(i, j);
+                if (std::isnan(value) || (i == x && j == y)) continue;
+                const auto seen = static_cast<double>(value);
+                ++count;
+                sum += seen;
+                squares += seen * seen;
+            }
+        }
+        if (count < 2) return {};
+        const double mean = sum / count;
+        return {mean, std::sqrt(std::max(0.0, squares / count - mean * mean))};
+    }
+
     // Its own ray has no say: if it had, the bright ones among dark neighbours would be looked at
     // again and the dark ones among bright ones not, and the image would be too dark.
-    bool is_settled(int x, int y) const {
-        if (open_(x, y) > 0) return false;
-        float least = std::numeric_limits<float>::infinity();
-        float most = -least;
-        const auto compare = [&](int i, int j) {
-            if (i < 0 || j < 0 || i >= view_.width() || j >= view_.height()) return;
-            const float value = pilot_(i, j);
-            if (std::isnan(value)) return;
-            least = std::min(least, value);
-            most = std::max(most, value);
-        };
-        compare(x - 1, y);
-        compare(x + 1, y);
-        compare(x, y - 1);
-        compare(x, y + 1);
-        return most - least <= static_cast<float>(options_.tolerance);
+    int samples_wanted(int x, int y) const {
+        const auto [covered, deviation] = around(x, y);
+        const auto open = std::max(0.0, static_cast<double>(open_(x, y)));
+        const double brightness = open + (1 - open) * covered;
+        const double tolerance =
+            tolerance_ * std::sqrt((dark_noise + brightness) / (dark_noise + 1));
+        const double wanted = std::ceil(2 * std::sqrt(1 - open) * deviation / tolerance);
+        return static_cast<int>(
+            std::clamp(wanted, 1.0, static_cast<double>(options_.most_samples)));
     }
 
     float sampled(int x, int y, RowCost& cost) const {
         const auto open = static_cast<double>(open_(x, y));
+        const int wanted = samples_wanted(x, y);
         double sum = 0;
         int hits = 0;
         int k = 0;
@@ -127,11 +153,15 @@ class Picture {
             sum = static_cast<double>(pilot_(x, y));
             hits = k = 1;
         }
-        for (; k < options_.most_samples; ++k) {
+        for (; k < wanted || (hits == 0 && k < options_.most_samples); ++k) {
             const MirrorCell::Seen seen = sample(x, y, k, cost);
             if (!seen.sphere) continue;
             sum += seen.radiance;
             ++hits;
+        }
+        if (k > 1) {
+            ++cost.unsettled;
+            cost.unsettled_samples += k;
         }
         // The exact share of what is open; a sliver of a sphere that no ray met is taken as open.
         if (hits == 0) return static_cast<float>(panel(x, y));
@@ -142,6 +172,7 @@ class Picture {
     const MirrorCell& cell_;
     const View& view_;
     const RaytraceOptions& options_;
+    double tolerance_;
     Image open_;
     Image pilot_;  // `mixed` where spheres do not cover the pixel
 };
@@ -158,7 +189,7 @@ RaytraceOptics::~RaytraceOptics() = default;
 
 Image RaytraceOptics::radiance(std::span<const SphereScene> instants, const View& view) {
     const MirrorCell cell(*device_, instants, view.centre(), options_);
-    const bool uniform = options_.tolerance <= 0;
+    const bool uniform = options_.tolerance && *options_.tolerance <= 0;
     Picture picture(cell, view, options_, uniform ? Image() : silhouette_.radiance(instants, view));
     Image image(view.width(), view.height());
     std::vector<RowCost> costs(static_cast<std::size_t>(view.height()));
@@ -178,20 +209,28 @@ Image RaytraceOptics::radiance(std::span<const SphereScene> instants, const View
         sum.rays += row.rays;
         sum.samples += row.samples;
         sum.settled += row.settled;
+        sum.unsettled += row.unsettled;
+        sum.unsettled_samples += row.unsettled_samples;
     }
-    add_cost(static_cast<double>(image.size()), static_cast<double>(sum.settled),
-             static_cast<double>(sum.rays), static_cast<double>(sum.samples));
+    add_cost(static_cast<double>(image.size()), sum);
     return image;
 }
 
-// Uniform sampling: as many samples in every pixel, one ray each where there is only the panel.
-void RaytraceOptics::add_cost(double pixels, double settled, double rays, double samples) {
+// Uniform sampling: in every pixel as many samples as those have on average that one did not
+// settle; one ray each where there is only the panel.
+void RaytraceOptics::add_cost(double pixels, const RowCost& cost) {
+    const auto settled = static_cast<double>(cost.settled);
+    const auto rays = static_cast<double>(cost.rays);
+    const auto samples = static_cast<double>(cost.samples);
     cost_.pixels += pixels;
     cost_.settled += settled;
     cost_.rays += rays;
     cost_.samples += samples;
     const double per_sample = samples > 0 ? rays / samples : 1;
-    cost_.uniform_rays += options_.most_samples * (settled + (pixels - settled) * per_sample);
+    const double usual = cost.unsettled > 0 ? static_cast<double>(cost.unsettled_samples) /
+                                                  static_cast<double>(cost.unsettled)
+                                            : 1;
+    cost_.uniform_rays += usual * (settled + (pixels - settled) * per_sample);
 }
 
 }  // namespace grainfield::simulate

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <span>
 
@@ -8,6 +9,15 @@
 #include "simulate/render/silhouette.h"
 
 namespace grainfield::simulate {
+
+/// What a row of pixels took.
+struct RowCost {
+    std::int64_t rays = 0;
+    std::int64_t samples = 0;
+    std::int64_t settled = 0;    ///< pixels that see only the panel
+    std::int64_t unsettled = 0;  ///< pixels with more than one sample
+    std::int64_t unsettled_samples = 0;
+};
 
 /// Mirror-like steel spheres between two glass plates above a diffuse panel, ray by ray.
 ///
@@ -24,13 +34,18 @@ namespace grainfield::simulate {
 /// That leaves out what the low plate mirrors into the open field: at most 8 % of what
 /// near-vertical rays find above, which is darkness but for a sphere's underside within 0.2 a of
 /// its rim, seen obliquely at the border of a perspective frame. Of the others, those that are
-/// covered wholly get one ray, at a point of the R2 sequence (`roberts2018`), which stands for the
-/// pixel where those of its four neighbours agree within `tolerance`; its own value has no say,
-/// which keeps the mean right. Elsewhere there are `most_samples`. The share of a pixel that
-/// spheres cover comes from SilhouetteOptics, exact but for the disc that stands for an ellipse
-/// there, so that samples only average over the covered part. Motion blur costs no further rays:
-/// each one sees one of the instants. A tolerance of 0 samples every pixel alike with
-/// `most_samples` rays and takes plain means: the reference.
+/// covered wholly get one ray, at a point of the R2 sequence (`roberts2018`). A pixel then has
+///
+///   n = ⌈2 σ sqrt(1 − open)/(tolerance · s(b))⌉ samples, at most `most_samples`,
+///   s(b) = sqrt((0.06 + b)/1.06),
+///
+/// σ: standard deviation of the rays of the 24 pixels around it, b: the brightness there, s(b): how
+/// the camera's noise falls in the dark, where an error is seen sooner. For a given number of rays
+/// the error is least with n ∝ σ (Neyman allocation). A pixel's own value has no say, which keeps
+/// the mean right. The share of a pixel that spheres cover comes from SilhouetteOptics, exact but
+/// for the disc that stands for an ellipse there, so that samples only average over the covered
+/// part. Motion blur costs no further rays: each one sees one of the instants. A tolerance of 0
+/// samples every pixel alike with `most_samples` rays and takes plain means: the reference.
 ///
 /// Intersections by Embree (`wald2014`), hit points and normals recomputed in double. Time is
 /// about 0.3 µs a ray and core. Same bits for any number of threads.
@@ -44,7 +59,7 @@ class RaytraceOptics : public Optics {
     OpticsCost cost() const override { return cost_; }
 
  private:
-    void add_cost(double pixels, double settled, double rays, double samples);
+    void add_cost(double pixels, const RowCost& cost);
 
     RaytraceOptions options_;
     int threads_;

@@ -72,8 +72,11 @@ struct RaytraceOptions {
     double ring_angle = 30;       ///< of the ring from the vertical, as seen from the cell [deg]
     int bounces = 4;              ///< mirror reflections followed
     bool neighbours = true;       ///< spheres mirror one another; else each only panel and ring
-    int most_samples = 4;         ///< rays from the camera per unsettled pixel
-    double tolerance = 0.05;      ///< between the neighbours of a settled pixel [bright field]
+    int most_samples = 16;        ///< rays from the camera per pixel, at most
+    /// Twice the standard deviation around a pixel for which one more ray is spent, where it is
+    /// bright [bright field]; 0: no ray is spared; auto: of the camera's noise
+    /// (sampling_tolerance).
+    std::optional<double> tolerance;
 };
 
 /// Everything about rendered frames.
@@ -92,6 +95,11 @@ struct RenderOptions {
     /// Blur, exposure, level, offset, gain, saturation and quantisation remain.
     RenderOptions effective() const;
 };
+
+/// The tolerance of ray tracing: as given, else in proportion to the variance of the noise of the
+/// camera's bright field: the error of sampling, which goes as the root of it, then follows the
+/// noise until most_samples or pixels with a single ray limit it.
+double sampling_tolerance(const RenderOptions& options);
 
 /// `optics` and `camera` stand in the empty section, then one table a stage.
 std::vector<OptionTable> describe(RenderOptions& options);

@@ -70,16 +70,18 @@ void explain_optics(const RenderOptions& o, const View& view, RunPlan& plan) {
                                    traced ? "ray tracing" : "silhouettes", view.width(),
                                    view.height(), view.scale()));
     if (!traced) return;
-    if (o.raytrace.tolerance <= 0) {
+    const double tolerance = sampling_tolerance(o);
+    if (tolerance <= 0) {
         plan.run("uniform sampling",
                  fmt::format("{} camera rays in every pixel", o.raytrace.most_samples));
         return;
     }
-    plan.skip("uniform sampling",
-              fmt::format("no ray where only the panel is seen, one where neighbours agree within "
-                          "{:g}, {} elsewhere",
-                          o.raytrace.tolerance, o.raytrace.most_samples),
-              "a third to most of the rays; the summary says how many and what it changes");
+    plan.skip(
+        "uniform sampling",
+        fmt::format("no ray where only the panel is seen, one where neighbours agree (twice their "
+                    "standard deviation below {:.2g} of the bright field), up to {} elsewhere",
+                    tolerance, o.raytrace.most_samples),
+        "a third to most of the rays; the summary says how many and what it changes");
 }
 
 void explain_light(const RenderOptions& o, RunPlan& plan) {

@@ -35,8 +35,10 @@ SamplingCheck check_sampling(const RenderOptions& options, const View& view,
                              const TrajectoryInfo& info, const SnapshotSeries& series,
                              std::uint64_t seed, int threads) {
     SamplingCheck check;
-    if (options.optics != OpticsKind::raytrace || options.raytrace.tolerance <= 0) return check;
-    const RenderOptions adaptive = patch_options(options, view);
+    const double tolerance = sampling_tolerance(options);
+    if (options.optics != OpticsKind::raytrace || tolerance <= 0) return check;
+    RenderOptions adaptive = patch_options(options, view);
+    adaptive.raytrace.tolerance = tolerance;
     RenderOptions uniform = adaptive;
     uniform.raytrace.tolerance = 0;
     uniform.raytrace.most_samples = std::max(reference_samples, options.raytrace.most_samples);
