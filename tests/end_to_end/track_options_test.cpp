@@ -172,7 +172,9 @@ TEST_F(TrackOptions, WhatTheMaskHidesIsNotLookedAt) {
             ++expected;
             EXPECT_LT(nearest(found, p), 0.2) << p.x << ' ' << p.y;
         }
-        if (clearance < 1) EXPECT_GT(nearest(found, p), 3) << "a sphere behind the mask";
+        if (clearance < 1) {
+            EXPECT_GT(nearest(found, p), 3) << "a sphere behind the mask";
+        }
     }
     EXPECT_GT(expected, 60);
     // The noise of the picture, nothing of the caption.
