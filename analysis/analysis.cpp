@@ -214,11 +214,12 @@ class Run {
     void add_phase(const Pattern& pattern, const BondOrderField& field) {
         const std::int64_t before = phase_->windows();
         PhaseHistory::Sample sample = phase_sample(pattern, field);
-        const bool example = examples_ && examples_->wants_more();
-        phase_->add(example ? sample : std::move(sample));
-        if (example) {
+        if (examples_ && examples_->wants_more()) {
+            phase_->add(sample);
             if (phase_->windows() > before) examples_->close_window();
             examples_->add(std::move(sample));
+        } else {
+            phase_->add(std::move(sample));
         }
         if (!clusters_) return;
         if (!phase_->follows()) {
