@@ -93,7 +93,6 @@ class Renderer {
     double height_;  // of the cell [a]
     double seconds_per_unit_;
     std::uint64_t seed_;
-    int threads_;
     View view_;
     Camera camera_;
     std::unique_ptr<Optics> optics_;
