@@ -205,13 +205,20 @@ Curve BondStatistics::histogram_curve() const {
     Column q{"q4", "-", fmt::format("|Q{}|", options_.symmetry), {}};
     Column density{"density", "-", "Probability density", {}};
     Column count{"count", "-", "Particles", {}};
+    Column error{"err", "-", "Standard error of the density", {}};
+    const double independent = defined_ > 0
+                                   ? independent_frames() * defined_ / static_cast<double>(frames_)
+                                   : 0;  // particles
     for (int b = 0; b < bins; ++b) {
         const double particles = histogram_[static_cast<std::size_t>(b)];
+        const double share = defined_ > 0 ? particles / defined_ : 0;
         q.values.push_back((b + 0.5) / bins);
-        density.values.push_back(defined_ > 0 ? particles * bins / defined_ : 0);
+        density.values.push_back(share * bins);
         count.values.push_back(particles);
+        error.values.push_back(independent > 0 ? bins * std::sqrt(share * (1 - share) / independent)
+                                               : 0);
     }
-    curve.columns = {q, density, count};
+    curve.columns = {q, density, count, error};
     return curve;
 }
 

@@ -28,7 +28,9 @@ namespace grainfield::analysis {
 /// and V, that of the sums over blocks of m frames over m, exceeds v where frames in a row are
 /// alike:
 ///
-///   independent frames = 1/(1 − v + V/T),  at least 1, at most T; 1 below four frames.
+///   independent frames = 1/(1 − v + V/T),  at least 1, at most T; 1 below four frames,
+///
+/// and so does the error of the histogram, sqrt(p_j (1 − p_j)/n) for n independent particles.
 ///
 /// Memory: 32 B a frame, 64 histograms, and the field of the last frame.
 class BondStatistics {

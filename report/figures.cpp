@@ -57,7 +57,7 @@ Figure histogram(const Runs& runs, const std::vector<std::string>& labels) {
                                  {"q4", common_order(runs), "", Scale::linear, true},
                                  {"density", "Probability density", "", Scale::linear, true});
     add_kind(figure, runs, {"density", Mark::steps, true},
-             {"q4", "q4_histogram", "q4", "density", ""}, true);
+             {"q4", "q4_histogram", "q4", "density", "err"}, true);
     if (figure.x.label == "|Q₄|") {
         figure.note = "Liquid lies near 0.3, the square crystal near 0.95.";
     }

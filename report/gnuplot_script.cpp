@@ -107,7 +107,6 @@ std::string plot_clause(const Figure& figure, const Series& series, std::size_t 
     const std::string data = fmt::format("$data{} using 1:2", number);
     if (kind.mark == Mark::guide) return data + " with lines " + line + " lw 1.2 " + title;
     if (kind.mark == Mark::curve) return data + " with lines " + line + " lw 2 " + title;
-    if (kind.mark == Mark::steps) return data + " with histeps " + line + " lw 2 " + title;
     // Plain strokes: gnuplot's own error bars wipe out what lies under their points.
     std::string bars;
     if (!series.error.empty()) {
@@ -115,6 +114,7 @@ std::string plot_clause(const Figure& figure, const Series& series, std::size_t 
             "$data{} using 1:3:(0):($4-$3) with vectors nohead lc rgb '{}' lw 0.8 notitle, ",
             number, hex(style.colour));
     }
+    if (kind.mark == Mark::steps) return bars + data + " with histeps " + line + " lw 2 " + title;
     return bars + data + " " + line_clause(style, series.x.size() > 120) + " " + title;
 }
 

@@ -46,6 +46,48 @@ TEST(BondStatistics, HasAHistogramThatIntegratesToOneAndCountsEveryParticle) {
     EXPECT_EQ(result.find_curve("q4")->find("q4_re")->values.size(), 400U);
 }
 
+// Frames of independent particles: 40 histograms of 20 frames scatter about their mean as their
+// errors say. 40 × 40 bins: the mean square pull is 1 within 0.2, six of its standard errors.
+TEST(BondStatistics, HaveAHistogramWhoseErrorsAreTheScatterOfSuchRuns) {
+    constexpr int runs = 40;
+    std::vector<std::vector<double>> density;
+    std::vector<std::vector<double>> error;
+    for (int run = 0; run < runs; ++run) {
+        RandomStream random(4, "histogram errors", static_cast<std::uint64_t>(run));
+        BondStatistics statistics({});
+        for (int f = 0; f < 20; ++f) {
+            BondStatistics::Sample sample;
+            sample.frame = f;
+            for (int i = 0; i < 300; ++i) {
+                sample.id.push_back(i);
+                sample.field.q.emplace_back(0.9 * random.uniform(), 0.0);
+            }
+            sample.field.nearest.assign(300, 1.0);
+            sample.field.mean_four.assign(300, 1.0);
+            sample.field.neighbours.assign(300, 0);
+            sample.field.first.assign(300, 0);
+            statistics.add(std::move(sample));
+        }
+        const ObservableResult result = statistics.result();
+        const Curve* histogram = result.find_curve("q4_histogram");
+        density.push_back(histogram->find("density")->values);
+        error.push_back(histogram->find("err")->values);
+    }
+    double squares = 0;
+    int count = 0;
+    for (std::size_t b = 0; b < 40; ++b) {
+        double mean = 0;
+        for (const auto& of_run : density) mean += of_run[b] / runs;
+        for (std::size_t run = 0; run < density.size(); ++run) {
+            const double pull = (density[run][b] - mean) / error[run][b];
+            squares += pull * pull * runs / (runs - 1.0);
+            ++count;
+        }
+    }
+    EXPECT_NEAR(squares / count, 1, 0.2);
+    EXPECT_EQ(error[0][48], 0) << "a bin that no particle is in";
+}
+
 TEST(BondStatistics, OfTwoMergedHalvesAreThoseOfTheWhole) {
     RandomStream random(3, "merge");
     const Box box = square_box(20);
