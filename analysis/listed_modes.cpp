@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
@@ -77,6 +78,14 @@ void ListedModes::merge(const ListedModes& later) {
     plan_.frames = std::max(plan_.frames, added_);
     blocks_.insert(blocks_.end(), later.blocks_.begin(), later.blocks_.end());
     std::erase_if(blocks_, [](const Block& block) { return block.frames <= 0; });
+    blocks_ = joined_blocks(std::move(blocks_), [](Block& to, const Block& from) {
+        to.frames += from.frames;
+        to.particles += from.particles;
+        for (std::size_t m = 0; m < to.rho.size(); ++m) {
+            to.rho[m] += from.rho[m];
+            to.power[m] += from.power[m];
+        }
+    });
     if (blocks_.empty()) blocks_.push_back(empty_block());
     plan_.blocks = static_cast<int>(blocks_.size());
 }
@@ -133,8 +142,56 @@ std::optional<double> ListedModes::error(std::span<const Block> left_out, std::s
     }
     const auto k = static_cast<double>(left.size());
     const auto spread = jackknife_error(left, least_blocks);
-    if (!spread) return std::nullopt;
+    if (!spread || !(*spread > 1e-13 * std::abs(s))) return std::nullopt;
     return *spread * std::sqrt((k - 1) / (k - 3));
+}
+
+// As StructureFactor::is_slow: the block means of the vectors within a fifth in |k| drift.
+std::vector<bool> ListedModes::slow() const {
+    std::vector<bool> slow(wavevectors_.size(), false);
+    std::vector<const Block*> filled;
+    for (const Block& block : blocks_) {
+        if (block.frames > 0) filled.push_back(&block);
+    }
+    if (filled.size() < least_blocks) return slow;
+    struct Drift {
+        double k = 0, steps = 0, variance = 0;
+    };
+    std::vector<Drift> drift;
+    for (std::size_t m = 0; m < wavevectors_.size(); ++m) {
+        Drift d{.k = norm(wavevectors_[m])};
+        std::complex<double> mean = 0;
+        for (const Block* block : filled) mean += block->rho[m] / block->frames;
+        mean /= static_cast<double>(filled.size());
+        for (std::size_t b = 0; b < filled.size(); ++b) {
+            const std::complex<double> here = filled[b]->rho[m] / filled[b]->frames;
+            d.variance += std::norm(here - mean);
+            if (b == 0) continue;
+            d.steps += std::norm(here - filled[b - 1]->rho[m] / filled[b - 1]->frames);
+        }
+        drift.push_back(d);
+    }
+    // By |k|, so that each looks at its neighbours only.
+    std::vector<std::size_t> order(drift.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::sort(order, {}, [&](std::size_t m) { return std::pair(drift[m].k, m); });
+    std::size_t first = 0;
+    std::size_t last = 0;
+    Drift sum;
+    for (const std::size_t m : order) {
+        while (last < order.size() && drift[order[last]].k <= drift[m].k * std::exp(0.2)) {
+            sum.steps += drift[order[last]].steps;
+            sum.variance += drift[order[last]].variance;
+            ++last;
+        }
+        while (drift[order[first]].k < drift[m].k * std::exp(-0.2)) {
+            sum.steps -= drift[order[first]].steps;
+            sum.variance -= drift[order[first]].variance;
+            ++first;
+        }
+        slow[m] = sum.steps < sum.variance;
+    }
+    return slow;
 }
 
 void ListedModes::add_to(ObservableResult& sk) const {
@@ -154,6 +211,7 @@ void ListedModes::add_to(ObservableResult& sk) const {
     for (std::size_t b = 0; blocks_.size() >= least_blocks && b < blocks_.size(); ++b) {
         if (blocks_[b].frames > 0) left_out.push_back(total(b));
     }
+    const std::vector<bool> drifts = slow();
     for (std::size_t m = 0; m < wavevectors_.size(); ++m) {
         const double independent = independent_frames(sums, m);
         const double s = value(sums, m, is_connected, independent);
@@ -161,7 +219,8 @@ void ListedModes::add_to(ObservableResult& sk) const {
         curve.columns[1].values.push_back(wavevectors_[m].y);
         curve.columns[2].values.push_back(s);
         curve.columns[3].values.push_back(
-            error(left_out, m, is_connected, s, independent).value_or(undefined));
+            drifts[m] ? undefined
+                      : error(left_out, m, is_connected, s, independent).value_or(undefined));
         curve.columns[4].values.push_back(value(sums, m, false, independent));
     }
     sk.curves.push_back(std::move(curve));

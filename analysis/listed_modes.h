@@ -25,7 +25,8 @@ namespace grainfield::analysis {
 ///
 /// Error: jackknife over blocks with Student's factor from eight frames on; below that frames are
 /// taken as independent and S as a mean of ν exponentially distributed numbers, ν = M (raw), M − 1
-/// (connected): error² = S² (ν + 2)/((ν − 1)(ν − 2)), none for ν ≤ 2.
+/// (connected): error² = S² (ν + 2)/((ν − 1)(ν − 2)), none for ν ≤ 2. None either where the modes
+/// change more slowly than the run is long, as in StructureFactor, or do not change at all.
 ///
 /// Direct sum: some 30 ns a particle and wavevector. Memory: 16 blocks × 40 B a wavevector.
 class ListedModes {
@@ -55,6 +56,7 @@ class ListedModes {
     };
     Block empty_block() const;
     Block total(std::optional<std::size_t> without) const;
+    std::vector<bool> slow() const;
     double independent_frames(const Block& sums, std::size_t mode) const;
     double value(const Block& sums, std::size_t mode, bool is_connected, double independent) const;
     std::optional<double> error(std::span<const Block> left_out, std::size_t mode,

@@ -16,6 +16,7 @@ namespace grainfield::analysis {
 namespace {
 
 constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t least_groups = 4;  // of particles, for an error from their scatter
 constexpr std::array<const char*, 3> names{"all", "liquid", "solid"};
 
 // The mean of each lag, with group `without` left out (none if beyond the last).
@@ -116,6 +117,7 @@ Fits fit_last_decade(const std::vector<double>& time, const std::vector<double>&
     std::vector<double> t, m, relative, log_t, log_m, one;
     for (std::size_t i = 0; i < time.size(); ++i) {
         if (!std::isfinite(msd[i]) || !(time[i] >= 0.1 * last) || time[i] <= 0) continue;
+        if (time[i] < positions.exposure.value_or(0)) continue;  // the formula is for t ≥ t_e
         t.push_back(time[i]);
         m.push_back(msd[i]);
         relative.push_back(1 / (time[i] * time[i]));
@@ -139,13 +141,18 @@ Measurement fitted(const char* what, const char* unit, const std::string& phase,
                    const std::vector<double>& left_out, double samples, const std::string& note) {
     Measurement m{std::string(what) + "_" + phase, unit, std::nullopt, std::nullopt, 0, note};
     if (!std::isfinite(value)) {
-        m.reason = "fewer than three lags with data in the last decade of lag times";
+        m.reason =
+            "fewer than three lags with data in the last decade of lag times, none shorter than "
+            "the exposure";
         return m;
     }
     m.value = value;
-    m.error = jackknife_error(left_out);
+    m.error = jackknife_error(left_out, least_groups);
     m.samples = samples;
-    if (!m.error) m.reason = "too few particles for an error";
+    if (!m.error) {
+        m.reason = (note.empty() ? "" : note + "; ") +
+                   "particles in fewer than four groups of the jackknife: no error";
+    }
     if (m.error && !(*m.error > 0)) {
         m.error.reset();
         m.reason = "all particles move alike: no error from their scatter";
@@ -238,6 +245,8 @@ void add_msd(const MsdTable& table, ObservableResult& result) {
         std::vector<double> d_left, exponent_left, offset_left;
         for (std::size_t g = 0; g < left.size(); ++g) {
             left[g] = mean_without(series, g);
+            // A group without particles tells nothing of their scatter.
+            if (std::ranges::all_of(series.pairs[g], [](double p) { return !(p > 0); })) continue;
             const Fits fits = fit_last_decade(table.time, left[g], positions);
             fits_left.push_back(fits);
             d_left.push_back(fits.diffusion);
@@ -264,8 +273,14 @@ void add_msd(const MsdTable& table, ObservableResult& result) {
                                              table.particles[c], table.note));
         result.measurements.push_back(fitted("exponent", "-", name, fits.exponent, exponent_left,
                                              table.particles[c], table.note));
-        result.measurements.push_back(fitted("offset", "a^2", name, fits.offset, offset_left,
-                                             table.particles[c], table.note));
+        if (positions.exposure && positions.localisation && std::isfinite(fits.offset)) {
+            result.measurements.push_back(
+                {"offset_" + name, "a^2", fits.offset, std::nullopt, 0,
+                 "held: it follows from the given localisation error and exposure"});
+        } else {
+            result.measurements.push_back(fitted("offset", "a^2", name, fits.offset, offset_left,
+                                                 table.particles[c], table.note));
+        }
         add_hidden(fits, fits_left, positions, name, table.particles[c], result);
         add_line(fits, name, line);
     }

@@ -65,7 +65,7 @@ void SolidClusters::add_sizes(const std::vector<double>& size) {
     }
     for (std::size_t b = 0; b < counts.size(); ++b) sizes_[b].add(counts[b]);
     largest_.add(size.empty() ? 0 : *std::ranges::max_element(size));
-    mean_size_.add(particles > 0 ? squares / particles : 0);
+    if (particles > 0) mean_size_.add(squares / particles);
 }
 
 void SolidClusters::add(const Frame& frame) {
@@ -209,7 +209,9 @@ void SolidClusters::add_to(ObservableResult& result) const {
     if (!sizes_.empty()) result.curves.push_back(std::move(curve));
     const std::string one = "one window: no error from fluctuations";
     result.measurements.push_back(largest_.measurement("largest_cluster", "-", std::nullopt, one));
-    result.measurements.push_back(mean_size_.measurement("cluster_size", "-", std::nullopt, one));
+    result.measurements.push_back(
+        mean_size_.value.empty() ? missing("cluster_size", "-", "no solid particle in any window")
+                                 : mean_size_.measurement("cluster_size", "-", std::nullopt, one));
     result.measurements.push_back(lifetime());
 }
 

@@ -1,5 +1,6 @@
 #include "app/film.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -39,7 +40,17 @@ tracking::VisiblePixels visible_pixels(const FrameSource& frames, const FilmOpti
                                        const std::optional<io::FrameRegion>& region,
                                        RunPlan& plan) {
     if (options.mask.empty()) return {};
-    tracking::VisiblePixels visible(companion(options.mask, "mask", frames, options));
+    Image mask = companion(options.mask, "mask", frames, options);
+    const float brightest = std::ranges::max(mask.pixels());
+    const auto grey = std::ranges::count_if(
+        mask.pixels(), [brightest](float v) { return v > 0 && v < brightest; });
+    if (static_cast<double>(grey) > 0.01 * static_cast<double>(mask.size())) {
+        plan.warn(fmt::format(
+            "the mask '{}' has grey pixels, {:.0f} % of all; they are looked at, "
+            "only zero is not: a JPEG or soft borders do not make a mask",
+            options.mask, 100 * static_cast<double>(grey) / static_cast<double>(mask.size())));
+    }
+    tracking::VisiblePixels visible(std::move(mask));
     std::int64_t all = static_cast<std::int64_t>(frames.width()) * frames.height();
     if (region) {
         visible = visible.part(region->x, region->y, region->width, region->height);
@@ -51,7 +62,7 @@ tracking::VisiblePixels visible_pixels(const FrameSource& frames, const FilmOpti
             {.problem = fmt::format("the mask '{}' leaves nothing to look at", options.mask),
              .actual = region ? "it is zero in the whole region" : "it is zero",
              .expected = "pixels above zero where spheres are",
-             .suggestion = "is it the wrong way round?"});
+             .suggestion = "turn it round if it is zero where spheres are"});
     }
     if (visible.are_all()) {
         plan.skip("mask", fmt::format("'{}' is nowhere zero", options.mask), "nothing");
@@ -79,7 +90,15 @@ void plan_background(const FilmOptions& options, const tracking::Evening& evenin
                          "of the contrast, and are evened out; {:.2f} % are never clear",
                          kind == "static" || kind == "running" ? kind : "as in '" + kind + "'",
                          100 * evening.uneven, evening.strongest, 100 * evening.never_clear));
-    if (evening.never_clear > 0.01) {
+    constexpr double too_much = 0.2;
+    if (evening.never_clear > too_much) {
+        plan.warn(
+            fmt::format("background: {:.0f} % of the pixels are never clear in the frames looked "
+                        "at: the film is too short or "
+                        "too slow for its own background; use more frames (--background-frames, "
+                        "--background-window) or a picture of the empty cell",
+                        100 * evening.never_clear));
+    } else if (evening.never_clear > 0.01) {
         plan.warn(fmt::format(
             "background: {:.0f} % of the pixels are never clear in the frames looked at; spheres "
             "that rest there are kept, dirt that blocks all light needs --mask",
@@ -150,6 +169,13 @@ Film open_film(Session& session, const FilmOptions& options,
         frames = io::flatten_frames(std::move(frames), flat);
     }
     const Image empty = empty_cell(options, region, *frames);
+    if (!options.flat_field.empty() && !empty.empty()) {
+        throw OptionError(
+            {.problem = "--flat-field and a picture as --background correct the same light twice",
+             .actual = options.background.kind,
+             .expected = "one of them",
+             .suggestion = "leave out --flat-field, or take --background static"});
+    }
     if (region) frames = io::crop_frames(std::move(frames), *region);
     tracking::TrackOptions first = tracking;
     first.visible = film.visible;

@@ -68,8 +68,11 @@ std::vector<Vec2> read_wavevectors(const std::filesystem::path& path) {
         const bool is_header = is_first && field[0] == "kx" && field[1] == "ky";
         is_first = false;
         if (is_header) continue;
-        wavevectors.push_back(
-            {number(field[0], path, line, "kx"), number(field[1], path, line, "ky")});
+        const Vec2 k{number(field[0], path, line, "kx"), number(field[1], path, line, "ky")};
+        if (k.x == 0 && k.y == 0) {
+            fail(path, line, "kx = ky = 0, which gives the number of particles and no S(k)");
+        }
+        wavevectors.push_back(k);
     }
     if (wavevectors.empty()) {
         throw InputError({.problem = fmt::format("'{}' lists no wavevectors", path.string()),

@@ -217,7 +217,8 @@ JointInformation Locator::settle(SphereSearch& search, const RefinementOptions& 
         found.refine_seconds += seconds_since(begin);
         if (disturbed.empty()) return information;
     }
-    search.finish(swept(refinement, disc_));
+    // The few that no joint step settles are swept to the end.
+    search.finish(refinement);
     if (information.own.size() != fit_.positions().size()) {
         information = joint_information(fit_, threads_);
     }

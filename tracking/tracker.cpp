@@ -294,6 +294,10 @@ TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress,
         const std::int64_t i = run.next++;
         auto start = Clock::now();
         Frame frame = source_.read(i);
+        if (caught_signal() != 0) {  // the source may have cut short what the frame is made from
+            --run.next;
+            break;
+        }
         summary.ms_per_frame.read += milliseconds_since(start);
         progress.advance();
         if (frame.status != FrameStatus::ok) {

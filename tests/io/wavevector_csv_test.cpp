@@ -38,12 +38,12 @@ class WavevectorCsv : public testing::Test {
 
 TEST_F(WavevectorCsv, ReadsNumbersWithAndWithoutHeaderCommentsAndBlanks) {
     for (const std::string header : {"", "kx,ky\n", "\xEF\xBB\xBF# of a lattice\n kx , ky \r\n"}) {
-        const auto k = read_wavevectors(write(header + "0.5,-1e-3\n\n# more\n  2 ,\t0\r\n0,0"));
+        const auto k = read_wavevectors(write(header + "0.5,-1e-3\n\n# more\n  2 ,\t0\r\n0,0.25"));
         ASSERT_EQ(k.size(), 3U);
         EXPECT_EQ(k[0].x, 0.5);
         EXPECT_EQ(k[0].y, -1e-3);
         EXPECT_EQ(k[1].x, 2);
-        EXPECT_EQ(k[2].y, 0);
+        EXPECT_EQ(k[2].y, 0.25);
     }
 }
 
@@ -53,6 +53,7 @@ TEST_F(WavevectorCsv, NamesFileLineAndFieldOfWhatItCannotRead) {
     EXPECT_THAT(failure("1,nan\n"), HasSubstr("ky is 'nan'"));
     EXPECT_THAT(failure("1;2\n"), HasSubstr("expected kx,ky in 1/a"));
     EXPECT_THAT(failure("1,2,3\n"), HasSubstr("line 1"));
+    EXPECT_THAT(failure("1,2\n0,0\n"), HasSubstr("number of particles"));
     EXPECT_THAT(failure("1,2\nkx,ky\n"), HasSubstr("kx is 'kx'"));
     EXPECT_THAT(failure("# nothing\nkx,ky\n"), HasSubstr("lists no wavevectors"));
     EXPECT_THAT(failure("1,2\n"), HasSubstr("no failure"));
