@@ -121,8 +121,8 @@ TEST(Page, NamesTheMapAfterWhatItShows) {
 
 TEST(Page, OfEmptyResultsStillHasEveryPart) {
     const std::string page = page_of({Results{}});
-    for (const char* part : {"Key numbers", "<h2>Positions</h2>", "No picture",
-                             "Structure factor", "How this was made"}) {
+    for (const char* part : {"Key numbers", "<h2>Positions</h2>", "No picture", "Structure factor",
+                             "How this was made"}) {
         EXPECT_THAT(page, HasSubstr(part));
     }
 }
