@@ -137,16 +137,7 @@ BondOrderField by_cell_list(const Pattern& pattern, const BondOrderOptions& opti
 
 // r̄4 of a particle whose neighbours are those of the triangulation; infinity without four of them.
 double set_distances(BondOrderField& field, std::size_t i, std::span<const Neighbour> neighbours) {
-    std::array<double, 4> smallest;
-    smallest.fill(no_limit);
-    for (const Neighbour& neighbour : neighbours) {
-        double r2 = neighbour.r2;
-        for (double& s : smallest) {
-            const double low = std::min(s, r2);
-            r2 = std::max(s, r2);
-            s = low;
-        }
-    }
+    const std::array<double, 4> smallest = smallest_r2<4>(neighbours);
     const std::size_t have = std::min<std::size_t>(4, neighbours.size());
     double mean = 0;
     for (std::size_t j = 0; j < have; ++j) mean += std::sqrt(smallest[j]);

@@ -32,23 +32,6 @@ Extent extent(std::span<const Vec2> points, double Vec2::*axis) {
 
 constexpr std::size_t most_nearest = 16;
 
-// The `count` smallest r² in ascending order, infinity where there are fewer. Without branches:
-// with a dozen candidates a misprediction costs more than the comparisons it would save.
-template <std::size_t count>
-void keep_smallest(const NeighbourList& list, std::array<double, most_nearest>& smallest) {
-    std::array<double, count> kept;
-    kept.fill(std::numeric_limits<double>::infinity());
-    for (const Neighbour& neighbour : list) {
-        double r2 = neighbour.r2;
-        for (double& k : kept) {
-            const double low = std::min(k, r2);
-            r2 = std::max(k, r2);
-            k = low;
-        }
-    }
-    std::copy(kept.begin(), kept.end(), smallest.begin());
-}
-
 int wrapped(int cell, int cells) {
     cell %= cells;
     return cell < 0 ? cell + cells : cell;
@@ -205,9 +188,9 @@ CellList::Reach CellList::near(int i, int k, double factor, NeighbourList& out) 
         if (have < wanted && !all) continue;
 
         if (have == 4) {
-            keep_smallest<4>(out, smallest);
+            std::ranges::copy(smallest_r2<4>(out), smallest.begin());
         } else {
-            keep_smallest<most_nearest>(out, smallest);
+            smallest = smallest_r2<most_nearest>(out);
         }
         Reach reach;
         reach.count = static_cast<int>(have);

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -48,6 +51,23 @@ class NeighbourList {
     std::vector<Neighbour> buffer_;
     std::size_t count_ = 0;
 };
+
+/// The `count` smallest r² in ascending order, infinity where there are fewer. Without branches:
+/// with a dozen candidates a misprediction costs more than the comparisons it would save.
+template <std::size_t count>
+std::array<double, count> smallest_r2(const auto& neighbours) {
+    std::array<double, count> kept;
+    kept.fill(std::numeric_limits<double>::infinity());
+    for (const Neighbour& neighbour : neighbours) {
+        double r2 = neighbour.r2;
+        for (double& k : kept) {
+            const double low = std::min(k, r2);
+            r2 = std::max(k, r2);
+            k = low;
+        }
+    }
+    return kept;
+}
 
 class PointTree;
 

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "report/figure_source.h"
 namespace grainfield::app {
 
 namespace {
@@ -85,14 +86,8 @@ Histogram histogram(const std::vector<double>& values, double low, double high, 
 
 Figure figure_of(std::string name, std::string title, std::string note, report::Axis x,
                  report::Axis y) {
-    Figure figure;
-    figure.name = std::move(name);
-    figure.title = std::move(title);
-    figure.note = std::move(note);
-    figure.x = std::move(x);
-    figure.y = std::move(y);
-    figure.runs = {"frames"};
-    return figure;
+    return report::empty_figure({"frames"}, std::move(name), std::move(title), std::move(x),
+                                std::move(y), std::move(note));
 }
 
 void add(Figure& figure, report::Kind kind, Series series) {

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "report/figure_source.h"
 namespace grainfield::app {
 
 namespace {
@@ -22,14 +23,8 @@ using tracking::ClassScore;
 using tracking::DetectionScores;
 
 Figure figure_of(std::string name, std::string title, std::string note, Axis x, Axis y) {
-    Figure figure;
-    figure.name = std::move(name);
-    figure.title = std::move(title);
-    figure.note = std::move(note);
-    figure.x = std::move(x);
-    figure.y = std::move(y);
-    figure.runs = {"tracked"};
-    return figure;
+    return report::empty_figure({"tracked"}, std::move(name), std::move(title), std::move(x),
+                                std::move(y), std::move(note));
 }
 
 void add_series(Figure& figure, Kind kind, Series series) {

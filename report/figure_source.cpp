@@ -5,13 +5,14 @@
 namespace grainfield::report {
 
 Figure empty_figure(const std::vector<std::string>& labels, std::string name, std::string title,
-                    Axis x, Axis y) {
+                    Axis x, Axis y, std::string note) {
     Figure figure;
     figure.name = std::move(name);
     figure.title = std::move(title);
     figure.x = std::move(x);
     figure.y = std::move(y);
     figure.runs = labels;
+    figure.note = std::move(note);
     return figure;
 }
 

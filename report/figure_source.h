@@ -18,7 +18,7 @@ struct Source {
 };
 
 Figure empty_figure(const std::vector<std::string>& labels, std::string name, std::string title,
-                    Axis x, Axis y);
+                    Axis x, Axis y, std::string note = "");
 
 /// Why a run has no such curve.
 std::string absence(const Results& run, const Source& source);

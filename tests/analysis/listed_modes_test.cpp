@@ -156,6 +156,29 @@ TEST(StructureFactor, OnAnnuliIsTheMeanOfTheModesInThem) {
     }
 }
 
+// A wave that goes once through a run has an S and no error; one that is new in every frame has
+// one.
+TEST(ListedModes, GiveNoErrorToWhatChangesMoreSlowlyThanTheRunIsLong) {
+    const Box box = square_box(20);
+    const std::vector<Vec2> k{{2 * std::numbers::pi / 20, 0}};
+    RandomStream random(6, "drift");
+    ListedModes slow(k, box, 64);
+    ListedModes fast(k, box, 64);
+    const std::vector<Vec2> start = poisson_points(100, box, random);
+    for (int f = 0; f < 64; ++f) {
+        std::vector<Vec2> moved = start;
+        for (Vec2& p : moved) p.x = std::fmod(p.x + 20.0 * f / 64, 20.0);
+        slow.add(slow.measure(pattern(moved, box, f)));
+        fast.add(fast.measure(pattern(poisson_points(100, box, random), box, f)));
+    }
+    ObservableResult of_slow;
+    ObservableResult of_fast;
+    slow.add_to(of_slow);
+    fast.add_to(of_fast);
+    EXPECT_TRUE(std::isnan(of_slow.find_curve("sk_list")->find("s_err")->values[0]));
+    EXPECT_GT(of_fast.find_curve("sk_list")->find("s_err")->values[0], 0);
+}
+
 TEST(StructureFactor, RefusesEdgesThatDoNotAscendAndSaysWhereNoModeLies) {
     const Box box = square_box(20);
     for (const char* edges : {"1", "1,0.5", "a,b", "1,2,", "1,,2", "-1,2", "1;2", "0.1,nan"}) {

@@ -53,6 +53,15 @@ TEST(MsdResult, TellsTheExposureFromTheOffsetAndTheLocalisationError) {
     EXPECT_EQ(result.find_measurement("localisation_all"), nullptr);
 }
 
+TEST(MsdResult, FitsNoLagThatIsShorterThanTheExposure) {
+    MsdTable t = table(blurred);
+    t.exposure = 1e6;
+    ObservableResult result;
+    add_msd(t, result);
+    EXPECT_FALSE(result.find_measurement("localisation_all")->value.has_value());
+    EXPECT_NE(result.find_measurement("d_all")->reason.find("the exposure"), std::string::npos);
+}
+
 TEST(MsdResult, HoldsTheOffsetWhereBothAreGiven) {
     MsdTable t = table([](double lag) { return blurred(lag) + (lag > 10 ? 0.2 : 0); });
     t.exposure = 0.06;

@@ -20,22 +20,14 @@ using nlohmann::json;
 using ::testing::HasSubstr;
 using testing::Outcome;
 using testing::Process;
+using testing::program;
 using testing::ScratchFolder;
+using testing::with;
 
 std::vector<std::string> small_run(const std::string& output) {
     return {"simulate",         "md",   "-o",         output, "--grains",  "400",
             "--length-x",       "20.5", "--length-y", "20.5", "--periods", "400",
             "--snapshot-every", "7.3",  "--json"};
-}
-
-std::vector<std::string> with(std::vector<std::string> words, std::vector<std::string> more) {
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
-}
-
-std::vector<std::string> program(std::vector<std::string> words) {
-    words.insert(words.begin(), GRAINFIELD_PROGRAM);
-    return words;
 }
 
 /// Everything a run leaves: snapshots and time series as text.

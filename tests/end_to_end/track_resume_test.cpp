@@ -24,17 +24,9 @@ using nlohmann::json;
 using ::testing::HasSubstr;
 using testing::Outcome;
 using testing::Process;
+using testing::program;
 using testing::ScratchFolder;
-
-std::vector<std::string> with(std::vector<std::string> words, std::vector<std::string> more) {
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
-}
-
-std::vector<std::string> program(std::vector<std::string> words) {
-    words.insert(words.begin(), GRAINFIELD_PROGRAM);
-    return words;
-}
+using testing::with;
 
 /// Without the wall time, which no two runs share, and the checksum of the text that holds it: all
 /// that is left out of the comparison of bytes.

@@ -87,10 +87,21 @@ class Process {
     pid_t pid_ = -1;
 };
 
-/// Runs the grainfield program of this build to its end.
-inline Outcome run_grainfield(std::vector<std::string> words) {
+inline std::vector<std::string> with(std::vector<std::string> words,
+                                     const std::vector<std::string>& more) {
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+}
+
+/// The grainfield program of this build with these words.
+inline std::vector<std::string> program(std::vector<std::string> words) {
     words.insert(words.begin(), GRAINFIELD_PROGRAM);
-    return Process(std::move(words)).wait();
+    return words;
+}
+
+/// Runs it to its end.
+inline Outcome run_grainfield(std::vector<std::string> words) {
+    return Process(program(std::move(words))).wait();
 }
 
 /// Runs a line of shell; `$GRAINFIELD` is the program of this build.
