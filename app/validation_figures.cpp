@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "report/figure_source.h"
+
 namespace grainfield::app {
 
 namespace {
