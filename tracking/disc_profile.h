@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <numbers>
 
 #include "core/vec2.h"
 
@@ -30,6 +31,10 @@ struct DiscProfile {
     /// what is known of the position, u = 2.5, and change by less than 1.3 % of the contrast where
     /// a disc moves by w; up to here from the centre [px].
     double edge_reach() const { return radius() + kEdgeInWidths * edge_width; }
+
+    /// Σ (∂P/∂x)² of an isolated disc, π D/(6 w): with noise σ its position is known to σ over the
+    /// root of it per axis [px] (Cramér–Rao).
+    double information() const { return std::numbers::pi * diameter / (6 * edge_width); }
 
     static constexpr double kReachInWidths = 3.5;
     static constexpr double kEdgeInWidths = 2.5;

@@ -79,10 +79,12 @@ class Locator {
     double clearance(Vec2 p) const;
     Scene approached(const Image& darkness, const RefinementOptions& refinement,
                      const std::vector<Vec2>& start, Located& found);
+    void place_all(const Scene& scene, std::optional<double> left);
+    double undrawn(double noise, const RefinementOptions& refinement) const;
     JointInformation settle(SphereSearch& search, const RefinementOptions& refinement,
-                            Located& found);
+                            double undrawn, Located& found);
     void search_coarsely(const Image& darkness, const DetectionOptions& detection,
-                         const RefinementOptions& refinement, SphereSearch& fine, Located& found);
+                         const RefinementOptions& refinement, Located& found);
 
     DiscProfile disc_;
     EdgeMeeting meeting_;
@@ -93,6 +95,8 @@ class Locator {
     std::optional<DiscCorrelation> coarse_;
     std::optional<JointFit> coarse_fit_;
     std::optional<JointFit> approach_;  ///< on every kApproachSpacing-th row of blocks
+    JointInformation early_;            ///< of the discs as placed, if nothing has been drawn since
+    std::uint64_t early_revision_ = 0;
     Image coarse_image_;
     Image clearance_;  ///< squared distance to what is not visible [px²]; empty: all is
 };

@@ -9,6 +9,7 @@
 #include "core/errors.h"
 #include "core/interrupt.h"
 #include "core/parallel.h"
+#include "tracking/read_ahead.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -290,10 +291,11 @@ TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress,
         restore(run, *resumption.from);
         progress.resume_at(run.next);
     }
+    ReadAhead frames(source_, threads_ > 1);
     while (run.next < source_.count() && caught_signal() == 0) {
         const std::int64_t i = run.next++;
         auto start = Clock::now();
-        Frame frame = source_.read(i);
+        Frame frame = frames.read(i);
         if (caught_signal() != 0) {  // the source may have cut short what the frame is made from
             --run.next;
             break;

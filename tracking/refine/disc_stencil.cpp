@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/huge_pages.h"
 
@@ -139,23 +138,6 @@ void draw_stencil(const StencilPieces& s, const DiscTerms& disc, float x, float 
     draw<false>(s, disc, x, y);
 }
 
-/// Pixels that the disc reaches: t is 1 beyond, T is 0 in the margin.
-void misfit_stencil(const StencilPieces& s, double* sums) {
-    Vector misfit = hn::Zero(kTag);
-    Vector pixels = hn::Zero(kTag);
-    const Vector one = hn::Set(kTag, 1.0F);
-    for_each_spot(s, 0, 0, [&](Vector, Vector, Spot spot) HWY_ATTR {
-        const Vector transmission = hn::LoadU(kTag, spot.transmission);
-        const Vector r = residual_of(hn::LoadU(kTag, spot.darkness), transmission);
-        const auto counts =
-            hn::And(hn::Lt(load_half(spot.kept), one), hn::Gt(transmission, hn::Zero(kTag)));
-        misfit = hn::Add(misfit, hn::IfThenElseZero(counts, hn::Mul(r, r)));
-        pixels = hn::Add(pixels, hn::IfThenElseZero(counts, one));
-    });
-    sums[0] = sum(misfit);
-    sums[1] = sum(pixels);
-}
-
 double lift_stencil(const StencilPieces& s) {
     Vector change = hn::Zero(kTag);
     for_each_spot(s, 0, 0, [&](Vector, Vector, Spot spot) HWY_ATTR {
@@ -290,7 +272,6 @@ HWY_AFTER_NAMESPACE();
 namespace grainfield::tracking {
 
 HWY_EXPORT(draw_stencil);
-HWY_EXPORT(misfit_stencil);
 HWY_EXPORT(place_stencil);
 HWY_EXPORT(lift_stencil);
 HWY_EXPORT(explained_stencil);
@@ -331,6 +312,7 @@ DiscStencil::DiscStencil(const DiscProfile& disc, std::ptrdiff_t pitch, int spac
         const int first = -static_cast<int>(std::floor(chord));
         const int count = (1 - 2 * first + kLanes - 1) / kLanes * kLanes;
         rows_.push_back({dy, first, count, static_cast<int>(size_)});
+        width_ = std::max(width_, count);
         size_ += static_cast<std::size_t>(count);
         for (int x = first; x < first + count; x += kLanes) {
             pieces_.push_back(piece(rows_.back(), x));
@@ -401,12 +383,6 @@ void draw(const StencilView& view, Vec2 centre) {
     const FromAnchor at(centre, view);
     HWY_DYNAMIC_DISPATCH(draw_stencil)
     (pieces_of(view), terms_of(view.stencil.disc()), at.x, at.y);
-}
-
-double local_residual(const StencilView& view) {
-    double sums[2] = {};
-    HWY_DYNAMIC_DISPATCH(misfit_stencil)(pieces_of(view), sums);
-    return sums[1] > 0 ? std::sqrt(sums[0] / sums[1]) : std::numeric_limits<double>::quiet_NaN();
 }
 
 double lift(const StencilView& view) {

@@ -32,6 +32,8 @@ class DiscStencil {
         int at;     ///< where the row begins among the kept values
     };
     const std::vector<Row>& rows() const { return rows_; }
+    /// Of the widest row [px].
+    int width() const { return width_; }
     /// Rows of the pixels within kEdgeInWidths w of the edge, with the core: one row for each line,
     /// from the topmost down.
     const std::vector<Row>& edge_spans() const { return edge_spans_; }
@@ -60,6 +62,7 @@ class DiscStencil {
     DiscProfile disc_;
     std::ptrdiff_t pitch_;
     int spacing_;
+    int width_ = 0;
     std::vector<Row> rows_;
     std::vector<Row> edge_spans_;
     std::vector<Piece> pieces_;
@@ -100,9 +103,6 @@ double place(const StencilView& view, Vec2 centre);
 
 /// The same without the answer.
 void draw(const StencilView& view, Vec2 centre);
-
-/// RMS of I − M on the pixels of the image within reach of a disc; NaN if there are none.
-double local_residual(const StencilView& view);
 
 /// T ← T / t. Returns the change of Σ (I − M)².
 double lift(const StencilView& view);

@@ -10,6 +10,7 @@
 #include "core/parallel.h"
 #include "tracking/point_grid.h"
 #include "tracking/refine/disc_kernel.h"
+#include "tracking/refine/local_misfit.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -24,6 +25,8 @@ constexpr double kMostStale = 0.05;  // [w]
 constexpr int kInnerSweeps = 2;
 // Two images of this size and their surroundings stay in the second-level cache.
 constexpr double kTile = 128;
+// Columns of windows in a strip: three rows of them stay in the second-level cache.
+constexpr int kStrip = 8;
 
 /// A square grid over the image.
 struct Grid {
@@ -95,6 +98,7 @@ void JointFit::restart(const Image& darkness) {
     discs_.clear();
     free_.clear();
     slots_ = 0;
+    ++revision_;
 }
 
 void JointFit::set_visible(VisiblePixels visible) {
@@ -141,12 +145,14 @@ void JointFit::append(Vec2 position, std::optional<double> explained, std::optio
 }
 
 void JointFit::add(Vec2 position) {
+    ++revision_;
     append(position, {}, {});
     draw(view(discs_.back()), positions_.back());
 }
 
 void JointFit::add_all(const std::vector<Vec2>& positions, const std::vector<double>& explained,
                        std::optional<double> left) {
+    ++revision_;
     std::vector<std::uint32_t> added;
     added.reserve(positions.size());
     for (std::size_t i = 0; i < positions.size(); ++i) {
@@ -158,7 +164,110 @@ void JointFit::add_all(const std::vector<Vec2>& positions, const std::vector<dou
     });
 }
 
+/// The frame in cells as large as a window, so that windows of two cells with a third between them
+/// share no pixel. Strips of columns are drawn in parallel, row by row from the top; the last
+/// column of each but the last, the seam, after them.
+struct JointFit::Parts {
+    int rows, strips;
+    std::vector<std::vector<std::uint32_t>> drawn;    ///< of each row of each strip, then seam
+    std::vector<std::vector<std::uint32_t>> visited;  ///< likewise; a seam's with both neighbours
+
+    explicit Parts(const JointFit& fit);
+    std::size_t strip(int s, int row) const { return static_cast<std::size_t>(s * rows + row); }
+    std::size_t seam(int s, int row) const { return strip(strips + s, row); }
+    static int rows_of(const JointFit& fit);
+    static int columns_of(const JointFit& fit);
+    static int strips_of(const JointFit& fit) { return std::max(1, columns_of(fit) / kStrip); }
+};
+
+int JointFit::Parts::rows_of(const JointFit& fit) {
+    const int height = static_cast<int>(fit.stencil_.rows().size());
+    return (fit.darkness_.height() + height - 1) / height;
+}
+
+int JointFit::Parts::columns_of(const JointFit& fit) {
+    return (fit.darkness_.width() + fit.stencil_.width() - 1) / fit.stencil_.width();
+}
+
+JointFit::Parts::Parts(const JointFit& fit)
+    : rows(rows_of(fit)),
+      strips(strips_of(fit)),
+      drawn(static_cast<std::size_t>(fit.parts())),
+      visited(static_cast<std::size_t>(fit.parts())) {
+    const int columns = columns_of(fit);
+    const int width = fit.stencil_.width();
+    const int height = static_cast<int>(fit.stencil_.rows().size());
+    const auto column_of = [&](const Disc& disc) {
+        return std::clamp(disc.anchor.x / width, 0, columns - 1);
+    };
+    const auto row_of = [&](const Disc& disc) {
+        return std::clamp(disc.anchor.y / height, 0, rows - 1);
+    };
+    std::vector<std::uint32_t> begin(static_cast<std::size_t>(columns) + 1, 0);
+    for (const Disc& disc : fit.discs_) ++begin[static_cast<std::size_t>(column_of(disc)) + 1];
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    std::vector<std::uint32_t> by_column(fit.discs_.size());
+    for (std::uint32_t j = 0; j < by_column.size(); ++j) {
+        by_column[begin[static_cast<std::size_t>(column_of(fit.discs_[j]))]++] = j;
+    }
+    for (const std::uint32_t j : by_column) {
+        const int column = column_of(fit.discs_[j]);
+        const int row = row_of(fit.discs_[j]);
+        const int s = std::min(column * strips / columns, strips - 1);
+        // Columns [first, end) are those of strip s.
+        const int first = (s * columns + strips - 1) / strips;
+        const int end = ((s + 1) * columns + strips - 1) / strips;
+        const bool is_seam = s + 1 < strips && column == end - 1;
+        const bool is_before = s + 1 < strips && column == end - 2;
+        const bool is_after = s > 0 && column == first;
+        drawn[is_seam ? seam(s, row) : strip(s, row)].push_back(j);
+        visited[is_seam || is_before ? seam(s, row)
+                : is_after           ? seam(s - 1, row)
+                                     : strip(s, row)]
+            .push_back(j);
+    }
+}
+
+int JointFit::parts() const {
+    return Parts::rows_of(*this) * 2 * Parts::strips_of(*this);
+}
+
+void JointFit::add_all(const std::vector<Vec2>& positions, const std::vector<double>& explained,
+                       std::optional<double> left, const Visit& visit) {
+    ++revision_;
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        append(positions[i], explained.empty() ? std::nullopt : std::optional(explained[i]), left);
+    }
+    const Parts parts(*this);
+    const auto go_down = [&](int strip) {
+        const auto at = [&](int row) { return parts.strip(strip, row); };
+        for (int row = 0; row <= parts.rows; ++row) {
+            if (row < parts.rows) {
+                const std::vector<std::uint32_t>& discs = parts.drawn[at(row)];
+                for (std::size_t k = 0; k < discs.size(); ++k) {
+                    // The darkness, too, which the visit reads.
+                    if (k + 1 < discs.size()) fetch(discs[k + 1]);
+                    draw(view(discs_[discs[k]]), positions_[discs[k]]);
+                }
+            }
+            if (row == 0) continue;
+            visit(static_cast<int>(at(row - 1)), parts.visited[at(row - 1)]);
+        }
+    };
+    parallel_for(parts.strips, threads_, [&](std::int64_t s) { go_down(static_cast<int>(s)); });
+    parallel_for(parts.strips - 1, threads_,
+                 [&](std::int64_t s) { go_down(parts.strips + static_cast<int>(s)); });
+}
+
+void JointFit::in_parts(const Visit& visit) const {
+    const Parts parts(*this);
+    parallel_for(static_cast<std::int64_t>(parts.visited.size()), threads_, [&](std::int64_t part) {
+        visit(static_cast<int>(part), parts.visited[static_cast<std::size_t>(part)]);
+    });
+}
+
 void JointFit::move(std::size_t j, Vec2 to) {
+    ++revision_;
     move_to(j, inside(to));
     discs_[j].last_step = kFresh;
     discs_[j].left = kFresh;
@@ -172,11 +281,13 @@ double JointFit::move_to(std::size_t j, Vec2 to) {
     disc.anchor = Anchor::of(to, stencil_.spacing());
     disc.placed = to;
     disc.stale = 0;
+    disc.gain = 0;
     positions_[j] = to;
     return lifted + place(view(disc), to);
 }
 
 void JointFit::keep_only(const std::vector<char>& keep) {
+    ++revision_;
     // Whoever looks at the gap next has to move again, so its neighbours count as fresh.
     const Grid grid(darkness_.width(), height(), 2 * profile_.reach());
     const std::vector<char> disturbed =
@@ -262,6 +373,7 @@ double JointFit::step(std::size_t j, double relaxation, double lag) {
 void JointFit::take_step(std::size_t j, double relaxation, double lag) {
     Disc& disc = discs_[j];
     const auto done = static_cast<float>(step(j, relaxation, lag));
+    disc.gain = 0;
     // Steps that shrink by q each leave s (q + q² + …); next to one another discs may shrink
     // slowly.
     const float q = disc.last_step == kFresh || disc.last_step <= 0 ? 1 : done / disc.last_step;
@@ -272,9 +384,8 @@ void JointFit::take_step(std::size_t j, double relaxation, double lag) {
 
 std::vector<char> JointFit::active_discs(double tolerance) const {
     const Grid grid(darkness_.width(), height(), profile_.diameter + 2 * profile_.edge_width);
-    const std::vector<char> moving = cells_around(grid, positions_, [&](std::size_t j) {
-        return static_cast<double>(discs_[j].left) > tolerance;
-    });
+    const std::vector<char> moving = cells_around(
+        grid, positions_, [&](std::size_t j) { return discs_[j].is_restless(tolerance); });
     std::vector<char> active(positions_.size());
     for (std::size_t j = 0; j < positions_.size(); ++j) active[j] = moving[grid.at(positions_[j])];
     return active;
@@ -315,6 +426,7 @@ JointFit::Summary JointFit::refine(const RefinementOptions& options) {
             }
         }
         if (active.empty()) return summary;
+        ++revision_;
         std::atomic<std::int64_t> steps = 0;
         // A few discs at the edge of what can be resolved would step to and fro for ever.
         const double relaxation = summary.sweeps < kFullSteps ? 1.0 : 0.5;
@@ -327,7 +439,7 @@ JointFit::Summary JointFit::refine(const RefinementOptions& options) {
             // While the tile is in the cache.
             for (int again = 0; again < kInnerSweeps; ++again) {
                 for (const std::uint32_t j : tile) {
-                    if (static_cast<double>(discs_[j].left) <= options.tolerance) continue;
+                    if (!discs_[j].is_restless(options.tolerance)) continue;
                     take_step(j, relaxation, kLag * options.tolerance);
                     ++done;
                 }
@@ -337,7 +449,7 @@ JointFit::Summary JointFit::refine(const RefinementOptions& options) {
         summary.steps += steps;
     }
     summary.unsettled = std::count_if(discs_.begin(), discs_.end(), [&](const Disc& disc) {
-        return static_cast<double>(disc.left) > options.tolerance;
+        return disc.is_restless(options.tolerance);
     });
     return summary;
 }
@@ -373,30 +485,27 @@ void JointFit::fetch(std::size_t j) const {
     tracking::fetch(view(discs_[j]));
 }
 
-std::vector<char> JointFit::displace(const std::vector<Vec2>& step, const std::vector<float>& left,
-                                     double undrawn, double far, bool check_far) {
+std::vector<char> JointFit::displace(const Displacement& all, double undrawn, double far,
+                                     bool check_far) {
     std::vector<std::uint32_t> drawn;
     std::vector<std::uint32_t> went_far;
     for (std::uint32_t j = 0; j < discs_.size(); ++j) {
         Disc& disc = discs_[j];
-        const double length = std::sqrt(squared_norm(step[j]));
+        const Vec2 step = all.step[j];
+        const double length = std::sqrt(squared_norm(step));
         if (!(length <= far)) went_far.push_back(j);
         disc.last_step = static_cast<float>(std::min(length, kLeastRoom));
         // What is neglected is of second order in the step.
         const auto neglected = static_cast<float>(length * length / profile_.edge_width);
         const bool is_checked = length > (check_far ? far : kLeastRoom);
-        disc.left = is_checked ? disc.last_step : std::max(left[j], neglected);
+        disc.left = is_checked ? disc.last_step : std::max(all.left[j], neglected);
         disc.drift += disc.last_step;
-        const Vec2 d = length > kLeastRoom ? (kLeastRoom / length) * step[j] : step[j];
+        const Vec2 d = length > kLeastRoom ? (kLeastRoom / length) * step : step;
         positions_[j] = inside(disc.placed + d);
+        disc.gain = all.gain[j];
         if (length > undrawn) drawn.push_back(j);
     }
-    in_tiles(drawn, [&](const std::vector<std::uint32_t>& tile) {
-        for (std::size_t k = 0; k < tile.size(); ++k) {
-            if (k + 1 < tile.size()) fetch(tile[k + 1]);
-            redraw(tile[k]);
-        }
-    });
+    redraw_all(drawn);
     if (went_far.empty()) return {};
     const double range = 2 * profile_.edge_reach();
     PointGrid grid(darkness_.width(), height(), range);
@@ -406,9 +515,29 @@ std::vector<char> JointFit::displace(const std::vector<Vec2>& step, const std::v
     return disturbed;
 }
 
+void JointFit::draw_undrawn() {
+    std::vector<std::uint32_t> waiting;
+    for (std::uint32_t j = 0; j < discs_.size(); ++j) {
+        if (squared_norm(undrawn(j)) > 0) waiting.push_back(j);
+    }
+    redraw_all(waiting);
+}
+
+void JointFit::redraw_all(const std::vector<std::uint32_t>& discs) {
+    if (discs.empty()) return;
+    ++revision_;
+    in_tiles(discs, [&](const std::vector<std::uint32_t>& tile) {
+        for (std::size_t k = 0; k < tile.size(); ++k) {
+            if (k + 1 < tile.size()) fetch(tile[k + 1]);
+            redraw(tile[k]);
+        }
+    });
+}
+
 /// Draws a disc where it is now.
 void JointFit::redraw(std::size_t j) {
     Disc& disc = discs_[j];
+    disc.gain = 0;
     const Vec2 to = positions_[j];
     if (!disc.anchor.holds(to, stencil_.spacing())) {
         move_to(j, to);
@@ -421,11 +550,16 @@ void JointFit::redraw(std::size_t j) {
 }
 
 std::vector<double> JointFit::residuals() const {
-    std::vector<double> rms(positions_.size());
-    parallel_for(static_cast<std::int64_t>(rms.size()), threads_, [&](std::int64_t i) {
-        const auto j = static_cast<std::size_t>(i);
-        rms[j] = local_residual(view(discs_[j]));
-    });
+    std::vector<Vec2> placed(discs_.size());
+    for (std::size_t j = 0; j < placed.size(); ++j) placed[j] = discs_[j].placed;
+    const std::vector<LocalMisfit> misfits =
+        local_misfits(darkness_, transmission_, visible_, placed, profile_.reach(), threads_);
+    std::vector<double> rms(discs_.size(), std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t j = 0; j < rms.size(); ++j) {
+        if (!(misfits[j].pixels > 0)) continue;
+        const double sum = misfits[j].sum - static_cast<double>(discs_[j].gain);
+        rms[j] = std::sqrt(std::max(0.0, sum) / misfits[j].pixels);
+    }
     return rms;
 }
 

@@ -58,6 +58,19 @@ class JointFit {
     /// where they belong [px]; those nearer than the tolerance take no step.
     void add_all(const std::vector<Vec2>& positions, const std::vector<double>& explained = {},
                  std::optional<double> left = {});
+
+    /// What is done with the discs of one of parts() parts of the frame.
+    using Visit = std::function<void(int part, const std::vector<std::uint32_t>& discs)>;
+    int parts() const;
+    /// add_all() on an empty fit; each part is visited as soon as all discs that share pixels with
+    /// its own are drawn, while these pixels are in the cache: what has to be known of all discs
+    /// costs a third of a look at each from memory. Parts are visited in parallel.
+    void add_all(const std::vector<Vec2>& positions, const std::vector<double>& explained,
+                 std::optional<double> left, const Visit& visit);
+    /// The same visits to discs that are drawn.
+    void in_parts(const Visit& visit) const;
+    /// Goes up with everything that is drawn.
+    std::uint64_t revision() const { return revision_; }
     void move(std::size_t j, Vec2 to);
     /// Removes the discs whose entry in `keep` is zero.
     void keep_only(const std::vector<char>& keep);
@@ -73,6 +86,10 @@ class JointFit {
     const std::vector<Vec2>& positions() const { return positions_; }
     /// How far a disc would move in its next step, judged from the last two [px].
     double step_left(std::size_t j) const { return static_cast<double>(discs_[j].left); }
+    /// That step is longer than the tolerance [px].
+    bool is_restless(std::size_t j, double tolerance) const {
+        return discs_[j].is_restless(tolerance);
+    }
     const PaddedImage& darkness() const { return darkness_; }
     const PaddedImage& transmission() const { return transmission_; }
     const DiscProfile& disc() const { return profile_; }
@@ -88,14 +105,27 @@ class JointFit {
     /// Asks for the pixels of a disc ahead of their use.
     void fetch(std::size_t j) const;
 
-    /// Moves every disc by step[j] from where it is drawn, 0.25 px at most: who would go farther
-    /// steps again in the next refine(), and with `check_far` who goes by more than `far`. Shorter
-    /// steps than `undrawn` [px] are not drawn. `left[j]` is known to be left of it [px]. Returns
-    /// who went by more than `far` [px] or shares edge pixels with one who did; empty if nobody.
-    std::vector<char> displace(const std::vector<Vec2>& step, const std::vector<float>& left,
-                               double undrawn, double far, bool check_far = false);
+    /// A displacement of all discs at once, from where they are drawn.
+    struct Displacement {
+        std::vector<Vec2> step;   ///< [px]
+        std::vector<float> left;  ///< known to be left of it [px]
+        /// By how much each step lowers the misfit about its disc [contrast²].
+        std::vector<float> gain;
+    };
+    /// Moves every disc, by 0.25 px at most: who would go farther steps again in the next refine(),
+    /// and with `check_far` who goes by more than `far`. Shorter steps than `undrawn` [px] are not
+    /// drawn. Returns who went by more than `far` [px] or shares edge pixels with one who did;
+    /// empty if nobody.
+    std::vector<char> displace(const Displacement& all, double undrawn, double far,
+                               bool check_far = false);
 
-    /// RMS of I − M within reach of each disc [contrast].
+    /// Where it is less where it is drawn [px].
+    Vec2 undrawn(std::size_t j) const { return positions_[j] - discs_[j].placed; }
+    /// Draws all discs where they are.
+    void draw_undrawn();
+
+    /// RMS of I − M within reach of each disc [contrast], with what is known of steps that are not
+    /// drawn; NaN without pixels.
     std::vector<double> residuals() const;
 
     /// RMS of I − M over the visible pixels of the frame [contrast].
@@ -111,18 +141,24 @@ class JointFit {
         float left = 0;          ///< [px] expected of the next step; large likewise
         float stale = 0;         ///< [px] path since it was drawn as a whole
         float drift = 0;         ///< [px] path since `explained`; large for new discs
+        float gain = 0;          ///< of the step that is not drawn [contrast²]
         double explained = 0;    ///< as of the last call of explained()
+
+        /// In the precision of `left`: who is said to be a tolerance away rests.
+        bool is_restless(double tolerance) const { return left > static_cast<float>(tolerance); }
     };
 
     /// What is seen through a const fit is only read.
     StencilView view(const Disc& disc) const;
     int height() const { return darkness_.height() * stencil_.spacing(); }
     std::uint32_t free_slot();
+    struct Parts;
     void append(Vec2 position, std::optional<double> explained, std::optional<double> left);
     Vec2 inside(Vec2 p) const;
     double move_to(std::size_t j, Vec2 to);
     std::pair<Redraw, float> redraw_for(const Disc& disc, Vec2 to) const;
     void redraw(std::size_t j);
+    void redraw_all(const std::vector<std::uint32_t>& discs);
     double step(std::size_t j, double relaxation, double lag);
     void take_step(std::size_t j, double relaxation, double lag);
     void in_tiles(const std::vector<std::uint32_t>& discs,
@@ -140,6 +176,7 @@ class JointFit {
     std::vector<std::uint32_t> free_;  ///< slots given back
     std::uint32_t slots_ = 0;          ///< in use or given back
     std::vector<double> explained_;
+    std::uint64_t revision_ = 0;
     VisiblePixels visible_;
     double pixels_;
 };

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
+#include <utility>
 
-#include "core/parallel.h"
 #include "tracking/point_grid.h"
 
 namespace grainfield::tracking {
@@ -13,7 +12,6 @@ namespace {
 
 constexpr double kWeakest = 1e-4;  // squared coupling below which a pair counts as independent
 constexpr double kHidden = 1e-6;   // of the information of an isolated disc
-constexpr std::size_t kChunk = 256;
 constexpr int kMostSweeps = 200;
 
 struct Pair {
@@ -33,43 +31,49 @@ double squared(const CrossBlock& b) {
     return b.xx * b.xx + b.xy * b.xy + b.yx * b.yx + b.yy * b.yy;
 }
 
-/// Own blocks and pairs of the discs [first, last).
-void gather(const JointFit& fit, const PointGrid& grid, double range, std::size_t first,
-            std::size_t last, std::vector<NormalEquations>& own, std::vector<Pair>& pairs) {
-    std::vector<std::uint32_t> near;
-    for (std::size_t k = first; k < last; ++k) {
-        const auto i = static_cast<std::uint32_t>(k);
-        if (k + 1 < last) fit.fetch(k + 1);
-        own[k] = fit.normal_equations(k);
+/// Sums part by part what becomes the information of all.
+class Gatherer {
+ public:
+    explicit Gatherer(const JointFit& fit)
+        : fit_(fit),
+          // Beyond, edges overlap by less than a thousandth of either's information.
+          range_(fit.disc().diameter + 2.5 * fit.disc().edge_width),
+          pairs_(static_cast<std::size_t>(fit.parts())) {}
+
+    /// With the positions that all discs have by then; before the first part.
+    void prepare(const std::vector<Vec2>& positions) {
+        own_.resize(positions.size());
+        grid_.emplace(fit_.darkness().width(), fit_.darkness().height() * fit_.spacing(), range_);
+        for (std::uint32_t i = 0; i < positions.size(); ++i) grid_->add(positions[i], i);
+    }
+
+    void gather(int part, std::uint32_t i) {
+        thread_local std::vector<std::uint32_t> near;
+        own_[i] = fit_.normal_equations(i);
         near.clear();
-        grid.near(fit.positions()[k], range, [&](std::uint32_t other, Vec2) {
+        grid_->near(fit_.positions()[i], range_, [&](std::uint32_t other, Vec2) {
             if (other > i) near.push_back(other);
         });
         std::sort(near.begin(), near.end());
-        for (const std::uint32_t j : near) pairs.push_back({i, j, fit.coupling(i, j)});
+        std::vector<Pair>& pairs = pairs_[static_cast<std::size_t>(part)];
+        for (const std::uint32_t j : near) pairs.push_back({i, j, fit_.coupling(i, j)});
     }
-}
 
-}  // namespace
+    JointInformation information();
 
-JointInformation joint_information(const JointFit& fit, int threads) {
-    const auto& positions = fit.positions();
-    const DiscProfile& disc = fit.disc();
-    const std::size_t n = positions.size();
+ private:
+    const JointFit& fit_;
+    double range_;
+    std::optional<PointGrid> grid_;
+    std::vector<NormalEquations> own_;
+    std::vector<std::vector<Pair>> pairs_;
+};
+
+JointInformation Gatherer::information() {
+    const std::size_t n = own_.size();
     JointInformation info;
-    info.own.resize(n);
-    // Beyond, edges overlap by less than a thousandth of either's information.
-    const double range = disc.diameter + 2.5 * disc.edge_width;
-    PointGrid grid(fit.darkness().width(), fit.darkness().height(), range);
-    for (std::uint32_t i = 0; i < n; ++i) grid.add(positions[i], i);
-    std::vector<std::vector<Pair>> parts((n + kChunk - 1) / kChunk);
-    parallel_for(static_cast<std::int64_t>(parts.size()), threads, [&](std::int64_t part) {
-        const std::size_t first = static_cast<std::size_t>(part) * kChunk;
-        gather(fit, grid, range, first, std::min(n, first + kChunk), info.own,
-               parts[static_cast<std::size_t>(part)]);
-    });
-
-    const double isolated = std::numbers::pi * disc.diameter / (6 * disc.edge_width);
+    info.own = std::move(own_);
+    const double isolated = fit_.disc().information();
     info.is_hidden.reserve(n);
     for (const NormalEquations& own : info.own) {
         info.is_hidden.push_back(!(smallest_eigenvalue(own) > kHidden * isolated));
@@ -80,7 +84,7 @@ JointInformation joint_information(const JointFit& fit, int threads) {
                4 * squared(pair.block) >
                    kWeakest * trace(info.own[pair.i]) * trace(info.own[pair.j]);
     };
-    for (std::vector<Pair>& pairs : parts) {
+    for (std::vector<Pair>& pairs : pairs_) {
         std::erase_if(pairs, [&](const Pair& pair) { return !is_coupled(pair); });
         for (const Pair& pair : pairs) {
             ++degree[pair.i];
@@ -91,7 +95,7 @@ JointInformation joint_information(const JointFit& fit, int threads) {
     std::partial_sum(degree.begin(), degree.end(), info.begin.begin() + 1);
     info.entry.resize(info.begin.back());
     auto at = info.begin;
-    for (const std::vector<Pair>& pairs : parts) {
+    for (const std::vector<Pair>& pairs : pairs_) {
         for (const Pair& pair : pairs) {
             const CrossBlock& b = pair.block;
             info.entry[at[pair.i]++] = {pair.j, b};
@@ -101,25 +105,56 @@ JointInformation joint_information(const JointFit& fit, int threads) {
     return info;
 }
 
-void update_information(const JointFit& fit, int threads, const std::vector<char>& disturbed,
+}  // namespace
+
+JointInformation joint_information(const JointFit& fit) {
+    Gatherer gatherer(fit);
+    gatherer.prepare(fit.positions());
+    fit.in_parts([&](int part, const std::vector<std::uint32_t>& discs) {
+        for (std::size_t k = 0; k < discs.size(); ++k) {
+            if (k + 1 < discs.size()) fit.fetch(discs[k + 1]);
+            gatherer.gather(part, discs[k]);
+        }
+    });
+    return gatherer.information();
+}
+
+JointInformation add_all(JointFit& fit, const std::vector<Vec2>& positions,
+                         const std::vector<double>& explained, std::optional<double> left) {
+    Gatherer gatherer(fit);
+    gatherer.prepare(positions);
+    fit.add_all(positions, explained, left, [&](int part, const std::vector<std::uint32_t>& discs) {
+        for (const std::uint32_t i : discs) gatherer.gather(part, i);
+    });
+    return gatherer.information();
+}
+
+void update_information(const JointFit& fit, const std::vector<char>& disturbed,
                         JointInformation& info) {
-    const std::size_t n = info.own.size();
-    const auto chunks = static_cast<std::int64_t>((n + kChunk - 1) / kChunk);
-    parallel_for(chunks, threads, [&](std::int64_t chunk) {
-        const std::size_t first = static_cast<std::size_t>(chunk) * kChunk;
-        for (std::size_t i = first; i < std::min(n, first + kChunk); ++i) {
+    fit.in_parts([&](int, const std::vector<std::uint32_t>& discs) {
+        for (const std::uint32_t i : discs) {
             if (disturbed[i]) {
                 info.own[i] = fit.normal_equations(i);
-            } else {
-                info.own[i].bx = info.own[i].by = 0;
+                continue;
+            }
+            NormalEquations& own = info.own[i];
+            const Vec2 u = fit.undrawn(i);
+            own.bx = own.xx * u.x + own.xy * u.y;
+            own.by = own.xy * u.x + own.yy * u.y;
+            for (std::size_t e = info.begin[i]; e < info.begin[i + 1]; ++e) {
+                const CrossBlock& b = info.entry[e].block;
+                const Vec2 v = fit.undrawn(info.entry[e].other);
+                own.bx += b.xx * v.x + b.xy * v.y;
+                own.by += b.yx * v.x + b.yy * v.y;
             }
         }
     });
 }
 
-JointStep joint_step(const JointInformation& info, double accuracy) {
+JointFit::Displacement joint_step(const JointInformation& info, double accuracy) {
     const std::size_t n = info.own.size();
-    JointStep result{std::vector<Vec2>(n), std::vector<float>(n, 0.0F)};
+    JointFit::Displacement result{std::vector<Vec2>(n), std::vector<float>(n, 0.0F),
+                                  std::vector<float>(n, 0.0F)};
     std::vector<char> is_awake(n, 1);
     std::vector<char> wakes(n, 0);
     bool any = true;
@@ -147,6 +182,10 @@ JointStep joint_step(const JointInformation& info, double accuracy) {
         }
         is_awake.swap(wakes);
         std::fill(wakes.begin(), wakes.end(), 0);
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+        const Vec2 d = result.step[i];
+        result.gain[i] = static_cast<float>(info.own[i].bx * d.x + info.own[i].by * d.y);
     }
     return result;
 }

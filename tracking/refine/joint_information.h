@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/vec2.h"
@@ -29,19 +30,21 @@ struct JointInformation {
 
 /// As the discs are drawn now. In parallel; independent of the number of threads. About 1 µs a disc
 /// in a liquid at D = 16 px.
-JointInformation joint_information(const JointFit& fit, int threads);
+JointInformation joint_information(const JointFit& fit);
+
+/// The same of discs that are added to an empty fit (JointFit::add_all), in one pass over the
+/// image: half of the time of one after the other.
+JointInformation add_all(JointFit& fit, const std::vector<Vec2>& positions,
+                         const std::vector<double>& explained, std::optional<double> left);
 
 /// The same after a step, with the couplings of before: A_ii and b_i are summed anew for those
-/// disturbed, b_i of the others is zero since they have taken their step.
-void update_information(const JointFit& fit, int threads, const std::vector<char>& disturbed,
+/// disturbed. The others have taken their step: b_i = Σ_j A_ij u_j, u_j what of it is not drawn
+/// (JointFit::undrawn).
+void update_information(const JointFit& fit, const std::vector<char>& disturbed,
                         JointInformation& information);
 
 /// Where all discs together want to go from where they are drawn: d = A⁻¹ b, by Gauss–Seidel sweeps
 /// over the blocks until no disc changes by more than `accuracy` [px]. No pixel is touched.
-struct JointStep {
-    std::vector<Vec2> step;   ///< d [px]
-    std::vector<float> left;  ///< the last change of each [px]
-};
-JointStep joint_step(const JointInformation& information, double accuracy);
+JointFit::Displacement joint_step(const JointInformation& information, double accuracy);
 
 }  // namespace grainfield::tracking

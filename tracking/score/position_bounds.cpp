@@ -25,7 +25,7 @@ std::vector<Vec2> position_bounds(const std::vector<Vec2>& positions, const Disc
         fit.add(p);
     }
     std::vector<Vec2> bounds(positions.size(), {kNone, kNone});
-    const auto covariance = joint_covariance(joint_information(fit, threads), threads);
+    const auto covariance = joint_covariance(joint_information(fit), threads);
     for (std::size_t j = 0; j < place.size(); ++j) {
         bounds[place[j]] = {noise * std::sqrt(covariance[j].xx),
                             noise * std::sqrt(covariance[j].yy)};

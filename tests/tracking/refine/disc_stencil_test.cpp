@@ -245,24 +245,6 @@ TEST(DiscStencil, ASmallShiftOfTheEdgeAloneIsNearlyThatOfTheWholeAndIsUndone) {
     }
 }
 
-TEST(DiscStencil, TheLocalResidualIsTheRmsWithinReach) {
-    Scene scene(kCentres, kDisc, noisy_darkness());
-    for (std::size_t j = 0; j < kCentres.size(); ++j) {
-        double sum = 0;
-        int n = 0;
-        for (int y = 0; y < 33; ++y) {
-            for (int x = 0; x < 33; ++x) {
-                if (std::hypot(x - kCentres[j].x, y - kCentres[j].y) >= kDisc.reach()) continue;
-                const double r =
-                    static_cast<double>(scene.darkness(x, y) - 1 + scene.transmission(x, y));
-                sum += r * r;
-                ++n;
-            }
-        }
-        EXPECT_NEAR(local_residual(scene.view(j)), std::sqrt(sum / n), 1e-5);
-    }
-}
-
 TEST(DiscStencil, CouplingIsTheSumOfProductsOfGradients) {
     // Beside, above and across one another.
     for (const Vec2 step : {Vec2{9.3, 0.4}, Vec2{-1.2, 8.8}, Vec2{6.1, -7.2}, Vec2{5.2, 3.1}}) {

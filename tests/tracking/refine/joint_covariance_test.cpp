@@ -57,7 +57,7 @@ Eigen::MatrixXd oracle(const JointFit& fit) {
 }
 
 void expect_inverse(const JointFit& fit, double tolerance) {
-    const auto covariance = joint_covariance(joint_information(fit, 2), 2);
+    const auto covariance = joint_covariance(joint_information(fit), 2);
     const Eigen::MatrixXd exact = oracle(fit);
     for (std::size_t j = 0; j < covariance.size(); ++j) {
         const auto i = static_cast<Eigen::Index>(2 * j);
@@ -72,7 +72,7 @@ TEST(JointCovariance, OfIsolatedDiscsIsTheClosedForm) {
     const DiscProfile disc{16, 1.2};
     const double bound = 6 * 1.2 / (std::numbers::pi * 16);
     for (const PositionCovariance& c :
-         joint_covariance(joint_information(lattice(32, 6, disc), 1), 1)) {
+         joint_covariance(joint_information(lattice(32, 6, disc)), 1)) {
         EXPECT_NEAR(c.xx, bound, 0.05 * bound);
         EXPECT_NEAR(c.yy, bound, 0.05 * bound);
     }
@@ -89,8 +89,8 @@ TEST(JointCovariance, EqualsTheInverseOfTheWholeInformationInACrystal) {
 
 TEST(JointCovariance, DoesNotDependOnTheNumberOfThreads) {
     const JointFit fit = lattice(0.82 * 12, 14, {12, 1.2});
-    const auto one = joint_covariance(joint_information(fit, 1), 1);
-    const auto eight = joint_covariance(joint_information(fit, 8), 8);
+    const auto one = joint_covariance(joint_information(fit), 1);
+    const auto eight = joint_covariance(joint_information(fit), 8);
     for (std::size_t j = 0; j < one.size(); ++j) {
         EXPECT_EQ(one[j].xx, eight[j].xx);
         EXPECT_EQ(one[j].xy, eight[j].xy);
@@ -102,7 +102,7 @@ TEST(JointCovariance, OfAHiddenDiscIsNotANumber) {
     JointFit fit(Image(64, 64), disc, 1);
     for (int i = 0; i < 6; ++i) fit.add({32, 32});
     fit.add({10, 10});
-    const auto covariance = joint_covariance(joint_information(fit, 1), 1);
+    const auto covariance = joint_covariance(joint_information(fit), 1);
     EXPECT_TRUE(std::isnan(covariance[0].xx));
     EXPECT_GT(covariance[6].xx, 0);
 }

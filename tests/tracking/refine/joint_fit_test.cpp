@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <utility>
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
@@ -193,7 +195,7 @@ TEST(JointStep, SolvesTheNormalEquationsOfAllPositions) {
     const auto truth = square_patch(0.80 * 16, 8, 20, 0.3);
     const Image darkness = darkness_of(truth, disc, 140, 0.02, 8);
     const JointFit fit = swept(darkness, truth, disc);
-    const JointInformation info = joint_information(fit, 2);
+    const JointInformation info = joint_information(fit);
     const auto n = static_cast<Eigen::Index>(truth.size());
     Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(2 * n, 2 * n);
     Eigen::VectorXd right(2 * n);
@@ -210,7 +212,7 @@ TEST(JointStep, SolvesTheNormalEquationsOfAllPositions) {
         }
     }
     const Eigen::VectorXd exact = matrix.ldlt().solve(right);
-    const JointStep joint = joint_step(info, 1e-6);
+    const auto joint = joint_step(info, 1e-6);
     for (Eigen::Index i = 0; i < n; ++i) {
         EXPECT_NEAR(joint.step[static_cast<std::size_t>(i)].x, exact(2 * i), 1e-5) << i;
         EXPECT_NEAR(joint.step[static_cast<std::size_t>(i)].y, exact(2 * i + 1), 1e-5) << i;
@@ -231,11 +233,10 @@ TEST(JointStep, GoesWhereSweepsEnd) {
     // Sweeps alone stop too early here.
     const double before = rms(fit.positions(), exact.positions());
     for (int round = 0; round < 3; ++round) {
-        const JointStep joint = joint_step(joint_information(fit, 2), 1e-4);
-        fit.displace(joint.step, joint.left, 0.003, 0.1);
+        fit.displace(joint_step(joint_information(fit), 1e-4), 0.003, 0.1);
     }
     double variance = 0;
-    const auto covariance = joint_covariance(joint_information(fit, 2), 2);
+    const auto covariance = joint_covariance(joint_information(fit), 2);
     for (const PositionCovariance& c : covariance) variance += 0.5 * (c.xx + c.yy);
     const double error = 0.02 * std::sqrt(variance / static_cast<double>(truth.size()));
     EXPECT_GT(before, 0.25 * error);
@@ -248,11 +249,11 @@ TEST(JointFit, OnlyDiscsNearThoseThatWentFarAreDisturbed) {
     const Image darkness = darkness_of(truth, disc, 280, 0.02, 4);
     JointFit fit = started(darkness, truth, disc, 2, 0);
     const std::vector<Vec2> before = fit.positions();
-    const std::vector<float> left(truth.size(), 0.0F);
-    std::vector<Vec2> step(truth.size(), {0.02, 0});
-    EXPECT_TRUE(fit.displace(step, left, 0.003, 0.1).empty());
-    step[210] = {0.3, 0.4};
-    const std::vector<char> disturbed = fit.displace(step, left, 0.003, 0.1);
+    const std::vector<float> none(truth.size(), 0.0F);
+    JointFit::Displacement all{std::vector<Vec2>(truth.size(), {0.02, 0}), none, none};
+    EXPECT_TRUE(fit.displace(all, 0.003, 0.1).empty());
+    all.step[210] = {0.3, 0.4};
+    const std::vector<char> disturbed = fit.displace(all, 0.003, 0.1);
     EXPECT_NEAR(norm(fit.positions()[210] - before[210]), 0.25, 0.03);
     for (std::size_t j = 0; j < truth.size(); ++j) {
         const double distance = norm(truth[j] - truth[210]);
@@ -266,13 +267,131 @@ TEST(JointFit, OnlyDiscsNearThoseThatWentFarAreDisturbed) {
     EXPECT_GT(again.steps, 0);
     EXPECT_LT(again.steps, 60);
 
-    JointInformation info = joint_information(fit, 2);
+    // Who has rested since has its step behind it, but for what of it is not drawn.
+    JointInformation info = joint_information(fit);
     const JointInformation same = info;
-    update_information(fit, 2, disturbed, info);
+    update_information(fit, disturbed, info);
+    const auto times = [](const auto& block, Vec2 u) {
+        return Vec2{block.xx * u.x + block.xy * u.y, 0};
+    };
     for (std::size_t j = 0; j < truth.size(); ++j) {
-        EXPECT_EQ(info.own[j].bx, disturbed[j] ? same.own[j].bx : 0);
+        double expected = times(same.own[j], fit.undrawn(j)).x;
+        for (std::size_t e = same.begin[j]; e < same.begin[j + 1]; ++e) {
+            expected += times(same.entry[e].block, fit.undrawn(same.entry[e].other)).x;
+        }
+        EXPECT_DOUBLE_EQ(info.own[j].bx, disturbed[j] ? same.own[j].bx : expected);
         EXPECT_EQ(info.own[j].xx, same.own[j].xx);
     }
+}
+
+// In single precision half of all tolerances are rounded up.
+TEST(JointFit, DiscsThatAreAToleranceAwayTakeNoStep) {
+    const DiscProfile disc{10, 1.2};
+    const auto truth = square_patch(14, 8, 20, 0.3);
+    const Image darkness = darkness_of(truth, disc, 140, 0.02, 4);
+    for (const double tolerance : {0.036, 0.0361, 0.0362, 0.0363}) {
+        JointFit fit(darkness, disc, 1);
+        fit.add_all(truth, {}, tolerance);
+        RefinementOptions options;
+        options.tolerance = tolerance;
+        EXPECT_EQ(fit.refine(options).steps, 0) << tolerance;
+    }
+}
+
+std::vector<Vec2> scattered(int width, int height, int n) {
+    RandomStream random(31, "scattered");
+    std::vector<Vec2> centres;
+    for (int i = 0; i < n; ++i) {
+        centres.push_back({random.uniform(-0.5, width - 0.5), random.uniform(-0.5, height - 0.5)});
+    }
+    return centres;
+}
+
+// Wide enough for several strips, high enough for many rows, and frames that hold one of each.
+TEST(JointFit, OnePassOverTheImageGivesWhatTwoGive) {
+    const DiscProfile disc{16, 1.2};
+    for (const auto& [width, height] : {std::pair{900, 300}, {240, 700}, {30, 40}, {300, 20}}) {
+        const auto centres = scattered(width, height, width * height / 250);
+        Image darkness(width, height, 0.4F);
+        JointFit two(darkness, disc, 1);
+        two.add_all(centres);
+        const JointInformation expected = joint_information(two);
+        std::optional<JointInformation> alone;
+        for (const int threads : {1, 2, 8}) {
+            JointFit fit(darkness, disc, threads);
+            const JointInformation info = add_all(fit, centres, {}, {});
+            ASSERT_EQ(info.begin, expected.begin) << width;
+            for (std::size_t i = 0; i < centres.size(); ++i) {
+                // Discs are drawn in another order.
+                const double scale = 1e-3 * disc.information();
+                EXPECT_NEAR(info.own[i].xx, expected.own[i].xx, scale);
+                EXPECT_NEAR(info.own[i].bx, expected.own[i].bx, scale);
+                if (!alone) continue;
+                EXPECT_EQ(info.own[i].bx, alone->own[i].bx) << threads << " threads";
+                for (std::size_t e = info.begin[i]; e < info.begin[i + 1]; ++e) {
+                    EXPECT_EQ(info.entry[e].other, alone->entry[e].other);
+                }
+            }
+            if (!alone) alone = info;
+        }
+    }
+}
+
+TEST(JointFit, LocalResidualsAreThoseWithinReach) {
+    const DiscProfile disc{16, 1.2};
+    const auto truth = square_patch(15, 6, 3, 0.5);
+    const Image darkness = darkness_of(truth, disc, 90, 0.05, 6);
+    for (const bool is_masked : {false, true}) {
+        Image mask(90, 90, 1);
+        for (int i = 0; is_masked && i < 90; ++i) {
+            for (int j = 30; j < 40; ++j) mask(i, j) = 0;
+        }
+        JointFit fit(darkness, disc, 2);
+        const VisiblePixels visible(mask);
+        fit.set_visible(visible);
+        fit.restart(darkness);
+        fit.add_all(truth);
+        const std::vector<double> residuals = fit.residuals();
+        for (std::size_t j = 0; j < truth.size(); ++j) {
+            double sum = 0;
+            double n = 0;
+            for (int y = 0; y < 90; ++y) {
+                for (int x = 0; x < 90; ++x) {
+                    if (std::hypot(x - truth[j].x, y - truth[j].y) > disc.reach()) continue;
+                    if (!visible(x, y)) continue;
+                    const double r =
+                        static_cast<double>(fit.darkness()(x, y) - 1 + fit.transmission()(x, y));
+                    sum += r * r;
+                    n += 1;
+                }
+            }
+            EXPECT_NEAR(residuals[j], std::sqrt(sum / n), 1e-5) << j;
+        }
+    }
+}
+
+// Which steps are drawn saves time and decides nothing.
+TEST(JointStep, StepsThatAreNotDrawnChangeNeitherPositionsNorResiduals) {
+    const DiscProfile disc{16, 1.2};
+    const auto truth = square_patch(0.9 * 16, 14, 20, 0.3);
+    const Image darkness = darkness_of(truth, disc, 240, 0.02, 9);
+    JointFit drawn = swept(darkness, truth, disc);
+    JointFit waiting = swept(darkness, truth, disc);
+    const auto first = joint_step(joint_information(drawn), 1e-4);
+    drawn.displace(first, 0, 0.1);
+    waiting.displace(first, 0.06, 0.1);
+    EXPECT_EQ(drawn.positions(), waiting.positions());
+    const auto exact = drawn.residuals();
+    const auto known = waiting.residuals();
+    for (std::size_t j = 0; j < truth.size(); ++j) EXPECT_NEAR(known[j] / exact[j], 1, 0.03) << j;
+    // Steps of second order are left, whoever is drawn.
+    JointInformation info = joint_information(waiting);
+    const auto again = joint_step(info, 1e-4);
+    for (std::size_t j = 0; j < truth.size(); ++j) {
+        EXPECT_LT(norm(again.step[j] - waiting.undrawn(j)), 0.004) << j;
+    }
+    waiting.draw_undrawn();
+    EXPECT_EQ(waiting.undrawn(3), Vec2{});
 }
 
 }  // namespace
