@@ -67,7 +67,7 @@ class Locator {
     /// Of the model fitted last.
     const PaddedImage& transmission() const { return fit_.transmission(); }
 
-    static constexpr double kNear = 0.15;  ///< [w]
+    static constexpr double kNear = 0.05;  ///< [w]
     static constexpr int kApproachSpacing = 2;
 
  private:

@@ -580,8 +580,10 @@ double JointFit::residual_rms() const {
             rows[static_cast<std::size_t>(y)] = static_cast<double>(row);
         }
     });
+    double sum = std::accumulate(rows.begin(), rows.end(), 0.0);
+    for (const Disc& disc : discs_) sum -= static_cast<double>(disc.gain);
     const double n = pixels();
-    return n > 0 ? std::sqrt(std::accumulate(rows.begin(), rows.end(), 0.0) / n) : 0;
+    return n > 0 ? std::sqrt(std::max(0.0, sum) / n) : 0;
 }
 
 }  // namespace grainfield::tracking

@@ -128,7 +128,7 @@ class JointFit {
     /// drawn; NaN without pixels.
     std::vector<double> residuals() const;
 
-    /// RMS of I − M over the visible pixels of the frame [contrast].
+    /// RMS of I − M over the visible pixels of the frame, likewise [contrast].
     double residual_rms() const;
 
  private:
