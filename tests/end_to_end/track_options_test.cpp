@@ -1,5 +1,6 @@
 // `grainfield track` with what a user knows of the picture: a region, a flat field, the cell.
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <sstream>
 #include <string>
@@ -328,6 +329,33 @@ TEST_F(DirtyWindow, SpheresAtRestAreNotPartOfTheBackground) {
     EXPECT_EQ(evened.missed, plain.missed);
     EXPECT_NEAR(evened.squares, plain.squares, 0.05 * plain.squares);
     EXPECT_THAT(evened.warnings, HasSubstr("are never clear"));
+}
+
+TEST_F(DirtyWindow, AFilmShorterThanTheWindowSaysThatItsBackgroundIsStatic) {
+    const auto frames = testing::write_disc_sequence(folder_, 12);
+    const std::vector<std::string> others(frames.begin() + 1, frames.end());
+    for (const bool is_long : {false, true}) {
+        const Outcome outcome =
+            track(frames[0], testing::with(others, {"--background", "running", "--explain",
+                                                    "--background-window", is_long ? "10" : "12"}));
+        ASSERT_EQ(outcome.code, 0) << outcome.err;
+        EXPECT_THAT(outcome.out,
+                    HasSubstr(is_long ? "running: " : "static (film shorter than the window): "));
+    }
+}
+
+TEST_F(DirtyWindow, ARepeatedFrameIsNotFittedAgainWithARunningBackground) {
+    const auto paths = DirtyFilm(24).write(folder_);
+    for (const int i : {8, 9, 17}) {
+        std::filesystem::copy_file(paths[static_cast<std::size_t>(i - 1)],
+                                   paths[static_cast<std::size_t>(i)],
+                                   std::filesystem::copy_options::overwrite_existing);
+    }
+    const Outcome outcome =
+        track(paths[0], testing::with({paths.begin() + 1, paths.end()},
+                                      {"--background", "running", "--background-window", "20"}));
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(json::parse(outcome.out)["repeated_frames"], 3);
 }
 
 TEST_F(DirtyWindow, OneFrameHasNoBackgroundOfItsOwn) {
