@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -10,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/csv_rows.h"
 #include "tests/support/disc_sequence.h"
 #include "tests/support/program.h"
 
@@ -35,23 +35,7 @@ class TrackOptions : public ::testing::Test {
         EXPECT_EQ(
             run_grainfield({"export", "--force", folder_ / "t.h5", "-o", folder_ / "t.csv"}).code,
             0);
-        std::istringstream csv(testing::read_all(folder_ / "t.csv"));
-        std::vector<std::string> names;
-        std::vector<std::map<std::string, std::string>> result;
-        for (std::string line; std::getline(csv, line);) {
-            if (line.empty() || line[0] == '#') continue;
-            std::vector<std::string> fields;
-            std::istringstream text(line);
-            for (std::string field; std::getline(text, field, ',');) fields.push_back(field);
-            if (names.empty()) {
-                names = fields;
-                continue;
-            }
-            fields.resize(names.size());
-            auto& row = result.emplace_back();
-            for (std::size_t i = 0; i < names.size(); ++i) row[names[i]] = fields[i];
-        }
-        return result;
+        return testing::csv_rows(folder_ / "t.csv");
     }
 
     std::vector<Vec2> positions() {
