@@ -2,14 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <numbers>
+
+#include "simulate/render/arc_area.h"
 
 namespace grainfield::simulate {
 
 namespace {
-
-double primitive(double t, double half_chord, double radius) {
-    return 0.5 * (t * half_chord + radius * radius * std::asin(std::clamp(t / radius, -1.0, 1.0)));
-}
 
 int floor_to_int(double x) {
     return static_cast<int>(std::floor(x));
@@ -32,21 +32,32 @@ bool DiscScan::prepare(const Disc& disc, int width, int y_first, int y_end) {
     bottom_ = std::min(y_end, floor_to_int(cy + radius + 0.5) + 1);
     if (first_ >= end_ || top_ >= bottom_) return false;
 
-    const int borders = end_ - left_ + 1;
-    columns_.resize(static_cast<std::size_t>(borders));
+    columns_.resize(static_cast<std::size_t>(end_ - left_ + 1));
+    rows_.resize(static_cast<std::size_t>(bottom_ - top_ + 1));
+    const std::size_t borders = columns_.size() + rows_.size();
+    distance_.resize(3 * borders);
+    double* const distance = distance_.data();
+    double* const half = distance + borders;
+    double* const area = half + borders;
     for (std::size_t j = 0; j < columns_.size(); ++j) {
-        const double u = left_ - 0.5 + static_cast<double>(j) - cx;
-        const double clipped = std::min(std::abs(u), radius);
-        const double k = std::sqrt(radius * radius - clipped * clipped);
-        columns_[j] = {clipped, k, primitive(k, clipped, radius), u < 0 ? -1.0 : 1.0};
+        distance[j] = std::min(std::abs(left_ - 0.5 + static_cast<double>(j) - cx), radius);
+    }
+    double* const of_rows = distance + columns_.size();
+    for (std::size_t j = 0; j < rows_.size(); ++j) {
+        of_rows[j] = std::clamp(top_ - 0.5 + static_cast<double>(j) - cy, -radius, radius);
+    }
+    arc_areas(distance, borders, radius, half, area);
+    // H(k) of the half chord k at u: H(k) + H(u) = k u + π R²/4.
+    const double quarter = 0.25 * std::numbers::pi * radius * radius;
+    for (std::size_t j = 0; j < columns_.size(); ++j) {
+        const double u = distance[j];
+        const bool is_left = left_ - 0.5 + static_cast<double>(j) < cx;
+        columns_[j] = {u, half[j], half[j] * u + quarter - area[j], is_left ? -1.0 : 1.0};
     }
     row_origin_ = top_;
-    const int row_borders = bottom_ - top_ + 1;
-    rows_.resize(static_cast<std::size_t>(row_borders));
     for (std::size_t j = 0; j < rows_.size(); ++j) {
-        const double t = std::clamp(top_ - 0.5 + static_cast<double>(j) - cy, -radius, radius);
-        const double half_chord = std::sqrt(radius * radius - t * t);
-        rows_[j] = {t, half_chord, primitive(t, half_chord, radius)};
+        const std::size_t i = columns_.size() + j;
+        rows_[j] = {distance[i], half[i], area[i]};
     }
     return true;
 }

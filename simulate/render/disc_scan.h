@@ -21,8 +21,8 @@ struct Disc {
 ///   H(t) = (t h(t) + R² asin(t/R))/2,
 ///
 /// a, b: t0, t1 clipped to |t| ≤ √(R² − u²); a', b': clipped to |t| ≤ R. H is tabulated once per
-/// row border and once per column border, so that a pixel costs a dozen operations. Rounding error
-/// about 1e-15 R².
+/// row border and once per column border (arc_areas), so that a pixel costs a dozen operations.
+/// Rounding error about 1e-15 R².
 class DiscScan {
  public:
     /// Calls edge(x, y, area) for the pixels cut by the circle, with 0 < area ≤ 1, and
@@ -109,6 +109,7 @@ class DiscScan {
         double t, half_chord, h;
     };
     std::vector<RowBorder> rows_;
+    std::vector<double> distance_;  // of the borders, and what arc_areas makes of them
 };
 
 }  // namespace grainfield::simulate
