@@ -32,8 +32,10 @@ bool DiscScan::prepare(const Disc& disc, int width, int y_first, int y_end) {
     bottom_ = std::min(y_end, floor_to_int(cy + radius + 0.5) + 1);
     if (first_ >= end_ || top_ >= bottom_) return false;
 
-    columns_.resize(static_cast<std::size_t>(end_ - left_ + 1));
-    rows_.resize(static_cast<std::size_t>(bottom_ - top_ + 1));
+    const int column_borders = end_ - left_ + 1;
+    const int row_borders = bottom_ - top_ + 1;
+    columns_.resize(static_cast<std::size_t>(column_borders));
+    rows_.resize(static_cast<std::size_t>(row_borders));
     const std::size_t borders = columns_.size() + rows_.size();
     distance_.resize(3 * borders);
     double* const distance = distance_.data();
