@@ -11,9 +11,11 @@ using tracking::ClearLevelEstimator;
 using tracking::Evening;
 
 EvenedFrames::EvenedFrames(std::unique_ptr<FrameSource> source, const BackgroundOptions& options,
-                           const tracking::FilmLevels& levels, int threads)
+                           const tracking::FilmLevels& levels,
+                           const tracking::VisiblePixels& visible, int threads)
     : PassedFrames(std::move(source)),
       levels_(levels),
+      visible_(visible),
       frames_(options.frames),
       half_window_(options.kind == "running" && options.window < count()
                        ? std::max<std::int64_t>(1, options.window / 2)
@@ -24,15 +26,16 @@ EvenedFrames::EvenedFrames(std::unique_ptr<FrameSource> source, const Background
 }
 
 EvenedFrames::EvenedFrames(std::unique_ptr<FrameSource> source, const Image& empty_cell,
-                           const tracking::FilmLevels& levels)
-    : PassedFrames(std::move(source)), levels_(levels) {
+                           const tracking::FilmLevels& levels,
+                           const tracking::VisiblePixels& visible)
+    : PassedFrames(std::move(source)), levels_(levels), visible_(visible) {
     // Noise of one picture; what is as dark as a core passes nothing.
     tracking::ClearLevels clear{empty_cell, Image(empty_cell.width(), empty_cell.height(),
                                                   static_cast<float>(levels.noise))};
     ClearLevelEstimator picture(empty_cell.width(), empty_cell.height());
     picture.add(empty_cell);
     clear.level = picture.estimate(levels, 1).level;
-    first_ = tracking::evening_of(clear, levels);
+    first_ = tracking::evening_of(clear, levels, visible_);
     before_ = {0, first_.gain};
 }
 
@@ -47,7 +50,7 @@ Evening EvenedFrames::evening_about(std::int64_t first, std::int64_t end) const 
         const Frame frame = source().read(first + (2 * i + 1) * (end - first) / (2 * n));
         if (frame.status == FrameStatus::ok) estimator.add(frame.image);
     }
-    return tracking::evening_of(estimator.estimate(levels_, threads_), levels_);
+    return tracking::evening_of(estimator.estimate(levels_, threads_), levels_, visible_);
 }
 
 const Image& EvenedFrames::gain_at(std::int64_t knot) {
@@ -67,6 +70,24 @@ Frame EvenedFrames::read(std::int64_t index) {
         tracking::even_out(frame.image, before_.gain, levels_);
         return frame;
     }
+    const std::int64_t first = first_of_repeats(index, frame.image);
+    last_ = {index, first, frame.image};
+    tracking::even_out(frame.image, gain_of(first), levels_);
+    return frame;
+}
+
+/// The first of the frames, one after the other, that are the same as this one.
+std::int64_t EvenedFrames::first_of_repeats(std::int64_t index, const Image& counts) {
+    while (index > 0) {
+        if (last_.index == index - 1) return counts == last_.counts ? last_.first : index;
+        const Frame before = source().read(index - 1);
+        if (before.status != FrameStatus::ok || before.image != counts) return index;
+        --index;
+    }
+    return index;
+}
+
+Image EvenedFrames::gain_of(std::int64_t index) {
     const std::int64_t knot = index / half_window_;
     const auto share =
         static_cast<float>(index - knot * half_window_) / static_cast<float>(half_window_);
@@ -75,8 +96,7 @@ Frame EvenedFrames::read(std::int64_t index) {
     std::transform(gain.pixels().begin(), gain.pixels().end(), next.pixels().begin(),
                    gain.pixels().begin(),
                    [share](float a, float b) { return a + share * (b - a); });
-    tracking::even_out(frame.image, gain, levels_);
-    return frame;
+    return gain;
 }
 
 }  // namespace grainfield::app

@@ -74,21 +74,30 @@ tracking::VisiblePixels visible_pixels(const FrameSource& frames, const FilmOpti
     return visible;
 }
 
+bool is_picture(const BackgroundOptions& background) {
+    const std::string& kind = background.kind;
+    return kind != "none" && kind != "static" && kind != "running";
+}
+
 /// The picture that --background names, the region of it; empty if it names none.
 Image empty_cell(const FilmOptions& options, const std::optional<io::FrameRegion>& region,
                  const FrameSource& frames) {
-    const std::string& kind = options.background.kind;
-    if (kind == "none" || kind == "static" || kind == "running") return {};
-    const Image whole = companion(kind, "background", frames, options);
+    if (!is_picture(options.background)) return {};
+    const Image whole = companion(options.background.kind, "background", frames, options);
     return region ? io::cropped(whole, *region) : whole;
 }
 
-void plan_background(const FilmOptions& options, const tracking::Evening& evening, RunPlan& plan) {
-    const std::string& kind = options.background.kind;
+std::string origin_of(const std::string& kind, bool is_running) {
+    if (kind == "static" || is_running) return kind;
+    return kind == "running" ? "static (film shorter than the window)" : "as in '" + kind + "'";
+}
+
+void plan_background(const FilmOptions& options, const EvenedFrames& evened, RunPlan& plan) {
+    const tracking::Evening& evening = evened.first();
     plan.run("background",
              fmt::format("{}: {:.2f} % of the pixels differ from a smooth surface, by up to {:.2f} "
                          "of the contrast, and are evened out; {:.2f} % are never clear",
-                         kind == "static" || kind == "running" ? kind : "as in '" + kind + "'",
+                         origin_of(options.background.kind, evened.is_running()),
                          100 * evening.uneven, evening.strongest, 100 * evening.never_clear));
     constexpr double too_much = 0.2;
     if (evening.never_clear > too_much) {
@@ -113,8 +122,7 @@ std::unique_ptr<FrameSource> evened(std::unique_ptr<FrameSource> frames, const F
     RunPlan& plan = session.plan;
     const BackgroundOptions& background = options.background;
     if (background.kind == "none") return frames;
-    const bool is_picture = !empty_cell.empty();
-    if (!is_picture && frames->count() < 3) {
+    if (empty_cell.empty() && frames->count() < 3) {
         plan.skip("background", "fewer than three frames", "one pass over each frame");
         return frames;
     }
@@ -123,18 +131,28 @@ std::unique_ptr<FrameSource> evened(std::unique_ptr<FrameSource> frames, const F
     if (!first.is_calibrated()) return frames;  // which is said when the tracker tries again
     const auto levels = tracking::FilmLevels::of(first.model(), frames->width(), frames->height());
     std::unique_ptr<EvenedFrames> evened;
-    if (is_picture) {
-        evened = std::make_unique<EvenedFrames>(std::move(frames), empty_cell, levels);
+    if (!empty_cell.empty()) {
+        evened =
+            std::make_unique<EvenedFrames>(std::move(frames), empty_cell, levels, tracking.visible);
     } else {
         evened = std::make_unique<EvenedFrames>(std::move(frames), background, levels,
-                                                session.threads());
+                                                tracking.visible, session.threads());
     }
     throw_if_interrupted("tracking");
-    plan_background(options, evened->first(), plan);
+    plan_background(options, *evened, plan);
     return evened;
 }
 
 }  // namespace
+
+std::vector<std::string> pictures_of(const FilmOptions& options) {
+    std::vector<std::string> pictures;
+    for (const std::string& path : {options.mask, options.flat_field}) {
+        if (!path.empty()) pictures.push_back(path);
+    }
+    if (is_picture(options.background)) pictures.push_back(options.background.kind);
+    return pictures;
+}
 
 void describe(FilmOptions& options, OptionTable& table) {
     table.number("fps", options.fps, "1/s", {1e-9, 1e9}, "frame rate; auto: as the file says");

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "app/command.h"
 #include "app/evened_frames.h"
@@ -24,6 +25,9 @@ struct FilmOptions {
     std::int64_t max_pixels = 200'000'000;
     bool strict = false;
 };
+
+/// The files besides the frames that they name: mask, flat field, picture of the background.
+std::vector<std::string> pictures_of(const FilmOptions& options);
 
 /// Adds the rows to a command's own table.
 void describe(FilmOptions& options, OptionTable& table);

@@ -8,7 +8,9 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "core/interrupt.h"
 #include "io/checkpoint_file.h"
+#include "io/input_record.h"
 
 namespace grainfield::app {
 
@@ -21,14 +23,21 @@ constexpr std::array<std::string_view, 11> not_compared{
     "output", "threads", "explain", "json",       "quiet",           "verbose",
     "force",  "resume",  "strict",  "max-pixels", "checkpoint-every"};
 
-/// Options that results depend on, and the inputs. Their content is not read for it: calibration
-/// shows whether it is the same film.
-std::vector<std::pair<std::string, std::string>> compared(const Session& session) {
+/// Options that results depend on, the pictures they name, and the inputs. The content of the
+/// inputs is not read for it: calibration shows whether it is the same film.
+std::vector<std::pair<std::string, std::string>> compared(
+    const Session& session, const std::vector<std::string>& pictures) {
     std::vector<std::pair<std::string, std::string>> kept;
     for (const auto& option : session.configuration) {
         if (std::ranges::find(not_compared, option.first) == not_compared.end()) {
             kept.push_back(option);
         }
+    }
+    for (const std::string& picture : pictures) {
+        const RunRecord::Input record = io::describe_input(picture);
+        throw_if_interrupted("tracking");
+        kept.emplace_back(fmt::format("content of '{}'", picture),
+                          fmt::format("{} bytes, {}", record.bytes, record.checksum));
     }
     std::uintmax_t bytes = 0;
     for (const fs::path& input : session.inputs) {
@@ -59,9 +68,9 @@ std::int64_t log_bytes(const Checkpoint& checkpoint, const fs::path& path) {
 
 }  // namespace
 
-TrackCheckpoint::TrackCheckpoint(const Session& session, const std::string& output,
-                                 const Options& options)
-    : output_(output), options_(options), configuration_(compared(session)) {
+TrackCheckpoint::TrackCheckpoint(const Session& session, const std::vector<std::string>& pictures,
+                                 const std::string& output, const Options& options)
+    : output_(output), options_(options), configuration_(compared(session, pictures)) {
     std::error_code ignored;
     is_there_ = fs::exists(path(), ignored);
     if (!is_there_) return;

@@ -24,10 +24,12 @@ class TrackCheckpoint {
         double every = 1;  ///< time between checkpoints [min]
     };
 
-    /// Reads the checkpoint if one is to be resumed and is there. Call it before the output is
-    /// claimed. Throws OutputError if there is one and neither --resume nor --force was given,
-    /// InputError if it is of a run with other inputs or options.
-    TrackCheckpoint(const Session& session, const std::string& output, const Options& options);
+    /// Reads the checkpoint if one is to be resumed and is there. `pictures`: files besides the
+    /// inputs, compared by their content. Call it before the output is claimed. Throws OutputError
+    /// if there is one and neither --resume nor --force was given, InputError if it is of a run
+    /// with other inputs, pictures or options.
+    TrackCheckpoint(const Session& session, const std::vector<std::string>& pictures,
+                    const std::string& output, const Options& options);
     ~TrackCheckpoint();
     TrackCheckpoint(const TrackCheckpoint&) = delete;
     TrackCheckpoint& operator=(const TrackCheckpoint&) = delete;

@@ -148,7 +148,7 @@ Summary TrackCommand::run(Session& session) {
     // A run that was resumed is recorded as the one that it completes.
     std::erase_if(session.configuration, [](const auto& o) { return o.first == "resume"; });
     std::optional<io::OutputFile> output;
-    TrackCheckpoint saved(session, output_, checkpoint_);
+    TrackCheckpoint saved(session, pictures_of(film_), output_, checkpoint_);
     if (!session.common.explain) {
         const bool replaces = session.common.force || saved.from() != nullptr;
         output.emplace(output_, replaces ? io::Overwrite::force : io::Overwrite::refuse);

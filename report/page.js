@@ -200,7 +200,8 @@
   // Identities get colours that neighbours in number do not share.
   const hues = Array.from({ length: 48 }, (_, i) => `hsl(${(i * 137.5) % 360} 65% ${40 + 8 * (i % 3)}%)`);
 
-  // One small map of each run side by side: discs at 85 % of the diameter, or the field.
+  // One small map of each run side by side: discs at 85 % of the diameter, or the picture of a field
+  // or of a frame that nothing was found in.
   function drawGallery(maps, colours, labels, pick) {
     const gallery = document.querySelector(".gallery");
     if (!gallery) return;
@@ -221,8 +222,9 @@
         unpack(map);
         const context = canvas.getContext("2d");
         const scale = canvas.width / (map.x[1] - map.x[0]);
-        if (map.unit === "cells") {
-          map.loaded.then(() => context.drawImage(map.picture, 0, 0, canvas.width, canvas.height));
+        if (map.loaded && (map.unit === "cells" || !map.px.length)) {
+          map.loaded.then(() => context.drawImage(map.picture, 0, 0,
+            map.imageSize[0] * scale, map.imageSize[1] * scale));
           return;
         }
         const r = Math.max(0.8, 0.5 * 0.85 * map.diameter * scale);

@@ -1,5 +1,6 @@
 // Milliseconds a frame of each stage at the experiment's size: 1600² pixels, 11,704 grains.
-// `raytrace [threads]`: frames of five instants, ray-traced. `sampling`: error against rays.
+// `silhouette`: these alone. `raytrace [threads]`: frames of five instants, ray-traced. `sampling`:
+// error against rays.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -156,6 +157,7 @@ int main(int argc, char** argv) {
         sampling();
         return 0;
     }
+    const bool all_stages = std::strcmp(what, "silhouette") != 0;
     const RenderOptions options;
     const View view(options.view, {{0, 0}, {100, 100}, {}, 1.94}, 1.94);
     const Camera camera(options, view, 1, 1);
@@ -165,6 +167,7 @@ int main(int argc, char** argv) {
         SilhouetteOptics optics({}, 1);
         report(crystal ? "silhouette, s = .81 a" : "silhouette, s = .924 a", 15,
                [&] { optics.radiance(scene, view); });
+        if (!all_stages) continue;
         report("  on the camera's fine grid", 7, [&] { optics.radiance(scene, fine); });
         const Image radiance = optics.radiance(scene, fine);
         report("  blur and light", 7, [&] { static_cast<void>(camera.exposure(radiance)); });

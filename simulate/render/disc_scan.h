@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "core/vec2.h"
@@ -22,8 +21,8 @@ struct Disc {
 ///   H(t) = (t h(t) + R² asin(t/R))/2,
 ///
 /// a, b: t0, t1 clipped to |t| ≤ √(R² − u²); a', b': clipped to |t| ≤ R. H is tabulated once per
-/// row border and once per column border, so that a pixel costs a dozen operations. Rounding error
-/// about 1e-15 R².
+/// row border and once per column border (arc_areas), so that a pixel costs a dozen operations.
+/// Rounding error about 1e-15 R².
 class DiscScan {
  public:
     /// Calls edge(x, y, area) for the pixels cut by the circle, with 0 < area ≤ 1, and
@@ -110,17 +109,7 @@ class DiscScan {
         double t, half_chord, h;
     };
     std::vector<RowBorder> rows_;
+    std::vector<double> distance_;  // of the borders, and what arc_areas makes of them
 };
-
-/// The area of the union of two discs in the pixel at (x, y) whose own areas there are known, where
-/// their circles do not cross within it: the sum, the larger one or 1, as the circles lie outside
-/// of one another, within or around. Nothing where they cross, or where that cannot be told from
-/// the points at which they enter the pixel. A tenth of the time of union_area.
-std::optional<double> union_of_two(const Disc& a, double area_a, const Disc& b, double area_b,
-                                   int x, int y);
-
-/// The area of the union of `count` discs within the pixel at (x, y): exact but for a four-point
-/// Gauss rule on each smooth piece (worst error 1e-4 at R = 8 px, 6e-4 at 1.5 px). O(count²).
-double union_area(const Disc* discs, int count, int x, int y);
 
 }  // namespace grainfield::simulate

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/parallel.h"
+#include "simulate/render/disc_union.h"
 
 namespace grainfield::simulate {
 

@@ -11,8 +11,9 @@ namespace grainfield::simulate {
 /// Spheres as opaque discs before an even backlight, anti-aliased exactly.
 ///
 /// Without a rim, a pixel is 1 − (area of the union of all discs in it): closed form where one
-/// circle cuts it, or circles that do not overlap (DiscScan); union_area where overlapping circles
-/// cross in one pixel (error below 2e-4 of a pixel from R = 4 px on, 1e-3 at 1.5 px).
+/// circle cuts it (DiscScan), or two (union_of_two, but for a few that touch or cross twice in it);
+/// union_area where three overlapping ones do (error below 2e-4 of a pixel from R = 4 px on, 1e-3
+/// at 1.5 px).
 /// With a rim, each sphere has a dark core of radius R/√2, beyond which it mirrors the backlight
 /// with brightness `rim`; spheres are laid over one another from bottom to top, coverages of
 /// different spheres in one pixel taken as independent.

@@ -1,7 +1,7 @@
 // `grainfield track` with what a user knows of the picture: a region, a flat field, the cell.
 #include <algorithm>
+#include <filesystem>
 #include <map>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/csv_rows.h"
 #include "tests/support/disc_sequence.h"
 #include "tests/support/program.h"
 
@@ -34,23 +35,7 @@ class TrackOptions : public ::testing::Test {
         EXPECT_EQ(
             run_grainfield({"export", "--force", folder_ / "t.h5", "-o", folder_ / "t.csv"}).code,
             0);
-        std::istringstream csv(testing::read_all(folder_ / "t.csv"));
-        std::vector<std::string> names;
-        std::vector<std::map<std::string, std::string>> result;
-        for (std::string line; std::getline(csv, line);) {
-            if (line.empty() || line[0] == '#') continue;
-            std::vector<std::string> fields;
-            std::istringstream text(line);
-            for (std::string field; std::getline(text, field, ',');) fields.push_back(field);
-            if (names.empty()) {
-                names = fields;
-                continue;
-            }
-            fields.resize(names.size());
-            auto& row = result.emplace_back();
-            for (std::size_t i = 0; i < names.size(); ++i) row[names[i]] = fields[i];
-        }
-        return result;
+        return testing::csv_rows(folder_ / "t.csv");
     }
 
     std::vector<Vec2> positions() {
@@ -328,6 +313,33 @@ TEST_F(DirtyWindow, SpheresAtRestAreNotPartOfTheBackground) {
     EXPECT_EQ(evened.missed, plain.missed);
     EXPECT_NEAR(evened.squares, plain.squares, 0.05 * plain.squares);
     EXPECT_THAT(evened.warnings, HasSubstr("are never clear"));
+}
+
+TEST_F(DirtyWindow, AFilmShorterThanTheWindowSaysThatItsBackgroundIsStatic) {
+    const auto frames = testing::write_disc_sequence(folder_, 12);
+    const std::vector<std::string> others(frames.begin() + 1, frames.end());
+    for (const bool is_long : {false, true}) {
+        const Outcome outcome =
+            track(frames[0], testing::with(others, {"--background", "running", "--explain",
+                                                    "--background-window", is_long ? "10" : "12"}));
+        ASSERT_EQ(outcome.code, 0) << outcome.err;
+        EXPECT_THAT(outcome.out,
+                    HasSubstr(is_long ? "running: " : "static (film shorter than the window): "));
+    }
+}
+
+TEST_F(DirtyWindow, ARepeatedFrameIsNotFittedAgainWithARunningBackground) {
+    const auto paths = DirtyFilm(24).write(folder_);
+    for (const int i : {8, 9, 17}) {
+        std::filesystem::copy_file(paths[static_cast<std::size_t>(i - 1)],
+                                   paths[static_cast<std::size_t>(i)],
+                                   std::filesystem::copy_options::overwrite_existing);
+    }
+    const Outcome outcome =
+        track(paths[0], testing::with({paths.begin() + 1, paths.end()},
+                                      {"--background", "running", "--background-window", "20"}));
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(json::parse(outcome.out)["repeated_frames"], 3);
 }
 
 TEST_F(DirtyWindow, OneFrameHasNoBackgroundOfItsOwn) {

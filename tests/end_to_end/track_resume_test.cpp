@@ -83,6 +83,16 @@ class TrackResume : public ::testing::Test {
         return timeless(film_ / "whole.h5");
     }
 
+    void kill_after_checkpoint(const std::vector<std::string>& words) {
+        const Process process(program(words));
+        for (int i = 0; i < 3000 && !fs::exists(folder_ / "t.h5.checkpoint"); ++i) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        }
+        process.send(SIGKILL);
+        process.wait();
+        ASSERT_TRUE(fs::exists(folder_ / "t.h5.checkpoint"));
+    }
+
     ScratchFolder film_, folder_;
     std::vector<std::string> frames_;
 };
@@ -129,9 +139,16 @@ TEST_F(TrackResume, InterruptedItKeepsWhatWasDoneAndSaysHowToGoOn) {
     const Outcome info = testing::run_grainfield({"info", folder_ / "t.h5", "--json"});
     EXPECT_EQ(json::parse(info.out)["frames"], json::parse(outcome.out)["frames"]);
 
+    const auto state = [&] {
+        return testing::read_all(folder_ / "t.h5.checkpoint") +
+               testing::read_all(folder_ / "t.h5.snapshots");
+    };
+    const std::string before = state();
     const Outcome again = testing::run_grainfield(run());
     EXPECT_EQ(again.code, 4) << "an interrupted run is not thrown away";
-    EXPECT_THAT(again.err, HasSubstr("--resume"));
+    EXPECT_THAT(again.err, HasSubstr("t.h5.checkpoint' exists: an interrupted run of"));
+    EXPECT_THAT(again.err, HasSubstr("go on with --resume, or start anew with --force"));
+    EXPECT_TRUE(state() == before);
     const Outcome other = testing::run_grainfield(run({"--resume", "--memory", "1"}));
     EXPECT_EQ(other.code, 3);
     EXPECT_THAT(other.err, HasSubstr("link.memory: 2 in the checkpoint, 1 now"));
@@ -141,15 +158,44 @@ TEST_F(TrackResume, InterruptedItKeepsWhatWasDoneAndSaysHowToGoOn) {
     EXPECT_TRUE(timeless(folder_ / "t.h5") == expected);
 }
 
-TEST_F(TrackResume, RefusesAnotherFilmAndADamagedCheckpoint) {
-    const std::vector<std::string> words = run();
-    Process process(program(words));
-    for (int i = 0; i < 3000 && !fs::exists(folder_ / "t.h5.checkpoint"); ++i) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+TEST_F(TrackResume, BegunAnewOnlyByForce) {
+    kill_after_checkpoint(run());
+    const Outcome refused = testing::run_grainfield(run());
+    EXPECT_EQ(refused.code, 4);
+    EXPECT_TRUE(fs::exists(folder_ / "t.h5.checkpoint"));
+    const Outcome explained = testing::run_grainfield(run({"--explain"}));
+    EXPECT_EQ(explained.code, 0) << explained.err;
+    EXPECT_TRUE(fs::exists(folder_ / "t.h5.checkpoint"));
+    const Outcome forced = testing::run_grainfield(run({"--force"}));
+    ASSERT_EQ(forced.code, 0) << forced.err;
+    EXPECT_EQ(folder_.entries(), 1U);
+    EXPECT_EQ(json::parse(forced.out)["frames"], 39) << "all but the damaged one";
+}
+
+TEST_F(TrackResume, RefusesOtherPicturesUnderTheSameNames) {
+    const Image white(testing::kPictureSize, testing::kPictureSize, 200);
+    Image other = white;
+    for (int y = 90; y < 100; ++y) other(60, y) = 0;
+    for (const std::string option : {"--mask", "--flat-field", "--background"}) {
+        const std::string name = film_ / (option.substr(2) + ".png");
+        testing::write_png(name, white);
+        const std::vector<std::string> words{option, name};
+        kill_after_checkpoint(run(words));
+        const std::string checkpoint = testing::read_all(folder_ / "t.h5.checkpoint");
+        testing::write_png(name, other);
+        const Outcome refused = testing::run_grainfield(run(with(words, {"--resume"})));
+        EXPECT_EQ(refused.code, 3) << option << refused.err;
+        EXPECT_THAT(refused.err, HasSubstr("content of '" + name + "'"));
+        EXPECT_TRUE(testing::read_all(folder_ / "t.h5.checkpoint") == checkpoint);
+        testing::write_png(name, white);
+        const Outcome resumed = testing::run_grainfield(run(with(words, {"--resume"})));
+        EXPECT_EQ(resumed.code, 0) << option << resumed.err;
+        fs::remove(folder_ / "t.h5");
     }
-    process.send(SIGKILL);
-    process.wait();
-    ASSERT_TRUE(fs::exists(folder_ / "t.h5.checkpoint"));
+}
+
+TEST_F(TrackResume, RefusesAnotherFilmAndADamagedCheckpoint) {
+    kill_after_checkpoint(run());
     std::vector<std::string> fewer = run({"--resume"});
     fewer.pop_back();
     const Outcome other = testing::run_grainfield(fewer);

@@ -3,6 +3,8 @@
 #include <array>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <regex>
 
 #include <gmock/gmock.h>
@@ -36,11 +38,22 @@ std::string chromium() {
     return "";
 }
 
-// The document after its scripts have run, without the texts of the scripts.
+// The document after its scripts and `script` have run, without the texts of the scripts.
 std::string drawn(const sample::TemporaryFolder& folder, const std::vector<Results>& runs,
-                  const std::string& title, const std::string& window = "1280,900") {
+                  const std::string& title, const std::string& window = "1280,900",
+                  const std::string& script = "") {
     RunPlan plan;
     write_report(runs, {title, false}, folder / "report.html", folder / "figures", plan);
+    if (!script.empty()) {
+        // The page runs its own scripts only.
+        std::ifstream written(folder / "report.html", std::ios::binary);
+        const std::string page{std::istreambuf_iterator<char>(written), {}};
+        written.close();
+        const auto policy = page.find("<meta http-equiv=\"Content-Security-Policy\"");
+        std::ofstream file(folder / "report.html", std::ios::binary);
+        file << page.substr(0, policy) << page.substr(page.find('>', policy) + 1) << "<script>"
+             << script << "</script>";
+    }
     std::string dom =
         output_of("timeout 120 " + chromium() +
                   " --headless --no-sandbox --disable-gpu --disable-quic --no-first-run "
@@ -87,6 +100,25 @@ TEST_F(PageInChromium, ComparesRunsAndShowsReasons) {
     EXPECT_THAT(dom, Not(HasSubstr("data-errors")));
     EXPECT_THAT(dom, HasSubstr("Without second: one frame: displacements need two"));
     EXPECT_EQ(count(dom, "<option value=\"[01]\">(first|second)"), 2);
+}
+
+TEST_F(PageInChromium, ShowsThePictureInTheGalleryWhereNothingWasFound) {
+    const sample::TemporaryFolder folder("chromium_gallery");
+    std::vector<Results> runs{sample::results({1, 300, 80, true, "found"}),
+                              sample::results({2, 300, 80, true, "residual"})};
+    runs[1].previews[0].snapshot.position.clear();
+    runs[1].previews[0].abs_q4.clear();
+    // How many shades the red of each small map has.
+    const std::string dom = drawn(folder, runs, "", "1280,900",
+                                  R"(setTimeout(() => {
+        document.body.dataset.shades = [...document.querySelectorAll(".gallery canvas")].map((c) => {
+            const d = c.getContext("2d").getImageData(0, 0, c.width, c.height).data;
+            return new Set(d.filter((v, i) => i % 4 === 0)).size;
+        }).join(" ");
+    }, 15000);)");
+    EXPECT_THAT(dom, Not(HasSubstr("data-errors")));
+    EXPECT_EQ(count(dom, "data-shades=\"[0-9]{2,3} [0-9]{2,3}\""), 1)
+        << dom.substr(dom.find("data-shades"), 40);
 }
 
 TEST_F(PageInChromium, DrawsResultsWithNothingInThem) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <optional>
 
 #include "core/parallel.h"
 #include "tracking/calibrate/background.h"
@@ -53,8 +54,10 @@ Level clear_level(std::vector<float>& values, float least, float noise) {
     return {sum / count, noise / std::sqrt(count)};
 }
 
-/// Through the medians of tiles; those far from the surface lose their weight.
-BackgroundSurface smooth_surface(const Image& level, double contrast) {
+/// Through the medians of tiles; those far from the surface lose their weight. Nothing if no tile
+/// is half known.
+std::optional<BackgroundSurface> smooth_surface(const Image& level, const VisiblePixels& visible,
+                                                double contrast) {
     const int side = std::clamp(std::min(level.width(), level.height()) / kTilesPerSide,
                                 kSmallestTile, kLargestTile);
     std::vector<BackgroundSurface::Sample> samples;
@@ -64,7 +67,7 @@ BackgroundSurface smooth_surface(const Image& level, double contrast) {
             known.clear();
             for (int y = y0; y < std::min(level.height(), y0 + side); ++y) {
                 for (int x = x0; x < std::min(level.width(), x0 + side); ++x) {
-                    if (std::isfinite(level(x, y))) known.push_back(level(x, y));
+                    if (visible(x, y) && std::isfinite(level(x, y))) known.push_back(level(x, y));
                 }
             }
             if (2 * known.size() < static_cast<std::size_t>(side) * static_cast<std::size_t>(side))
@@ -76,6 +79,7 @@ BackgroundSurface smooth_surface(const Image& level, double contrast) {
                                static_cast<double>(*middle), 1});
         }
     }
+    if (samples.empty()) return std::nullopt;
     BackgroundSurface surface;
     for (int iteration = 0; iteration < kIterations; ++iteration) {
         surface = BackgroundSurface::fit(level.width(), level.height(), kDegree, samples);
@@ -133,24 +137,30 @@ ClearLevels ClearLevelEstimator::estimate(const FilmLevels& levels, int threads)
     return clear;
 }
 
-Evening evening_of(const ClearLevels& clear, const FilmLevels& levels) {
+Evening evening_of(const ClearLevels& clear, const FilmLevels& levels,
+                   const VisiblePixels& visible) {
     const int width = clear.level.width();
     const int height = clear.level.height();
     Evening evening{.gain = Image(width, height, 1)};
+    const auto seen =
+        static_cast<double>(visible.count(static_cast<std::int64_t>(clear.level.size())));
     Image known(width, height, 1);
-    for (std::size_t i = 0; i < known.size(); ++i) {
-        if (std::isfinite(clear.level.pixels()[i])) continue;
-        known.pixels()[i] = 0;
-        evening.never_clear += 1;
+    for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+            if (std::isfinite(clear.level(x, y))) continue;
+            known(x, y) = 0;
+            if (visible(x, y)) evening.never_clear += 1 / seen;
+        }
     }
+    const auto surface = smooth_surface(clear.level, visible, levels.contrast);
+    if (!surface) return evening;
     const Image distance = squared_distance_transform(known);
-    const BackgroundSurface surface = smooth_surface(clear.level, levels.contrast);
     const auto reach = static_cast<float>(levels.reach * levels.reach);
     std::vector<float> smooth(static_cast<std::size_t>(width));
     for (int y = 0; y < height; ++y) {
-        surface.row(y, width, smooth.data());
+        surface->row(y, width, smooth.data());
         for (int x = 0; x < width; ++x) {
-            if (!(distance(x, y) > reach)) continue;
+            if (!visible(x, y) || !(distance(x, y) > reach)) continue;
             const auto level = static_cast<double>(clear.level(x, y));
             const auto even = static_cast<double>(smooth[static_cast<std::size_t>(x)]);
             const double difference = std::abs(level - even);
@@ -159,13 +169,10 @@ Evening evening_of(const ClearLevels& clear, const FilmLevels& levels) {
                 continue;
             }
             evening.gain(x, y) = static_cast<float>((even - levels.core) / (level - levels.core));
-            evening.uneven += 1;
+            evening.uneven += 1 / seen;
             evening.strongest = std::max(evening.strongest, difference / levels.contrast);
         }
     }
-    const auto n = static_cast<double>(known.size());
-    evening.uneven /= n;
-    evening.never_clear /= n;
     return evening;
 }
 

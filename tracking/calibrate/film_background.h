@@ -5,6 +5,7 @@
 
 #include "core/frame.h"
 #include "tracking/image_model.h"
+#include "tracking/visible_pixels.h"
 
 namespace grainfield::tracking {
 
@@ -55,16 +56,18 @@ class ClearLevelEstimator {
 ///     I'(x) = I_core + g(x) [I(x) − I_core],   g = (S − I_core)/(B − I_core),
 ///
 /// B the clear level and S the surface of degree 5 through the medians of its tiles, far ones left
-/// aside. g is 1 where B
-/// is S to within 1 % of the contrast or four standard errors, and within the reach of an edge of
-/// pixels that are never clear: they may be spheres at rest, which must not be evened away.
+/// aside. g is 1 where B is S to within 1 % of the contrast or four standard errors, and within the
+/// reach of an edge of pixels that are never clear: they may be spheres at rest, which must not be
+/// evened away. Pixels that are not visible are in no median and no share, and keep g = 1; a sphere
+/// may rest there too. Where no tile is half known g is 1 everywhere.
 struct Evening {
     Image gain;              ///< g [-]
-    double uneven = 0;       ///< share of the pixels where g is not 1
-    double never_clear = 0;  ///< share of the pixels
+    double uneven = 0;       ///< share of the visible pixels where g is not 1
+    double never_clear = 0;  ///< share of the visible pixels
     double strongest = 0;    ///< largest |B − S| that was evened [contrast]
 };
-Evening evening_of(const ClearLevels& clear, const FilmLevels& levels);
+Evening evening_of(const ClearLevels& clear, const FilmLevels& levels,
+                   const VisiblePixels& visible = {});
 
 /// I' from I, in place.
 void even_out(Image& counts, const Image& gain, const FilmLevels& levels);

@@ -137,9 +137,11 @@ Linker::Choice Linker::choose(std::int64_t frame, const Places& predicted, const
     return choice;
 }
 
-/// More tracks that were left alone lie within the largest range of a particle that was left alone
-/// than so many independent points would: the difference stepped farther than the range. Where
-/// particles come and go, at the border of the field, chance is that of points along its perimeter.
+/// Whether more tracks that were left alone lie near a particle that was left alone than so many
+/// independent points would: the difference stepped farther than the range. Near: within the
+/// largest range, or, of a track that would make its last step again, within a quarter of it, where
+/// chance puts few. Where particles come and go, at the border of the field, chance is that of
+/// points along its perimeter.
 bool Linker::has_long_steps(std::int64_t frame, const Choice& choice, const Places& predicted,
                             const Places& particles) const {
     std::vector<char> is_linked(particles.position.size(), 0);
@@ -157,30 +159,34 @@ bool Linker::has_long_steps(std::int64_t frame, const Choice& choice, const Plac
         low = {std::min(low.x, p.x), std::min(low.y, p.y)};
         high = {std::max(high.x, p.x), std::max(high.y, p.y)};
     }
-    const double r = most_range_;
-    const auto is_outer = [&](Vec2 p) {
-        return p.x < low.x + r || p.x > high.x - r || p.y < low.y + r || p.y > high.y - r;
-    };
-    const TrackGrid grid(fresh, r);
-    double lost = 0;
-    double lost_outer = 0;
-    double paired = 0;
+    std::vector<Vec2> stays;
+    std::vector<Vec2> goes_on;
     for (std::size_t t = 0; t < choice.links.size(); ++t) {
-        const Vec2 from = predicted.position[t];
-        if (choice.links[t] >= 0 || state_.tracks[t].frame != frame - 1) continue;
-        bool near = false;
-        grid.near(from, [&](std::uint32_t i) { near |= squared_norm(fresh[i] - from) <= r * r; });
-        lost += 1;
-        lost_outer += is_outer(from) ? 1 : 0;
-        paired += near ? 1 : 0;
+        const Track& track = state_.tracks[t];
+        if (choice.links[t] >= 0 || track.frame != frame - 1) continue;
+        stays.push_back(predicted.position[t]);
+        if (track.velocity) goes_on.push_back(track.position + *track.velocity);
     }
-    const auto found = static_cast<double>(fresh.size());
-    const auto found_outer =
-        static_cast<double>(std::count_if(fresh.begin(), fresh.end(), is_outer));
-    const Vec2 size = high - low + Vec2{r, r};
-    const double chance = lost * found * std::numbers::pi * r * r / (size.x * size.y) +
-                          lost_outer * found_outer * r / (size.x + size.y);
-    return paired > chance + 5 * std::sqrt(chance);
+    const auto are_near = [&](const std::vector<Vec2>& lost, double r) {
+        const auto is_outer = [&](Vec2 p) {
+            return p.x < low.x + r || p.x > high.x - r || p.y < low.y + r || p.y > high.y - r;
+        };
+        const TrackGrid grid(fresh, r);
+        const auto paired = static_cast<double>(std::ranges::count_if(lost, [&](Vec2 from) {
+            bool near = false;
+            grid.near(from,
+                      [&](std::uint32_t i) { near |= squared_norm(fresh[i] - from) <= r * r; });
+            return near;
+        }));
+        const auto pairs = static_cast<double>(lost.size() * fresh.size());
+        const auto outer_pairs = static_cast<double>(std::ranges::count_if(lost, is_outer) *
+                                                     std::ranges::count_if(fresh, is_outer));
+        const Vec2 size = high - low + Vec2{r, r};
+        const double chance = pairs * std::numbers::pi * r * r / (size.x * size.y) +
+                              outer_pairs * r / (size.x + size.y);
+        return paired > chance + 5 * std::sqrt(chance);
+    };
+    return are_near(stays, most_range_) || are_near(goes_on, 0.25 * most_range_);
 }
 
 std::vector<std::int64_t> Linker::link(std::int64_t frame, const std::vector<Vec2>& positions,

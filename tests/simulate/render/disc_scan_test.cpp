@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <string>
-#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -93,97 +91,6 @@ TEST(DiscScan, DiscsOutsideTouchNothing) {
          {Vec2{-9, 10}, Vec2{10, -9}, Vec2{40, 10}, Vec2{10, 40}, Vec2{1e9, 0}}) {
         const Image image = painted({centre, 8}, 20, 20);
         for (const float a : image.pixels()) EXPECT_EQ(a, 0);
-    }
-}
-
-// Exact chords of the union on many lines: good to (1/lines)^1.5.
-double chord_union(const std::vector<Disc>& discs, int x, int y) {
-    constexpr int lines = 4000;
-    double area = 0;
-    std::vector<std::pair<double, double>> chords;
-    for (int j = 0; j < lines; ++j) {
-        const double t = y - 0.5 + (j + 0.5) / lines;
-        chords.clear();
-        for (const Disc& d : discs) {
-            const double square = d.radius * d.radius - (t - d.centre.y) * (t - d.centre.y);
-            if (square <= 0) continue;
-            const double low = std::max(x - 0.5, d.centre.x - std::sqrt(square));
-            const double high = std::min(x + 0.5, d.centre.x + std::sqrt(square));
-            if (low < high) chords.emplace_back(low, high);
-        }
-        std::sort(chords.begin(), chords.end());
-        double reached = x - 0.5;
-        for (const auto& [low, high] : chords) {
-            area += std::max(0.0, high - std::max(low, reached)) / lines;
-            reached = std::max(reached, high);
-        }
-    }
-    return area;
-}
-
-// What docs/render.md says of pixels where circles cross.
-TEST(UnionArea, IsOffByLessThan2e4From4PixelsAndBy1e3At1And1HalfPixels) {
-    RandomStream random(5, "union error");
-    for (const auto& [radius, limit] :
-         {std::pair{1.5, 1e-3}, std::pair{2.5, 5e-4}, std::pair{4.0, 2e-4}, std::pair{8.0, 2e-4},
-          std::pair{40.0, 2e-4}}) {
-        double worst = 0;
-        for (int trial = 0; trial < 1500; ++trial) {
-            std::vector<Disc> discs;
-            for (int i = 0; i < 2 + trial % 3; ++i) {
-                const double angle = random.uniform(0, 2 * std::numbers::pi);
-                const double distance = radius + random.uniform(-0.6, 0.6);
-                discs.push_back(
-                    {{5 + distance * std::cos(angle), 7 + distance * std::sin(angle)}, radius});
-            }
-            const double area = union_area(discs.data(), static_cast<int>(discs.size()), 5, 7);
-            worst = std::max(worst, std::abs(area - chord_union(discs, 5, 7)));
-        }
-        RecordProperty("worst_at_" + std::to_string(radius), std::to_string(worst));
-        EXPECT_LT(worst, limit) << radius;
-    }
-}
-
-TEST(UnionArea, AgreesWithSupersamplingForTwoToFourDiscs) {
-    RandomStream random(3, "union test");
-    for (int trial = 0; trial < 60; ++trial) {
-        std::vector<Disc> discs;
-        const int count = 2 + trial % 3;
-        const double radius = trial % 2 == 0 ? 8 : 1.5;
-        for (int i = 0; i < count; ++i) {
-            // Circles that pass near the pixel.
-            const double angle = random.uniform(0, 2 * std::numbers::pi);
-            const double distance = radius + random.uniform(-0.6, 0.6);
-            discs.push_back(
-                {{5 + distance * std::cos(angle), 7 + distance * std::sin(angle)}, radius});
-        }
-        EXPECT_NEAR(union_area(discs.data(), count, 5, 7), brute_union(discs, 5, 7, 400), 5e-4);
-    }
-}
-
-TEST(UnionOfTwo, AgreesWithTheQuadratureWhereverItAnswers) {
-    RandomStream random(4, "union of two");
-    constexpr int trials = 20000;
-    for (const double radius : {8.0, 1.5}) {
-        int answered = 0;
-        double worst = 0;
-        for (int trial = 0; trial < trials; ++trial) {
-            Disc disc[2];
-            double area[2];
-            for (int i = 0; i < 2; ++i) {
-                const double angle = random.uniform(0, 2 * std::numbers::pi);
-                const double distance = radius + random.uniform(-0.6, 0.6);
-                const Vec2 off{distance * std::cos(angle), distance * std::sin(angle)};
-                disc[i] = {Vec2{5, 7} + off, radius};
-                area[i] = union_area(&disc[i], 1, 5, 7);
-            }
-            const auto joined = union_of_two(disc[0], area[0], disc[1], area[1], 5, 7);
-            if (!joined) continue;
-            ++answered;
-            worst = std::max(worst, std::abs(*joined - union_area(disc, 2, 5, 7)));
-        }
-        EXPECT_LT(worst, radius > 2 ? 2e-4 : 1e-3) << radius;  // of the quadrature
-        EXPECT_GT(answered, trials / 3);
     }
 }
 

@@ -1,6 +1,7 @@
 #include "tracking/calibrate/film_background.h"
 
 #include <cmath>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -74,6 +75,49 @@ TEST(FilmBackground, EvensOutTheSpeckAndLeavesTheShadeAndWhatIsNeverClear) {
     }
     // Four standard errors: 6e-5 of the pixels, and what the surface does not follow.
     EXPECT_LT(elsewhere, 20);
+}
+
+TEST(FilmBackground, WhatAMaskHidesCountsInNoShareAndNoSurface) {
+    // A strip along the left border, as wide as a third of the frame: another light, and blocked
+    // in places.
+    const int hidden = 26;
+    ClearLevels clear = film(0.5, 48).estimate(kLevels, 2);
+    const Evening undisturbed = evening_of(clear, kLevels);
+    Image mask(80, 64, 1);
+    for (int y = 0; y < 64; ++y) {
+        for (int x = 0; x < hidden; ++x) {
+            mask(x, y) = 0;
+            clear.level(x, y) =
+                x < 20 && y % 2 == 0 ? std::numeric_limits<float>::quiet_NaN() : 90.0F;
+        }
+    }
+    const Evening disturbed = evening_of(clear, kLevels);
+    ASSERT_GT(disturbed.never_clear, 0.12) << "nothing for the mask to do";
+    const Evening masked = evening_of(clear, kLevels, VisiblePixels(mask));
+    EXPECT_NEAR(masked.never_clear, 1.0 / ((80 - hidden) * 64), 1e-6);
+    EXPECT_NEAR(masked.strongest, undisturbed.strongest, 0.03);
+    int uneven = 0;
+    for (int y = 0; y < 64; ++y) {
+        for (int x = 0; x < 80; ++x) {
+            if (x < hidden) {
+                EXPECT_EQ(masked.gain(x, y), 1);
+            } else {
+                // The tiles of the strip are missing to the surface, no more.
+                EXPECT_NEAR(masked.gain(x, y), undisturbed.gain(x, y), 0.03) << x << ' ' << y;
+                uneven += masked.gain(x, y) != 1;
+            }
+        }
+    }
+    EXPECT_NEAR(masked.uneven, uneven / ((80.0 - hidden) * 64), 1e-9);
+}
+
+TEST(FilmBackground, WithoutATileThatIsHalfKnownNothingIsEvened) {
+    ClearLevels clear{Image(80, 64, std::numeric_limits<float>::quiet_NaN()), Image(80, 64, 1)};
+    clear.level(40, 30) = 200;
+    const Evening evening = evening_of(clear, kLevels);
+    EXPECT_EQ(evening.gain, Image(80, 64, 1));
+    EXPECT_EQ(evening.uneven, 0);
+    EXPECT_NEAR(evening.never_clear, 1 - 1.0 / (80 * 64), 1e-9);
 }
 
 TEST(FilmBackground, BrightSpheresAreTheSameTurnedRound) {

@@ -309,6 +309,23 @@ TEST(Linker, AFewFastParticlesAmongManySlowOnesKeepTheirIdentity) {
     EXPECT_EQ(linker.summary().range, 10);
 }
 
+TEST(Linker, FastParticlesAreFollowedByTheirLastStepWhereOthersComeAndGo) {
+    // Three roll over a bed at rest, faster and faster, while others come in at the border.
+    std::vector<Vec2> places = testing::isolated_discs(460, 115, 10, 23, 3).position;
+    const std::size_t resting = places.size();
+    for (int i = 0; i < 3; ++i) places.push_back({80.0 + 100 * i, 3});
+    Linker linker({.search_range = std::nullopt, .memory = 0}, 10);
+    auto expected = linker.link(0, places);
+    for (int f = 1; f < 8; ++f) {
+        for (std::size_t i = resting; i < resting + 3; ++i) places[i].x += 3.7 + 0.4 * f;
+        for (const double x : {2, 452}) places.push_back({x, 10.0 + 12 * f});
+        const auto found = linker.link(f, places);
+        ASSERT_TRUE(std::equal(expected.begin(), expected.end(), found.begin())) << f;
+        expected = found;
+    }
+    EXPECT_EQ(linker.summary().range, 10);
+}
+
 TEST(Linker, MissingParticlesAreNotTakenForFastOnes) {
     // 5 % of a dense liquid missing in each frame, others in the next: without memory each return
     // is a new track, and none may be given to a neighbour that went missing.
