@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "tracking/calibrate/coarse_size.h"
 #include "tracking/refine/edge_meeting.h"
@@ -61,6 +62,9 @@ DiscProfile reduced(const DiscProfile& disc, int factor) {
 constexpr double kNewton = 0.08;  // [w]
 constexpr double kSwept = 0.03;   // [w]
 constexpr int kMostSettling = 4;
+// The image that the product should see is made for the positions of the fit before; in crystals
+// the first correction moves some spheres far.
+constexpr int kCorrections = 2;
 constexpr double kFarthest = 0.3;   // [D]
 constexpr double kMostWrong = 0.2;  // of the image
 
@@ -80,9 +84,11 @@ RefinementOptions rough_version(const RefinementOptions& refinement, const DiscP
 
 }  // namespace
 
-Locator::Locator(int width, int height, const DiscProfile& disc, int threads, EdgeMeeting meeting)
+Locator::Locator(int width, int height, const DiscProfile& disc, int threads, EdgeMeeting meeting,
+                 RadialCorrection correction)
     : disc_(disc),
       meeting_(meeting),
+      correction_(std::move(correction)),
       factor_(DiscCorrelation::suitable_factor(disc)),
       threads_(threads),
       correlation_(width, height, disc, factor_),
@@ -248,15 +254,18 @@ Located Locator::locate(const Image& darkness, const DetectionOptions& detection
     }
     search.run(rough_version(refinement, disc_));
     JointInformation information = settle(search, refinement, found);
-    if (meeting_ == EdgeMeeting::blurred_union) {
-        const auto begin = Clock::now();
-        const std::vector<Vec2> met = fit.positions();
-        const Image product = as_product(darkness, fit.transmission(), met, disc_, threads_);
-        fit.restart(product);
-        fit.add_all(met, {}, kSwept * disc_.edge_width);
-        found.refine_seconds += seconds_since(begin);
-        search.forget_judgement();
-        information = settle(search, refinement, found);
+    if (meeting_ == EdgeMeeting::blurred_union || !correction_.is_zero()) {
+        for (int round = 0; round < kCorrections; ++round) {
+            const auto begin = Clock::now();
+            const std::vector<Vec2> met = fit.positions();
+            const Image product = as_product(darkness, fit.transmission(), met, disc_, threads_,
+                                             meeting_, correction_);
+            fit.restart(product);
+            fit.add_all(met, {}, kSwept * disc_.edge_width);
+            found.refine_seconds += seconds_since(begin);
+            search.forget_judgement();
+            information = settle(search, refinement, found);
+        }
     }
 
     const SphereSearch::Summary& summary = search.summary();
