@@ -182,8 +182,9 @@ Figure residual_figure(const Tuning& tuning) {
 Figure profile_figure(const Tuning& tuning) {
     Figure figure = figure_of(
         "radial_profile", "Darkness about spheres that stand alone",
-        "Mean over pixels that only one sphere reaches. A core or rim off the model is what the "
-        "sphere reflects; it does not move positions as long as it is round.",
+        "Mean over pixels that only one sphere reaches. A core or rim off the tanh edge is what "
+        "the "
+        "sphere reflects; it moves spheres that overlap unless it is learned (calibrate.profile).",
         {"r", "Distance from the centre", "px", Scale::linear, true},
         {"darkness", "Darkness", "contrast", Scale::linear, false});
     constexpr double step = 0.25;
@@ -200,10 +201,16 @@ Figure profile_figure(const Tuning& tuning) {
     }
     Series measured{0, 0, {}, {}, {}};
     Series model{0, 0, {}, {}, {}};
+    Series learned{0, 0, {}, {}, {}};
     for (std::size_t i = 0; i < bins; ++i) {
         const double r = (static_cast<double>(i) + 0.5) * step;
         model.x.push_back(r);
         model.y.push_back(disc.darkness(r));
+        if (!tuning.model.correction.is_zero()) {
+            learned.x.push_back(r);
+            learned.y.push_back(disc.darkness(r) + static_cast<double>(tuning.model.correction(
+                                                       static_cast<float>(r))));
+        }
         if (count[i] < 5) continue;
         measured.x.push_back(r);
         measured.y.push_back(sum[i] / count[i]);
@@ -213,7 +220,8 @@ Figure profile_figure(const Tuning& tuning) {
         return figure;
     }
     add(figure, {"measured", Mark::line, true}, std::move(measured));
-    add(figure, {"model", Mark::curve, true}, std::move(model));
+    add(figure, {"tanh", Mark::curve, true}, std::move(model));
+    if (!learned.x.empty()) add(figure, {"learned", Mark::curve, true}, std::move(learned));
     return figure;
 }
 
@@ -238,6 +246,10 @@ Table calibration_table(const Tuning& tuning) {
     row("Light", model.background.is_uniform() ? "even" : "uneven: a smooth surface is fitted");
     row("Meeting edges",
         model.meeting == tracking::EdgeMeeting::product ? "product" : "blurred union");
+    row("Profile", model.correction.is_zero()
+                       ? std::string("tanh")
+                       : fmt::format("learned, up to {:.3f} of the contrast off tanh",
+                                     model.correction.largest()));
     double noise = 0;
     std::int64_t unsettled = 0;
     for (const Survey& survey : tuning.surveys) {
@@ -324,6 +336,8 @@ Settings suggested_settings(const Tuning& tuning, const Session& session) {
     settings.emplace_back("calibrate.meeting-edges", model.meeting == tracking::EdgeMeeting::product
                                                          ? "\"product\""
                                                          : "\"blurred-union\"");
+    settings.emplace_back("calibrate.profile",
+                          model.correction.is_zero() ? "\"tanh\"" : "\"learned\"");
     // Steps far below the error buy nothing.
     const double error = median(errors(tuning));
     const double tolerance = std::clamp(0.1 * error, 0.003, 0.03);

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
+#include <vector>
 
 #include "core/vec2.h"
 
@@ -38,6 +41,28 @@ struct DiscProfile {
 
     static constexpr double kReachInWidths = 3.5;
     static constexpr double kEdgeInWidths = 2.5;
+};
+
+/// C(r), by how much the image of a sphere is darker than the tanh profile: a mirror rim, a blur of
+/// another shape, less or more light from the core. Linear between the values at r = 0, spacing,
+/// 2 spacing …; zero beyond the last. Learned once (calibrate/learned_profile.h), then frozen.
+struct RadialCorrection {
+    double spacing = 0;        ///< [px]
+    std::vector<float> value;  ///< [contrast]; empty: the profile is tanh
+
+    bool is_zero() const { return value.empty(); }
+    float operator()(float r) const {
+        const float place = r / static_cast<float>(spacing);
+        const auto i = static_cast<std::size_t>(place);
+        if (i + 1 >= value.size()) return 0;
+        return value[i] + (place - static_cast<float>(i)) * (value[i + 1] - value[i]);
+    }
+    /// The largest of |C| [contrast].
+    double largest() const {
+        float most = 0;
+        for (const float v : value) most = std::max(most, std::abs(v));
+        return static_cast<double>(most);
+    }
 };
 
 /// How the edges of several discs make one image: each disc dims what the others let pass, or the

@@ -17,12 +17,14 @@ struct Illumination {
 
 /// How spheres and light make the image: I(x) = B(x) − [B(x) − I_dark] · (1 −
 /// Π_j (1 − P_j(x))), with the roles of bright and dark exchanged for bright
-/// spheres, and corrected where edges meet as those of a blurred union.
+/// spheres, and corrected where edges meet as those of a blurred union and by
+/// what was learned of the profile.
 /// Estimated once, on the frame that the calibration chose, and then frozen.
 struct ImageModel {
     Polarity polarity = Polarity::dark;
     DiscProfile disc;
     EdgeMeeting meeting = EdgeMeeting::product;
+    RadialCorrection correction;   ///< to the tanh profile; zero if none was learned
     BackgroundSurface background;  ///< B(x) [counts]
     double dark_level = 0;         ///< I_dark, counts in the core of a sphere
     double noise = 0;              ///< RMS of the residual away from edges [contrast]

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "tracking/calibrate/coarse_size.h"
 #include "tracking/refine/edge_meeting.h"
@@ -64,6 +65,9 @@ constexpr int kMostSettling = 4;
 // A step of less than this many standard errors of an isolated sphere is not drawn. It lowers the
 // misfit about the sphere by 14 % at D = 16 px, of which what is known without drawing leaves 3 %.
 constexpr double kUndrawn = 8;
+// The image that the product should see is made for the positions of the fit before; in crystals
+// the first correction moves some spheres far.
+constexpr int kCorrections = 2;
 constexpr double kFarthest = 0.3;   // [D]
 constexpr double kMostWrong = 0.2;  // of the image
 
@@ -83,9 +87,11 @@ RefinementOptions rough_version(const RefinementOptions& refinement, const DiscP
 
 }  // namespace
 
-Locator::Locator(int width, int height, const DiscProfile& disc, int threads, EdgeMeeting meeting)
+Locator::Locator(int width, int height, const DiscProfile& disc, int threads, EdgeMeeting meeting,
+                 RadialCorrection correction)
     : disc_(disc),
       meeting_(meeting),
+      correction_(std::move(correction)),
       factor_(DiscCorrelation::suitable_factor(disc)),
       threads_(threads),
       correlation_(width, height, disc, factor_),
@@ -262,19 +268,21 @@ Located Locator::locate(const Image& darkness, const DetectionOptions& detection
     }
     search.run(rough_version(refinement, disc_));
     // What is made of the image of all discs next is no better than where they are drawn.
-    const bool is_exact = meeting_ == EdgeMeeting::blurred_union;
+    const bool is_corrected = meeting_ == EdgeMeeting::blurred_union || !correction_.is_zero();
     const double lag = undrawn(search.summary().noise, refinement);
     JointInformation information =
-        settle(search, refinement, is_exact ? refinement.tolerance : lag, found);
-    if (meeting_ == EdgeMeeting::blurred_union) {
+        settle(search, refinement, is_corrected ? refinement.tolerance : lag, found);
+    for (int round = 1; is_corrected && round <= kCorrections; ++round) {
         const auto begin = Clock::now();
         const std::vector<Vec2> met = fit.positions();
-        const Image product = as_product(darkness, fit.transmission(), met, disc_, threads_);
+        const Image product =
+            as_product(darkness, fit.transmission(), met, disc_, threads_, meeting_, correction_);
         fit.restart(product);
         place_all({met, {}}, kSwept * disc_.edge_width);
         found.refine_seconds += seconds_since(begin);
         search.forget_judgement();
-        information = settle(search, refinement, lag, found);
+        information =
+            settle(search, refinement, round < kCorrections ? refinement.tolerance : lag, found);
     }
 
     const SphereSearch::Summary& summary = search.summary();

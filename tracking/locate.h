@@ -42,8 +42,9 @@ struct Located {
 /// searched for on an image of blocks first, as large as leave seven to a diameter; what is missing
 /// or too much is looked for again at full resolution. Sweeps bring each sphere to within a few
 /// hundredths of a pixel, and joint Newton steps (JointInformation) all of them to rest. Where
-/// edges meet as those of a blurred union (EdgeMeeting) this is repeated on the image that the
-/// product model should see there (as_product). Pixels outside the image do not count.
+/// edges meet as those of a blurred union (EdgeMeeting), or the profile is a learned one, this is
+/// repeated, twice, on the image that the product of tanh discs should see there (as_product).
+/// Pixels outside the image do not count.
 ///
 /// A start (warm) replaces the search on blocks. If its spheres are expected to have moved by more
 /// than kNear w since, they are refined on blocks first: a step there costs a quarter or less. From
@@ -52,7 +53,7 @@ struct Located {
 class Locator {
  public:
     Locator(int width, int height, const DiscProfile& disc, int threads,
-            EdgeMeeting meeting = EdgeMeeting::product);
+            EdgeMeeting meeting = EdgeMeeting::product, RadialCorrection correction = {});
     /// `start`: where the spheres were; empty: unknown. `step`: how far they have moved since, RMS
     /// [px]; 0: unknown, but not far.
     Located locate(const Image& darkness, const DetectionOptions& detection,
@@ -61,7 +62,7 @@ class Locator {
     /// Others are not looked at, in all frames to come.
     void set_visible(const VisiblePixels& visible);
     const DiscProfile& disc() const { return disc_; }
-    /// Image − model of the fit that came last: as the product model sees the image (EdgeMeeting),
+    /// Image − model of the fit that came last: as the product of tanh discs sees the image,
     /// 0 where nothing is looked at [contrast].
     Image residual() const;
     /// Of the model fitted last.
@@ -88,6 +89,7 @@ class Locator {
 
     DiscProfile disc_;
     EdgeMeeting meeting_;
+    RadialCorrection correction_;
     int factor_;
     int threads_;
     DiscCorrelation correlation_;

@@ -126,13 +126,16 @@ void Tracker::transfer(NumberArchive& archive, Run& run) {
 /// What the calibration must give again.
 std::vector<double> Tracker::calibration_numbers() const {
     if (!calibration_) return {};
-    return {static_cast<double>(calibration_frame_),
-            static_cast<double>(model().polarity),
-            static_cast<double>(model().meeting),
-            model().disc.diameter,
-            model().disc.edge_width,
-            model().dark_level,
-            static_cast<double>(calibration_->positions.size())};
+    std::vector<double> numbers{static_cast<double>(calibration_frame_),
+                                static_cast<double>(model().polarity),
+                                static_cast<double>(model().meeting),
+                                model().disc.diameter,
+                                model().disc.edge_width,
+                                model().dark_level,
+                                static_cast<double>(calibration_->positions.size()),
+                                model().correction.spacing};
+    numbers.insert(numbers.end(), model().correction.value.begin(), model().correction.value.end());
+    return numbers;
 }
 
 Checkpoint Tracker::checkpoint(Run& run) {

@@ -75,13 +75,15 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
         return;
     }
     locator_ = std::make_unique<Locator>(source.width(), source.height(), model().disc, threads_,
-                                         model().meeting);
+                                         model().meeting, model().correction);
     locator_->set_visible(options_.visible);
     illumination_ = std::make_unique<IlluminationFollower>(model(), options_.visible);
     plan.run("detect", "χ² map, then likelihood gain of the residual until nothing changes");
-    plan.run("refine", model().meeting == EdgeMeeting::product
-                           ? "joint least squares on the product of transmissions"
-                           : "joint least squares on the blurred union of discs");
+    plan.run("refine",
+             fmt::format("joint least squares on the {}{}",
+                         model().meeting == EdgeMeeting::product ? "product of transmissions"
+                                                                 : "blurred union of discs",
+                         model().correction.is_zero() ? "" : " of the learned profile"));
     if (count < 2) {
         plan.skip("link", "one frame", "identities");
     } else {

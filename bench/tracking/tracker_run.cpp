@@ -14,7 +14,7 @@ using namespace tracking;
 TrackerRun::TrackerRun(const KnownFrame& frame, const std::string& option, const std::string& value,
                        const Calibration* usual)
     : TimedRun(option, value), frame_(frame) {
-    constexpr std::array<std::string_view, 3> of_calibration{"size", "meeting-edges",
+    constexpr std::array<std::string_view, 4> of_calibration{"size", "meeting-edges", "profile",
                                                              "uniform-tolerance"};
     options_.threads = 1;
     apply(usual);
@@ -26,7 +26,7 @@ TrackerRun::TrackerRun(const KnownFrame& frame, const std::string& option, const
     }
     if (!calibration_) return;
     locator_.emplace(frame.counts.width(), frame.counts.height(), calibration_->model.disc,
-                     options_.threads, calibration_->model.meeting);
+                     options_.threads, calibration_->model.meeting, calibration_->model.correction);
     if (value == "warm") start_ = locate(frame.before).fitted;
 }
 

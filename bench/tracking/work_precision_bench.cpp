@@ -103,8 +103,8 @@ bool measure_fits(const std::string& group, const FrameSpec& spec, int turns) {
 
 /// What is swept where `--options` names nothing: what a user can turn, and the control.
 constexpr const char* kUsualOptions =
-    "tolerance,max-sweeps,separation,evidence,uniform-tolerance,size,meeting-edges,control,start,"
-    "threads";
+    "tolerance,max-sweeps,separation,evidence,uniform-tolerance,size,meeting-edges,profile,control,"
+    "start,threads";
 
 /// `only`: comma list of options.
 std::vector<Setting> settings_of(const std::string& only) {
@@ -119,6 +119,7 @@ std::vector<Setting> settings_of(const std::string& only) {
         {"uniform-tolerance", {"1"}},
         {"size", {"given"}},
         {"meeting-edges", {"auto", "product", "blurred-union"}},
+        {"profile", {"auto", "tanh", "learned"}},
         {"control", {"default"}},
         {"start", {"warm"}},
         {"threads", {"2"}}};

@@ -123,6 +123,13 @@ BackgroundSurface BackgroundSurface::negated() const {
     return result;
 }
 
+BackgroundSurface BackgroundSurface::towards(double level, double share) const {
+    BackgroundSurface result = *this;
+    for (double& c : result.coefficients_) c *= 1 - share;
+    result.coefficients_[0] += share * level;
+    return result;
+}
+
 BackgroundSurface BackgroundSurface::shifted(int x, int y) const {
     BackgroundSurface result = *this;
     result.centre_x_ -= x;

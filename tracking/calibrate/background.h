@@ -21,6 +21,8 @@ class BackgroundSurface {
     int terms() const { return static_cast<int>(coefficients_.size()); }
     bool is_uniform() const { return coefficients_.size() <= 1; }
     BackgroundSurface negated() const;
+    /// (1 − share) B + share · level.
+    BackgroundSurface towards(double level, double share) const;
     /// The surface seen by a part of the image that begins at pixel (x, y).
     BackgroundSurface shifted(int x, int y) const;
     /// One row of the surface, for x = 0 … width−1.

@@ -9,6 +9,7 @@
 
 #include "tracking/calibrate/edge_fit.h"
 #include "tracking/calibrate/first_guess.h"
+#include "tracking/calibrate/model_choice.h"
 #include "tracking/refine/disc_kernel.h"
 
 namespace grainfield::tracking {
@@ -24,8 +25,6 @@ constexpr double kGood = 0.95;
 constexpr double kGoodOfAll = 0.5;
 /// Discs of any size explain up to 0.73 of smooth random textures, those of sharp images over 0.9.
 constexpr double kLeastExplained = 0.8;
-/// Where no edges meet both kinds are the same, and the product is faster.
-constexpr double kBetter = 0.99;
 constexpr int kRounds = 4;
 constexpr int kFrameRounds = 2;
 constexpr int kImageRounds = 6;
@@ -71,30 +70,6 @@ Patch clearest_patch(const Image& counts, const ImageModel& model, const Visible
         std::copy_n(counts.row(patch.y + y) + patch.x, side, patch.image.row(y));
     }
     return patch;
-}
-
-/// Whichever kind leaves the smaller residual once the spheres are at rest.
-EdgeMeeting meeting_of(const Image& counts, const ImageModel& model,
-                       const std::vector<Vec2>& positions, const DetectionOptions& detection,
-                       const RefinementOptions& refinement, int threads,
-                       const VisiblePixels& visible, RunPlan& plan) {
-    DetectionOptions quick = detection;
-    quick.max_passes = 1;
-    const Image darkness = model.darkness(counts);
-    const auto residual = [&](EdgeMeeting meeting) {
-        Locator locator(counts.width(), counts.height(), model.disc, threads, meeting);
-        locator.set_visible(visible);
-        return locator.locate(darkness, quick, refinement, positions).residual_rms;
-    };
-    const double product = residual(EdgeMeeting::product);
-    const double blurred = residual(EdgeMeeting::blurred_union);
-    const bool is_blurred = blurred < kBetter * product;
-    plan.run(
-        "meeting edges",
-        fmt::format("{}: RMS residual {:.4f} of the contrast if transmissions multiply, {:.4f} "
-                    "if the union of discs is blurred",
-                    is_blurred ? "blurred union" : "product", product, blurred));
-    return is_blurred ? EdgeMeeting::blurred_union : EdgeMeeting::product;
 }
 
 /// Share of the variance of an image that a model explains, 1 − misfit/variance; as it is, and
@@ -285,6 +260,11 @@ OptionTable describe(CalibrationOptions& options) {
                   {"product", EdgeChoice::product},
                   {"blurred-union", EdgeChoice::blurred_union}},
                  "image of edges that meet: transmissions multiply, or a lens blurs their union");
+    table.choice("profile", options.profile,
+                 {{"auto", ProfileChoice::automatic},
+                  {"tanh", ProfileChoice::tanh},
+                  {"learned", ProfileChoice::learned}},
+                 "darkness across a sphere: a tanh edge, or learned where spheres stand alone");
     table.number("uniform-tolerance", options.uniform_tolerance, "-", {0, 1},
                  "variation of the background, relative to the contrast, that is ignored");
     return table;
@@ -348,15 +328,8 @@ std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptio
     } else {
         plan.run("background surface", "illumination is uneven");
     }
-    if (options.meeting_edges == EdgeChoice::automatic) {
-        model.meeting = meeting_of(work, model, fitter.positions, detection, refinement, threads,
-                                   visible, plan);
-    } else {
-        plan.skip("meeting edges", "given", "two fits of one frame");
-        if (options.meeting_edges == EdgeChoice::blurred_union) {
-            model.meeting = EdgeMeeting::blurred_union;
-        }
-    }
+    choose_model(work, fitter.positions, options, detection, refinement, threads, visible, model,
+                 plan);
     if (bright) {
         model.background = model.background.negated();
         model.dark_level = -model.dark_level;

@@ -15,12 +15,14 @@ namespace grainfield::tracking {
 
 enum class PolarityChoice { automatic, dark, bright };
 enum class EdgeChoice { automatic, product, blurred_union };
+enum class ProfileChoice { automatic, tanh, learned };
 
 struct CalibrationOptions {
     std::optional<double> diameter;    ///< apparent diameter D [px]; empty: estimated
     std::optional<double> edge_width;  ///< w [px]; empty: estimated
     PolarityChoice polarity = PolarityChoice::automatic;
     EdgeChoice meeting_edges = EdgeChoice::automatic;  ///< which kind leaves the smaller residual
+    ProfileChoice profile = ProfileChoice::automatic;  ///< likewise
     double uniform_tolerance = 0.003;  ///< background counts as uniform below this variation [-]
 };
 
@@ -37,8 +39,9 @@ struct Calibration {
 
 /// Estimates the image model from one frame: polarity and rough size from the shape of the
 /// thresholded image, background from the upper envelope, D, w and the dark level on the exposed
-/// edges of the most dilute patch, then the background on the clear pixels of the whole frame. What
-/// was estimated, given or skipped goes into the plan.
+/// edges of the most dilute patch, then the background on the clear pixels of the whole frame, then
+/// how edges meet and whether a learned profile is better (choose_model). What was estimated, given
+/// or skipped goes into the plan.
 ///
 /// The shape allows several guesses (first_guesses). They are tried on the patch until one explains
 /// 95 % of the variance of the darkness, white noise subtracted; else the best of them is taken.

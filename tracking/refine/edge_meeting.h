@@ -22,10 +22,20 @@ namespace grainfield::tracking {
 /// κ = 3.5. At a contact the product displaces both discs by 0.4 % of D, this form by 0.15 % at
 /// most at any distance from 0.5 D to 1.3 D (w = 0.075 D, D = 16 px; tests).
 ///
-/// Returns the darkness image that the product model should be fitted to at these positions,
-/// I + c Π_j T_j, c limited to [−1, 2]. `transmission`: Π_j T_j. O(discs), about 5 µs each at D =
-/// 16 px; bands of rows in parallel, the same bits for any number of threads.
+/// A profile other than tanh, with a correction C, passes Π_j (1 − P_j − C_j) instead of Π_j T_j.
+///
+/// Returns the darkness image that the product of tanh discs should be fitted to at these
+/// positions,
+///
+///   I + c Π_j T_j + Π_j (1 − P_j − C_j) − Π_j T_j,
+///
+/// c limited to [−1, 2], and zero if transmissions multiply (EdgeMeeting::product). At rest the
+/// residual of the whole model is orthogonal to the tanh derivatives, so that positions have no
+/// bias. `transmission`: Π_j T_j. O(discs), about 5 µs each at D = 16 px; bands of rows in
+/// parallel, the same bits for any number of threads.
 Image as_product(const Image& darkness, const PaddedImage& transmission,
-                 const std::vector<Vec2>& positions, const DiscProfile& disc, int threads);
+                 const std::vector<Vec2>& positions, const DiscProfile& disc, int threads,
+                 EdgeMeeting meeting = EdgeMeeting::blurred_union,
+                 const RadialCorrection& correction = {});
 
 }  // namespace grainfield::tracking

@@ -71,6 +71,33 @@ TEST(EdgeMeeting, OneDiscMeetsNothing) {
     }
 }
 
+// An image of the learned profile is, seen this way, one of tanh discs.
+TEST(EdgeMeeting, TakesTheLearnedProfileOutOfTheImage) {
+    const RadialCorrection rim{2, {0.01F, 0.01F, -0.02F, -0.1F, -0.05F, 0.03F, 0}};
+    const std::vector<Vec2> pair{{24.2, 31.7}, {36.9, 34.1}};
+    PaddedImage transmission = clear_transmission(64, 64, kDisc);
+    for (const Vec2 p : pair) place_disc(transmission, p, kDisc);
+    Image darkness(64, 64);
+    for (int y = 0; y < 64; ++y) {
+        for (int x = 0; x < 64; ++x) {
+            double light = 1;
+            for (const Vec2 p : pair) {
+                const double r = std::hypot(x - p.x, y - p.y);
+                if (r < kDisc.reach()) {
+                    light *=
+                        1 - kDisc.darkness(r) - static_cast<double>(rim(static_cast<float>(r)));
+                }
+            }
+            darkness(x, y) = static_cast<float>(1 - light);
+        }
+    }
+    const Image product =
+        as_product(darkness, transmission, pair, kDisc, 1, EdgeMeeting::product, rim);
+    for (int y = 0; y < 64; ++y) {
+        for (int x = 0; x < 64; ++x) EXPECT_NEAR(product(x, y), 1 - transmission(x, y), 1e-5F);
+    }
+}
+
 TEST(EdgeMeeting, IsTheSameForAnyNumberOfThreads) {
     const auto scene = testing::hard_disc_liquid(300, 260, kDiameter, 0.7, 1);
     PaddedImage transmission = clear_transmission(300, 260, kDisc);
@@ -79,6 +106,14 @@ TEST(EdgeMeeting, IsTheSameForAnyNumberOfThreads) {
     const Image one = as_product(darkness, transmission, scene.position, kDisc, 1);
     EXPECT_EQ(one, as_product(darkness, transmission, scene.position, kDisc, 2));
     EXPECT_EQ(one, as_product(darkness, transmission, scene.position, kDisc, 8));
+    const RadialCorrection rim{2, {0, 0.01F, -0.02F, -0.1F, -0.05F, 0.03F, 0}};
+    const auto learned = [&](int threads) {
+        return as_product(darkness, transmission, scene.position, kDisc, threads,
+                          EdgeMeeting::blurred_union, rim);
+    };
+    EXPECT_NE(one, learned(1));
+    EXPECT_EQ(learned(1), learned(2));
+    EXPECT_EQ(learned(1), learned(8));
 }
 
 }  // namespace

@@ -1,0 +1,137 @@
+#include "tracking/calibrate/model_choice.h"
+
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tracking/calibrate/learned_profile.h"
+
+namespace grainfield::tracking {
+namespace {
+
+/// Where no edges meet, and edges are tanh, all models are the same, and the simplest is fastest.
+constexpr double kBetter = 0.99;
+
+/// A frame fitted with one model.
+struct FrameFit {
+    std::vector<Vec2> position;
+    double rms = 0;  ///< of the residual [contrast]
+    Image residual;
+};
+
+class Chooser {
+ public:
+    Chooser(const Image& counts, const std::vector<Vec2>& positions,
+            const DetectionOptions& detection, const RefinementOptions& refinement, int threads,
+            const VisiblePixels& visible, ImageModel& model, RunPlan& plan)
+        : counts_(counts),
+          darkness_(model.darkness(counts)),
+          start_(positions),
+          detection_(detection),
+          refinement_(refinement),
+          threads_(threads),
+          visible_(visible),
+          model_(model),
+          plan_(plan) {
+        detection_.max_passes = 1;
+    }
+
+    void choose_meeting(EdgeChoice choice) {
+        if (choice != EdgeChoice::automatic) {
+            plan_.skip("meeting edges", "given", "two fits of one frame");
+            model_.meeting =
+                choice == EdgeChoice::product ? EdgeMeeting::product : EdgeMeeting::blurred_union;
+            return;
+        }
+        FrameFit product = fit(EdgeMeeting::product);
+        FrameFit blurred = fit(EdgeMeeting::blurred_union);
+        const bool is_blurred = blurred.rms < kBetter * product.rms;
+        plan_.run(
+            "meeting edges",
+            fmt::format("{}: RMS residual {:.4f} of the contrast if transmissions multiply, {:.4f} "
+                        "if the union of discs is blurred",
+                        is_blurred ? "blurred union" : "product", product.rms, blurred.rms));
+        model_.meeting = is_blurred ? EdgeMeeting::blurred_union : EdgeMeeting::product;
+        fitted_ = std::move(is_blurred ? blurred : product);
+    }
+
+    void choose_profile(ProfileChoice choice) {
+        if (choice == ProfileChoice::tanh) {
+            plan_.skip("profile", "tanh edges given", "one or two fits of one frame");
+            return;
+        }
+        if (!fitted_) fitted_ = fit(model_.meeting);
+        LearnedProfile learned =
+            learn_profile(fitted_->residual, fitted_->position, model_.disc, visible_);
+        if (!learned.is_sampled()) {
+            const std::string reason = fmt::format(
+                "tanh: too few pixels near one sphere only: {:.0f} per w/4 of "
+                "edge, {:.0f} wanted",
+                learned.fewest, LearnedProfile::kFewest);
+            plan_.skip("profile", reason, "one fit of one frame");
+            if (choice == ProfileChoice::learned) plan_.warn("no profile was learned, " + reason);
+            return;
+        }
+        if (learned.correction.is_zero()) {
+            plan_.skip("profile", "tanh: spheres that stand alone show nothing else",
+                       "one fit of one frame");
+            return;
+        }
+        const std::string source = fmt::format(
+            "up to {:.3f} of the contrast off tanh, ± {:.3f}, from {} pixels near one "
+            "sphere only",
+            learned.correction.largest(), learned.error, learned.pixels);
+        // Darkness 0 is where no sphere is.
+        const BackgroundSurface clear = model_.background.towards(model_.dark_level, learned.veil);
+        if (choice == ProfileChoice::automatic) {
+            ImageModel other = model_;
+            other.background = clear;
+            darkness_ = other.darkness(counts_);
+            const double rms = fit(model_.meeting, learned.correction).rms * (1 - learned.veil);
+            const bool is_learned = rms < kBetter * fitted_->rms;
+            plan_.run("profile",
+                      fmt::format("{}: RMS residual {:.4f} of the contrast with tanh "
+                                  "edges, {:.4f} with a learned profile, {}",
+                                  is_learned ? "learned" : "tanh", fitted_->rms, rms, source));
+            if (!is_learned) return;
+        } else {
+            plan_.run("profile", "learned, as asked for: " + source);
+        }
+        model_.background = clear;
+        model_.correction = std::move(learned.correction);
+    }
+
+ private:
+    FrameFit fit(EdgeMeeting meeting, const RadialCorrection& correction = {}) {
+        Locator locator(darkness_.width(), darkness_.height(), model_.disc, threads_, meeting,
+                        correction);
+        locator.set_visible(visible_);
+        Located found = locator.locate(darkness_, detection_, refinement_, start_);
+        return {std::move(found.fitted), found.residual_rms, locator.residual()};
+    }
+
+    const Image& counts_;
+    Image darkness_;
+    const std::vector<Vec2>& start_;
+    DetectionOptions detection_;
+    const RefinementOptions& refinement_;
+    int threads_;
+    const VisiblePixels& visible_;
+    ImageModel& model_;
+    RunPlan& plan_;
+    std::optional<FrameFit> fitted_;  ///< with the meeting chosen, tanh edges
+};
+
+}  // namespace
+
+void choose_model(const Image& counts, const std::vector<Vec2>& positions,
+                  const CalibrationOptions& options, const DetectionOptions& detection,
+                  const RefinementOptions& refinement, int threads, const VisiblePixels& visible,
+                  ImageModel& model, RunPlan& plan) {
+    Chooser chooser(counts, positions, detection, refinement, threads, visible, model, plan);
+    chooser.choose_meeting(options.meeting_edges);
+    chooser.choose_profile(options.profile);
+}
+
+}  // namespace grainfield::tracking
