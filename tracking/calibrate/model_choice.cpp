@@ -110,6 +110,14 @@ class Chooser {
                        "one fit of one frame");
             return;
         }
+        if (choice == ProfileChoice::automatic && learned.rms_left > kMuchBetter * learned.rms) {
+            plan_.skip("profile",
+                       fmt::format("tanh: near one sphere only, any other profile leaves {:.4f} of "
+                                   "{:.4f} of the contrast",
+                                   learned.rms_left, learned.rms),
+                       "one fit of one frame");
+            return;
+        }
         const std::string source = fmt::format(
             "up to {:.3f} of the contrast off tanh, ± {:.3f}, from {} pixels near one "
             "sphere only",
