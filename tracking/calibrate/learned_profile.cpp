@@ -18,7 +18,7 @@ constexpr int kMostIntervals = 400;
 constexpr double kEdge = 2;          // [w] from the edge: where a correction moves positions
 constexpr double kInfluence = 2.3;   // [w] from the edge: P = 0.01
 constexpr double kSignificance = 2;  // [σ]
-constexpr std::int64_t kMostPixels = 400'000;
+constexpr std::int64_t kMostPixels = 200'000;
 
 /// Σ share · unknown = residual, one for each pixel. The unknowns are C at r = 0, spacing, … but
 /// for the reach, where it is zero, and last the veil.
@@ -136,11 +136,15 @@ LearnedProfile learn_profile(const Image& residual, const std::vector<Vec2>& pos
     const Eigen::VectorXd c = inverse * b;
     Eigen::VectorXd scatter = Eigen::VectorXd::Zero(knots + 1);
     equations.each([&](auto terms, double left) {
+        learned.rms += left * left;
         for (const auto& term : terms) left -= static_cast<double>(term.share) * c(term.unknown);
+        learned.rms_left += left * left;
         for (const auto& term : terms) {
             scatter(term.unknown) += static_cast<double>(term.share) * left * left;
         }
     });
+    learned.rms = std::sqrt(learned.rms / static_cast<double>(equations.end.size()));
+    learned.rms_left = std::sqrt(learned.rms_left / static_cast<double>(equations.end.size()));
     learned.veil = c(knots);
     std::vector<float> value(static_cast<std::size_t>(knots) + 1, 0.0F);
     bool is_significant = false;

@@ -12,11 +12,12 @@ namespace grainfield::tracking {
 
 /// What the image of a sphere has that a tanh edge has not.
 struct LearnedProfile {
-    RadialCorrection correction;  ///< zero where too few pixels show it, or nothing is significant
-    double veil = 0;              ///< o, darkness of the clear background [contrast]
-    std::int64_t pixels = 0;      ///< looked at that one disc reaches
-    double fewest = 0;            ///< of them about one value of C at the edge
-    double error = 0;             ///< largest standard error of such a value [contrast]
+    RadialCorrection correction;   ///< zero where too few pixels show it, or nothing is significant
+    double veil = 0;               ///< o, darkness of the clear background [contrast]
+    std::int64_t pixels = 0;       ///< looked at that one disc reaches
+    double fewest = 0;             ///< of them about one value of C at the edge
+    double rms = 0, rms_left = 0;  ///< of these pixels, before and without what was learned
+    double error = 0;              ///< largest standard error of such a value [contrast]
 
     static constexpr double kFewest = 200;  ///< wanted
     bool is_sampled() const { return fewest >= kFewest; }
@@ -32,7 +33,7 @@ struct LearnedProfile {
 /// the disc is zero: what is left there, o, belongs to the background, and C is in units of the
 /// contrast without it (divided by 1 − o). Tails of several discs in one pixel are thus told apart.
 /// Each value is multiplied by max(0, 1 − (2 σ_k/C_k)²), σ_k its standard error from the scatter
-/// about the fit: noise teaches nothing. D and w stay those of the tanh fit. From about 400,000
+/// about the fit: noise teaches nothing. D and w stay those of the tanh fit. From about 200,000
 /// pixels of the frame. O(pixels looked at).
 LearnedProfile learn_profile(const Image& residual, const std::vector<Vec2>& positions,
                              const DiscProfile& disc, const VisiblePixels& visible = {});
