@@ -62,8 +62,7 @@ DiscProfile reduced(const DiscProfile& disc, int factor) {
 constexpr double kNewton = 0.08;  // [w]
 constexpr double kSwept = 0.03;   // [w]
 constexpr int kMostSettling = 4;
-// A step of less than this many standard errors of an isolated sphere is not drawn. It lowers the
-// misfit about the sphere by 14 % at D = 16 px, of which what is known without drawing leaves 3 %.
+// A step of less than this many standard errors of an isolated sphere is not drawn.
 constexpr double kUndrawn = 8;
 // The image that the product should see is made for the positions of the fit before; in crystals
 // the first correction moves some spheres far.
@@ -117,7 +116,8 @@ void Locator::set_visible(const VisiblePixels& visible) {
     approach_->set_visible(blocks.every_row(kApproachSpacing));
 }
 
-Image Locator::residual() const {
+Image Locator::residual() {
+    fit_.draw_undrawn();
     Image residual = fit_.darkness().inner();
     for (int y = 0; y < residual.height(); ++y) {
         const float* transmission = fit_.transmission().row(y);
@@ -209,34 +209,38 @@ void Locator::place_all(const Scene& scene, std::optional<double> left) {
     early_revision_ = fit_.revision();
 }
 
+/// Joint steps beyond this are made again [px].
+double Locator::far() const {
+    return std::min(kNewton * disc_.edge_width, JointFit::kLongestStep);
+}
+
 /// Up to here a step need not be drawn [px].
-double Locator::undrawn(double noise, const RefinementOptions& refinement) const {
+double Locator::least_drawn(double noise, const RefinementOptions& refinement) const {
     const double error = noise / std::sqrt(disc_.information());
-    return std::max(refinement.tolerance, std::min(kUndrawn * error, kNewton * disc_.edge_width));
+    return std::max(refinement.tolerance, std::min(kUndrawn * error, far()));
 }
 
 /// Joint Newton steps until nobody goes far. Who goes very far, or far more than once, is swept in
-/// between, where each step is checked: discs hardly wider than a pixel may step to and fro. Steps
-/// up to `undrawn` [px] are not drawn.
+/// between, where each step is checked: discs hardly wider than a pixel may step to and fro.
 JointInformation Locator::settle(SphereSearch& search, const RefinementOptions& refinement,
-                                 double undrawn, Located& found) {
+                                 double least_drawn, Located& found) {
     JointInformation information;
-    std::vector<char> disturbed;
     for (int round = 0; round < kMostSettling; ++round) {
         search.finish(swept(refinement, disc_));
         const auto begin = Clock::now();
-        if (round > 0 && disturbed.size() == fit_.positions().size()) {
+        const std::vector<char> disturbed = fit_.take_disturbed();
+        if (round > 0 && information.own.size() == fit_.positions().size()) {
             update_information(fit_, disturbed, information);
             found.steps += std::count(disturbed.begin(), disturbed.end(), 1);
         } else {
-            information =
-                early_revision_ == fit_.revision() ? std::move(early_) : joint_information(fit_);
+            const bool is_known = early_ && early_revision_ == fit_.revision();
+            information = is_known ? *std::exchange(early_, {}) : joint_information(fit_);
             found.steps += static_cast<std::int64_t>(information.own.size());
         }
         const auto joint = joint_step(information, 0.1 * refinement.tolerance);
-        disturbed = fit_.displace(joint, undrawn, kNewton * disc_.edge_width, round > 0);
+        const bool is_far = fit_.displace(joint, least_drawn, far(), round > 0);
         found.refine_seconds += seconds_since(begin);
-        if (disturbed.empty()) return information;
+        if (!is_far) return information;
     }
     // The few that no joint step settles are swept to the end.
     fit_.draw_undrawn();
@@ -269,7 +273,7 @@ Located Locator::locate(const Image& darkness, const DetectionOptions& detection
     search.run(rough_version(refinement, disc_));
     // What is made of the image of all discs next is no better than where they are drawn.
     const bool is_corrected = meeting_ == EdgeMeeting::blurred_union || !correction_.is_zero();
-    const double lag = undrawn(search.summary().noise, refinement);
+    const double lag = least_drawn(search.summary().noise, refinement);
     JointInformation information =
         settle(search, refinement, is_corrected ? refinement.tolerance : lag, found);
     for (int round = 1; is_corrected && round <= kCorrections; ++round) {
@@ -296,13 +300,14 @@ Located Locator::locate(const Image& darkness, const DetectionOptions& detection
     found.steps += summary.steps;
     found.detect_seconds += summary.detect_seconds;
     found.refine_seconds += summary.refine_seconds;
-    found.residual_rms = fit.residual_rms();
+    const std::vector<double> gain = undrawn_gain(fit, information);
+    found.residual_rms = fit.residual_rms(gain);
 
     const auto begin = Clock::now();
     // Discs at the border have explained what is dark there; half unseen, they are not to be
     // trusted.
     const double border = detection.border * disc_.diameter;
-    const std::vector<double> residuals = fit.residuals();
+    const std::vector<double> residuals = fit.residuals(gain);
     const std::vector<double>& explained = fit.explained();
     const std::vector<PositionCovariance> covariances = joint_covariance(information, threads_);
     for (std::size_t j = 0; j < residuals.size(); ++j) {

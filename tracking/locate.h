@@ -64,7 +64,7 @@ class Locator {
     const DiscProfile& disc() const { return disc_; }
     /// Image − model of the fit that came last: as the product of tanh discs sees the image,
     /// 0 where nothing is looked at [contrast].
-    Image residual() const;
+    Image residual();
     /// Of the model fitted last.
     const PaddedImage& transmission() const { return fit_.transmission(); }
 
@@ -81,9 +81,10 @@ class Locator {
     Scene approached(const Image& darkness, const RefinementOptions& refinement,
                      const std::vector<Vec2>& start, Located& found);
     void place_all(const Scene& scene, std::optional<double> left);
-    double undrawn(double noise, const RefinementOptions& refinement) const;
+    double far() const;
+    double least_drawn(double noise, const RefinementOptions& refinement) const;
     JointInformation settle(SphereSearch& search, const RefinementOptions& refinement,
-                            double undrawn, Located& found);
+                            double least_drawn, Located& found);
     void search_coarsely(const Image& darkness, const DetectionOptions& detection,
                          const RefinementOptions& refinement, Located& found);
 
@@ -97,7 +98,8 @@ class Locator {
     std::optional<DiscCorrelation> coarse_;
     std::optional<JointFit> coarse_fit_;
     std::optional<JointFit> approach_;  ///< on every kApproachSpacing-th row of blocks
-    JointInformation early_;            ///< of the discs as placed, if nothing has been drawn since
+    /// Of the discs as placed, if nothing has been drawn since.
+    std::optional<JointInformation> early_;
     std::uint64_t early_revision_ = 0;
     Image coarse_image_;
     Image clearance_;  ///< squared distance to what is not visible [px²]; empty: all is

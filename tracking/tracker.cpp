@@ -9,7 +9,6 @@
 #include "core/errors.h"
 #include "core/interrupt.h"
 #include "core/parallel.h"
-#include "tracking/read_ahead.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -293,11 +292,10 @@ TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress,
         restore(run, *resumption.from);
         progress.resume_at(run.next);
     }
-    ReadAhead frames(source_, threads_ > 1);
     while (run.next < source_.count() && caught_signal() == 0) {
         const std::int64_t i = run.next++;
         auto start = Clock::now();
-        Frame frame = frames.read(i);
+        Frame frame = source_.read(i);
         if (caught_signal() != 0) {  // the source may have cut short what the frame is made from
             --run.next;
             break;

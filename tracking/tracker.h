@@ -82,8 +82,7 @@ struct TrackResumption {
 /// Where the height of the cell is given, spheres without room between the plates are left out and
 /// the others get the layer that their overlaps tell (Bilayer), up to turning a cluster over.
 ///
-/// Positions are in pixels of the source. Two frames are in memory at a time (with one thread
-/// only one): the next is read meanwhile. Results do not depend
+/// Positions are in pixels of the source. One frame is in memory at a time. Results do not depend
 /// on the number of threads.
 class Tracker {
  public:

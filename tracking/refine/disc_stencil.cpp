@@ -312,7 +312,8 @@ DiscStencil::DiscStencil(const DiscProfile& disc, std::ptrdiff_t pitch, int spac
         const int first = -static_cast<int>(std::floor(chord));
         const int count = (1 - 2 * first + kLanes - 1) / kLanes * kLanes;
         rows_.push_back({dy, first, count, static_cast<int>(size_)});
-        width_ = std::max(width_, count);
+        first_ = std::min(first_, first);
+        last_ = std::max(last_, first + count - 1);
         size_ += static_cast<std::size_t>(count);
         for (int x = first; x < first + count; x += kLanes) {
             pieces_.push_back(piece(rows_.back(), x));

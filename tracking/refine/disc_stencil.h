@@ -32,8 +32,9 @@ class DiscStencil {
         int at;     ///< where the row begins among the kept values
     };
     const std::vector<Row>& rows() const { return rows_; }
-    /// Of the widest row [px].
-    int width() const { return width_; }
+    /// From the first column of any row to the last of any [px]. Rows are whole vectors: narrow
+    /// ones may end farther to the right than wide ones.
+    int width() const { return last_ - first_ + 1; }
     /// Rows of the pixels within kEdgeInWidths w of the edge, with the core: one row for each line,
     /// from the topmost down.
     const std::vector<Row>& edge_spans() const { return edge_spans_; }
@@ -62,7 +63,7 @@ class DiscStencil {
     DiscProfile disc_;
     std::ptrdiff_t pitch_;
     int spacing_;
-    int width_ = 0;
+    int first_ = 0, last_ = 0;  ///< columns
     std::vector<Row> rows_;
     std::vector<Row> edge_spans_;
     std::vector<Piece> pieces_;

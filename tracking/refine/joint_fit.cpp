@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <stdexcept>
 #include <utility>
 
 #include "core/parallel.h"
@@ -18,7 +19,6 @@ namespace {
 constexpr int kFullSteps = 30;
 constexpr float kFresh = std::numeric_limits<float>::max();
 constexpr float kUnmoved = 0.2F;
-constexpr double kLeastRoom = 0.25;
 constexpr double kLag = 1;  // tolerances
 // Beyond the edge a disc changes by less than 0.1 % of the contrast over this path.
 constexpr double kMostStale = 0.05;  // [w]
@@ -98,6 +98,7 @@ void JointFit::restart(const Image& darkness) {
     discs_.clear();
     free_.clear();
     slots_ = 0;
+    some_undrawn_ = false;
     ++revision_;
 }
 
@@ -234,6 +235,7 @@ int JointFit::parts() const {
 
 void JointFit::add_all(const std::vector<Vec2>& positions, const std::vector<double>& explained,
                        std::optional<double> left, const Visit& visit) {
+    if (!discs_.empty()) throw std::logic_error("JointFit::add_all with visits: not an empty fit");
     ++revision_;
     for (std::size_t i = 0; i < positions.size(); ++i) {
         append(positions[i], explained.empty() ? std::nullopt : std::optional(explained[i]), left);
@@ -281,7 +283,6 @@ double JointFit::move_to(std::size_t j, Vec2 to) {
     disc.anchor = Anchor::of(to, stencil_.spacing());
     disc.placed = to;
     disc.stale = 0;
-    disc.gain = 0;
     positions_[j] = to;
     return lifted + place(view(disc), to);
 }
@@ -340,7 +341,7 @@ double JointFit::step(std::size_t j, double relaxation, double lag) {
     Vec2 d = relaxation * damped_step(n, {n.bx, n.by});
     // Steps shrink from sweep to sweep, so the last one says how much room the next needs.
     const double room =
-        std::clamp(1.5 * static_cast<double>(disc.last_step), kLeastRoom, longest_step(profile_));
+        std::clamp(1.5 * static_cast<double>(disc.last_step), kLongestStep, longest_step(profile_));
     const double length = std::sqrt(squared_norm(d));
     if (length <= lag) {
         positions_[j] = inside(from + d);
@@ -373,7 +374,7 @@ double JointFit::step(std::size_t j, double relaxation, double lag) {
 void JointFit::take_step(std::size_t j, double relaxation, double lag) {
     Disc& disc = discs_[j];
     const auto done = static_cast<float>(step(j, relaxation, lag));
-    disc.gain = 0;
+    disc.is_disturbed = true;
     // Steps that shrink by q each leave s (q + q² + …); next to one another discs may shrink
     // slowly.
     const float q = disc.last_step == kFresh || disc.last_step <= 0 ? 1 : done / disc.last_step;
@@ -427,6 +428,7 @@ JointFit::Summary JointFit::refine(const RefinementOptions& options) {
         }
         if (active.empty()) return summary;
         ++revision_;
+        draw_undrawn_near(active);
         std::atomic<std::int64_t> steps = 0;
         // A few discs at the edge of what can be resolved would step to and fro for ever.
         const double relaxation = summary.sweeps < kFullSteps ? 1.0 : 0.5;
@@ -485,42 +487,67 @@ void JointFit::fetch(std::size_t j) const {
     tracking::fetch(view(discs_[j]));
 }
 
-std::vector<char> JointFit::displace(const Displacement& all, double undrawn, double far,
-                                     bool check_far) {
+bool JointFit::displace(const Displacement& all, double least_drawn, double far, bool check_far) {
     std::vector<std::uint32_t> drawn;
-    std::vector<std::uint32_t> went_far;
+    bool is_far = false;
     for (std::uint32_t j = 0; j < discs_.size(); ++j) {
         Disc& disc = discs_[j];
         const Vec2 step = all.step[j];
         const double length = std::sqrt(squared_norm(step));
-        if (!(length <= far)) went_far.push_back(j);
-        disc.last_step = static_cast<float>(std::min(length, kLeastRoom));
+        if (!(length <= far)) disc.is_disturbed = is_far = true;
+        disc.last_step = static_cast<float>(std::min(length, kLongestStep));
         // What is neglected is of second order in the step.
         const auto neglected = static_cast<float>(length * length / profile_.edge_width);
-        const bool is_checked = length > (check_far ? far : kLeastRoom);
+        const bool is_checked = length > (check_far ? far : kLongestStep);
         disc.left = is_checked ? disc.last_step : std::max(all.left[j], neglected);
         disc.drift += disc.last_step;
-        const Vec2 d = length > kLeastRoom ? (kLeastRoom / length) * step : step;
+        const Vec2 d = length > kLongestStep ? (kLongestStep / length) * step : step;
         positions_[j] = inside(disc.placed + d);
-        disc.gain = all.gain[j];
-        if (length > undrawn) drawn.push_back(j);
+        if (length > least_drawn) {
+            drawn.push_back(j);
+        } else {
+            some_undrawn_ = some_undrawn_ || length > 0;
+        }
     }
     redraw_all(drawn);
-    if (went_far.empty()) return {};
+    return is_far;
+}
+
+std::vector<char> JointFit::take_disturbed() {
     const double range = 2 * profile_.edge_reach();
     PointGrid grid(darkness_.width(), height(), range);
-    for (const std::uint32_t j : went_far) grid.add(positions_[j], j);
+    for (std::uint32_t j = 0; j < discs_.size(); ++j) {
+        if (!discs_[j].is_disturbed) continue;
+        grid.add(positions_[j], j);
+        discs_[j].is_disturbed = false;
+    }
     std::vector<char> disturbed(discs_.size());
     for (std::size_t j = 0; j < discs_.size(); ++j) disturbed[j] = grid.any(positions_[j], range);
     return disturbed;
 }
 
+/// Sweeps compare a disc with the image of all that share pixels with it.
+void JointFit::draw_undrawn_near(const std::vector<std::uint32_t>& discs) {
+    if (!some_undrawn_) return;
+    const double range = 2 * profile_.reach();
+    PointGrid grid(darkness_.width(), height(), range);
+    for (const std::uint32_t j : discs) grid.add(positions_[j], j);
+    std::vector<std::uint32_t> waiting;
+    for (std::uint32_t j = 0; j < discs_.size(); ++j) {
+        if (squared_norm(undrawn_step(j)) > 0 && grid.any(positions_[j], range)) {
+            waiting.push_back(j);
+        }
+    }
+    redraw_all(waiting);
+}
+
 void JointFit::draw_undrawn() {
     std::vector<std::uint32_t> waiting;
     for (std::uint32_t j = 0; j < discs_.size(); ++j) {
-        if (squared_norm(undrawn(j)) > 0) waiting.push_back(j);
+        if (squared_norm(undrawn_step(j)) > 0) waiting.push_back(j);
     }
     redraw_all(waiting);
+    some_undrawn_ = false;
 }
 
 void JointFit::redraw_all(const std::vector<std::uint32_t>& discs) {
@@ -537,7 +564,6 @@ void JointFit::redraw_all(const std::vector<std::uint32_t>& discs) {
 /// Draws a disc where it is now.
 void JointFit::redraw(std::size_t j) {
     Disc& disc = discs_[j];
-    disc.gain = 0;
     const Vec2 to = positions_[j];
     if (!disc.anchor.holds(to, stencil_.spacing())) {
         move_to(j, to);
@@ -549,7 +575,7 @@ void JointFit::redraw(std::size_t j) {
     disc.placed = to;
 }
 
-std::vector<double> JointFit::residuals() const {
+std::vector<double> JointFit::residuals(const std::vector<double>& gain) const {
     std::vector<Vec2> placed(discs_.size());
     for (std::size_t j = 0; j < placed.size(); ++j) placed[j] = discs_[j].placed;
     const std::vector<LocalMisfit> misfits =
@@ -557,13 +583,13 @@ std::vector<double> JointFit::residuals() const {
     std::vector<double> rms(discs_.size(), std::numeric_limits<double>::quiet_NaN());
     for (std::size_t j = 0; j < rms.size(); ++j) {
         if (!(misfits[j].pixels > 0)) continue;
-        const double sum = misfits[j].sum - static_cast<double>(discs_[j].gain);
+        const double sum = misfits[j].sum - (gain.empty() ? 0 : gain[j]);
         rms[j] = std::sqrt(std::max(0.0, sum) / misfits[j].pixels);
     }
     return rms;
 }
 
-double JointFit::residual_rms() const {
+double JointFit::residual_rms(const std::vector<double>& gain) const {
     const int width = darkness_.width();
     const int height = darkness_.height();
     std::vector<double> rows(static_cast<std::size_t>(height));
@@ -580,8 +606,8 @@ double JointFit::residual_rms() const {
             rows[static_cast<std::size_t>(y)] = static_cast<double>(row);
         }
     });
-    double sum = std::accumulate(rows.begin(), rows.end(), 0.0);
-    for (const Disc& disc : discs_) sum -= static_cast<double>(disc.gain);
+    const double sum = std::accumulate(rows.begin(), rows.end(), 0.0) -
+                       std::accumulate(gain.begin(), gain.end(), 0.0);
     const double n = pixels();
     return n > 0 ? std::sqrt(std::max(0.0, sum) / n) : 0;
 }

@@ -52,6 +52,8 @@ class JointFit {
     /// Pixels that are looked at.
     double pixels() const { return pixels_; }
 
+    /// Where a disc is put that is to be at p: within the image.
+    Vec2 inside(Vec2 p) const;
     void add(Vec2 position);
     /// The same as add() one by one, in parallel. `explained`: what each disc is known to explain,
     /// until something near it moves; empty: unknown. `left`: how far they are expected to be from
@@ -109,40 +111,40 @@ class JointFit {
     struct Displacement {
         std::vector<Vec2> step;   ///< [px]
         std::vector<float> left;  ///< known to be left of it [px]
-        /// By how much each step lowers the misfit about its disc [contrast²].
-        std::vector<float> gain;
     };
-    /// Moves every disc, by 0.25 px at most: who would go farther steps again in the next refine(),
-    /// and with `check_far` who goes by more than `far`. Shorter steps than `undrawn` [px] are not
-    /// drawn. Returns who went by more than `far` [px] or shares edge pixels with one who did;
-    /// empty if nobody.
-    std::vector<char> displace(const Displacement& all, double undrawn, double far,
-                               bool check_far = false);
+    static constexpr double kLongestStep = 0.25;  ///< [px]
+    /// Moves every disc, by kLongestStep at most: who would go farther steps again in the next
+    /// refine(), and with `check_far` who goes by more than `far`. Steps shorter than `least_drawn`
+    /// [px] are not drawn. Whether anybody went by more than `far` [px].
+    bool displace(const Displacement& all, double least_drawn, double far, bool check_far = false);
+    /// Discs near those that have gone, since this was asked last, where no Displacement or a far
+    /// one led them: who shares edge pixels with one of these, and they themselves.
+    std::vector<char> take_disturbed();
 
     /// Where it is less where it is drawn [px].
-    Vec2 undrawn(std::size_t j) const { return positions_[j] - discs_[j].placed; }
+    Vec2 undrawn_step(std::size_t j) const { return positions_[j] - discs_[j].placed; }
     /// Draws all discs where they are.
     void draw_undrawn();
 
-    /// RMS of I − M within reach of each disc [contrast], with what is known of steps that are not
-    /// drawn; NaN without pixels.
-    std::vector<double> residuals() const;
+    /// RMS of I − M within reach of each disc [contrast]; NaN without pixels. `gain`: by how much
+    /// what is not drawn lowers the misfit about each disc [contrast²].
+    std::vector<double> residuals(const std::vector<double>& gain = {}) const;
 
     /// RMS of I − M over the visible pixels of the frame, likewise [contrast].
-    double residual_rms() const;
+    double residual_rms(const std::vector<double>& gain = {}) const;
 
  private:
     /// One disc: where it is and what is known of it.
     struct Disc {
         Anchor anchor;
-        Vec2 placed;             ///< where it is in the image of all discs [px]
-        std::uint32_t slot = 0;  ///< of its transmissions
-        float last_step = 0;     ///< [px]; large for discs that have not moved yet
-        float left = 0;          ///< [px] expected of the next step; large likewise
-        float stale = 0;         ///< [px] path since it was drawn as a whole
-        float drift = 0;         ///< [px] path since `explained`; large for new discs
-        float gain = 0;          ///< of the step that is not drawn [contrast²]
-        double explained = 0;    ///< as of the last call of explained()
+        Vec2 placed;                ///< where it is in the image of all discs [px]
+        std::uint32_t slot = 0;     ///< of its transmissions
+        float last_step = 0;        ///< [px]; large for discs that have not moved yet
+        float left = 0;             ///< [px] expected of the next step; large likewise
+        float stale = 0;            ///< [px] path since it was drawn as a whole
+        float drift = 0;            ///< [px] path since `explained`; large for new discs
+        bool is_disturbed = false;  ///< went elsewhere than a Displacement led it
+        double explained = 0;       ///< as of the last call of explained()
 
         /// In the precision of `left`: who is said to be a tolerance away rests.
         bool is_restless(double tolerance) const { return left > static_cast<float>(tolerance); }
@@ -154,11 +156,11 @@ class JointFit {
     std::uint32_t free_slot();
     struct Parts;
     void append(Vec2 position, std::optional<double> explained, std::optional<double> left);
-    Vec2 inside(Vec2 p) const;
     double move_to(std::size_t j, Vec2 to);
     std::pair<Redraw, float> redraw_for(const Disc& disc, Vec2 to) const;
     void redraw(std::size_t j);
     void redraw_all(const std::vector<std::uint32_t>& discs);
+    void draw_undrawn_near(const std::vector<std::uint32_t>& discs);
     double step(std::size_t j, double relaxation, double lag);
     void take_step(std::size_t j, double relaxation, double lag);
     void in_tiles(const std::vector<std::uint32_t>& discs,
@@ -177,6 +179,7 @@ class JointFit {
     std::uint32_t slots_ = 0;          ///< in use or given back
     std::vector<double> explained_;
     std::uint64_t revision_ = 0;
+    bool some_undrawn_ = false;
     VisiblePixels visible_;
     double pixels_;
 };

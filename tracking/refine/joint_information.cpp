@@ -121,13 +121,33 @@ JointInformation joint_information(const JointFit& fit) {
 
 JointInformation add_all(JointFit& fit, const std::vector<Vec2>& positions,
                          const std::vector<double>& explained, std::optional<double> left) {
+    std::vector<Vec2> places;
+    places.reserve(positions.size());
+    for (const Vec2 p : positions) places.push_back(fit.inside(p));
     Gatherer gatherer(fit);
-    gatherer.prepare(positions);
-    fit.add_all(positions, explained, left, [&](int part, const std::vector<std::uint32_t>& discs) {
+    gatherer.prepare(places);
+    fit.add_all(places, explained, left, [&](int part, const std::vector<std::uint32_t>& discs) {
         for (const std::uint32_t i : discs) gatherer.gather(part, i);
     });
     return gatherer.information();
 }
+
+namespace {
+
+/// Σ_j A_ij u_j.
+Vec2 times_undrawn(const JointFit& fit, const JointInformation& info, std::size_t i) {
+    const NormalEquations& own = info.own[i];
+    const Vec2 u = fit.undrawn_step(i);
+    Vec2 sum{own.xx * u.x + own.xy * u.y, own.xy * u.x + own.yy * u.y};
+    for (std::size_t e = info.begin[i]; e < info.begin[i + 1]; ++e) {
+        const CrossBlock& b = info.entry[e].block;
+        const Vec2 v = fit.undrawn_step(info.entry[e].other);
+        sum += Vec2{b.xx * v.x + b.xy * v.y, b.yx * v.x + b.yy * v.y};
+    }
+    return sum;
+}
+
+}  // namespace
 
 void update_information(const JointFit& fit, const std::vector<char>& disturbed,
                         JointInformation& info) {
@@ -137,24 +157,25 @@ void update_information(const JointFit& fit, const std::vector<char>& disturbed,
                 info.own[i] = fit.normal_equations(i);
                 continue;
             }
-            NormalEquations& own = info.own[i];
-            const Vec2 u = fit.undrawn(i);
-            own.bx = own.xx * u.x + own.xy * u.y;
-            own.by = own.xy * u.x + own.yy * u.y;
-            for (std::size_t e = info.begin[i]; e < info.begin[i + 1]; ++e) {
-                const CrossBlock& b = info.entry[e].block;
-                const Vec2 v = fit.undrawn(info.entry[e].other);
-                own.bx += b.xx * v.x + b.xy * v.y;
-                own.by += b.yx * v.x + b.yy * v.y;
-            }
+            const Vec2 b = times_undrawn(fit, info, i);
+            info.own[i].bx = b.x;
+            info.own[i].by = b.y;
         }
     });
 }
 
+std::vector<double> undrawn_gain(const JointFit& fit, const JointInformation& info) {
+    std::vector<double> gain(info.own.size());
+    for (std::size_t i = 0; i < gain.size(); ++i) {
+        const Vec2 u = fit.undrawn_step(i);
+        if (squared_norm(u) > 0) gain[i] = dot(u, times_undrawn(fit, info, i));
+    }
+    return gain;
+}
+
 JointFit::Displacement joint_step(const JointInformation& info, double accuracy) {
     const std::size_t n = info.own.size();
-    JointFit::Displacement result{std::vector<Vec2>(n), std::vector<float>(n, 0.0F),
-                                  std::vector<float>(n, 0.0F)};
+    JointFit::Displacement result{std::vector<Vec2>(n), std::vector<float>(n, 0.0F)};
     std::vector<char> is_awake(n, 1);
     std::vector<char> wakes(n, 0);
     bool any = true;
@@ -182,10 +203,6 @@ JointFit::Displacement joint_step(const JointInformation& info, double accuracy)
         }
         is_awake.swap(wakes);
         std::fill(wakes.begin(), wakes.end(), 0);
-    }
-    for (std::size_t i = 0; i < n; ++i) {
-        const Vec2 d = result.step[i];
-        result.gain[i] = static_cast<float>(info.own[i].bx * d.x + info.own[i].by * d.y);
     }
     return result;
 }

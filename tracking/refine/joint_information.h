@@ -28,8 +28,8 @@ struct JointInformation {
     std::vector<Entry> entry;
 };
 
-/// As the discs are drawn now. In parallel; independent of the number of threads. About 1 µs a disc
-/// in a liquid at D = 16 px.
+/// As the discs are drawn now. In parallel; the same bits for any number of threads. About 1 µs a
+/// disc in a liquid at D = 16 px.
 JointInformation joint_information(const JointFit& fit);
 
 /// The same of discs that are added to an empty fit (JointFit::add_all), in one pass over the
@@ -38,10 +38,14 @@ JointInformation add_all(JointFit& fit, const std::vector<Vec2>& positions,
                          const std::vector<double>& explained, std::optional<double> left);
 
 /// The same after a step, with the couplings of before: A_ii and b_i are summed anew for those
-/// disturbed. The others have taken their step: b_i = Σ_j A_ij u_j, u_j what of it is not drawn
-/// (JointFit::undrawn).
+/// disturbed (JointFit::take_disturbed). The others have taken their step: b_i = Σ_j A_ij u_j, u_j
+/// what of it is not drawn (JointFit::undrawn_step).
 void update_information(const JointFit& fit, const std::vector<char>& disturbed,
                         JointInformation& information);
+
+/// By how much the misfit about each disc would fall if all steps were drawn, u_i · Σ_j A_ij u_j
+/// [contrast²]: to second order in w, shared pixels counted once.
+std::vector<double> undrawn_gain(const JointFit& fit, const JointInformation& information);
 
 /// Where all discs together want to go from where they are drawn: d = A⁻¹ b, by Gauss–Seidel sweeps
 /// over the blocks until no disc changes by more than `accuracy` [px]. No pixel is touched.

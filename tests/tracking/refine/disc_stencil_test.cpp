@@ -245,6 +245,22 @@ TEST(DiscStencil, ASmallShiftOfTheEdgeAloneIsNearlyThatOfTheWholeAndIsUndone) {
     }
 }
 
+// What JointFit draws at the same time lies one such width apart.
+TEST(DiscStencil, NoRowEndsBeyondTheWidth) {
+    for (double diameter = 2; diameter < 40; diameter += 0.5) {
+        for (const int spacing : {1, 2}) {
+            const DiscStencil stencil({diameter, 1.2}, 1000, spacing);
+            int first = 0;
+            int last = 0;
+            for (const DiscStencil::Row& row : stencil.rows()) {
+                first = std::min(first, row.first);
+                last = std::max(last, row.first + row.count - 1);
+            }
+            EXPECT_EQ(stencil.width(), last - first + 1) << diameter;
+        }
+    }
+}
+
 TEST(DiscStencil, CouplingIsTheSumOfProductsOfGradients) {
     // Beside, above and across one another.
     for (const Vec2 step : {Vec2{9.3, 0.4}, Vec2{-1.2, 8.8}, Vec2{6.1, -7.2}, Vec2{5.2, 3.1}}) {
