@@ -22,7 +22,7 @@ struct CalibrationOptions {
     std::optional<double> edge_width;  ///< w [px]; empty: estimated
     PolarityChoice polarity = PolarityChoice::automatic;
     EdgeChoice meeting_edges = EdgeChoice::automatic;  ///< which kind leaves the smaller residual
-    ProfileChoice profile = ProfileChoice::automatic;  ///< likewise
+    ProfileChoice profile = ProfileChoice::tanh;  ///< what is learned is right for one layer only
     double uniform_tolerance = 0.003;  ///< background counts as uniform below this variation [-]
 };
 

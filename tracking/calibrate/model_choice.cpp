@@ -90,7 +90,7 @@ class Chooser {
 
     void choose_profile(ProfileChoice choice) {
         if (choice == ProfileChoice::tanh) {
-            plan_.skip("profile", "tanh edges given", "one or two fits of one frame");
+            plan_.skip("profile", "tanh edges", "one or two fits of one frame");
             return;
         }
         if (!fitted_) fitted_ = fit(model_.meeting);
