@@ -174,7 +174,10 @@ struct JointFit::Parts {
     std::vector<std::vector<std::uint32_t>> visited;  ///< likewise; a seam's with both neighbours
 
     explicit Parts(const JointFit& fit);
-    std::size_t strip(int s, int row) const { return static_cast<std::size_t>(s * rows + row); }
+    std::size_t strip(int s, int row) const {
+        return static_cast<std::size_t>(s) * static_cast<std::size_t>(rows) +
+               static_cast<std::size_t>(row);
+    }
     std::size_t seam(int s, int row) const { return strip(strips + s, row); }
     static int rows_of(const JointFit& fit);
     static int columns_of(const JointFit& fit);
