@@ -118,7 +118,8 @@ TEST_F(TrackResume, KilledAnywhereItEndsInTheSameBytes) {
         EXPECT_EQ(found.size(), expected.size());
         ASSERT_TRUE(found == expected) << "round " << round << " after " << kills << " kills";
         if (folder_.entries() > 1) {
-            // A kill came between the last name given and the checkpoint's end: asked again, it ends.
+            // A kill came between the last name given and the checkpoint's end: asked again, it
+            // ends.
             const Outcome again = testing::run_grainfield(run({"--resume"}));
             ASSERT_EQ(again.code, 0) << again.err;
             EXPECT_TRUE(timeless(folder_ / "t.h5") == expected);
