@@ -155,13 +155,16 @@ Figure distance_figure(const Tuning& tuning) {
 Figure evidence_figure(const Tuning& tuning) {
     Figure figure = figure_of(
         "evidence", "What each sphere explains of the image",
-        "One for spheres that stand alone; hidden ones explain less. Put detect.evidence into the "
-        "gap between false and hidden spheres, if there is one.",
+        "One for spheres that stand alone; hidden ones explain less. The least follows from how "
+        "well "
+        "the model fits; detect.evidence sets it, in a gap between false and hidden spheres.",
         {"evidence", "Share of the misfit of an isolated sphere", "", Scale::linear, true},
         {"share", "Share of the spheres", "", Scale::linear, true});
     const Histogram h = histogram(evidence(tuning), 0, 1.3, 65);
     add(figure, {"spheres", Mark::steps, true}, {0, 0, h.x, h.y, {}});
-    add_mark(figure, "least (detect.evidence)", tuning.options.detection.evidence);
+    double least = 0;
+    for (const Survey& survey : tuning.surveys) least = std::max(least, survey.found.evidence);
+    add_mark(figure, "least (detect.evidence)", least);
     return figure;
 }
 

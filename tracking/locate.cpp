@@ -271,6 +271,7 @@ Located Locator::locate(const Image& darkness, const DetectionOptions& detection
         search.seed();
     }
     search.run(rough_version(refinement, disc_));
+    if (detection.max_passes > 1) search.look_again(swept(refinement, disc_));
     // What is made of the image of all discs next is no better than where they are drawn.
     const bool is_corrected = meeting_ == EdgeMeeting::blurred_union || !correction_.is_zero();
     const double lag = least_drawn(search.summary().noise, refinement);
@@ -296,6 +297,8 @@ Located Locator::locate(const Image& darkness, const DetectionOptions& detection
     found.maps_skipped += summary.maps_skipped;
     found.maps_in_part += summary.maps_in_part;
     found.settled_detection = summary.settled_detection;
+    found.trials = summary.trials;
+    found.evidence = summary.evidence;
     found.noise = summary.noise;
     found.steps += summary.steps;
     found.detect_seconds += summary.detect_seconds;

@@ -31,6 +31,8 @@ struct Located {
     bool approached = false;                   ///< … after it was brought nearer on blocks
     int maps_skipped = 0;           ///< maps of likelihood gain that the residual made needless
     int maps_in_part = 0;           ///< computed only where the residual can hold a sphere
+    std::int64_t trials = 0;        ///< discs added on trial (second_look.h)
+    double evidence = 0;            ///< share of an isolated one's misfit that every disc explains
     std::vector<Vec2> fitted;       ///< every disc of the model, those at the border included
     std::int64_t unsettled = 0;     ///< spheres still moving after the last sweep
     std::int64_t rejected = 0;      ///< … by more than their standard error: not reported

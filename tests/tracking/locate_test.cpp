@@ -146,6 +146,18 @@ TEST(Locate, FindsBothLayersOfACrystal) {
     EXPECT_LE(s.rms, 0.06);
 }
 
+TEST(Locate, FindsBothLayersWhereTheHolesAreAllButClosed) {
+    testing::CrystalPatch patch;
+    patch.radius = 0.25;
+    patch.spacing = 0.72;
+    patch.clearance = 1;
+    const auto scene = testing::crystal_in_liquid(640, 640, 16, 0.7, patch, 2);
+    const auto s = scored(located(testing::tanh_frame(scene, 16, 1.2, 0.02, 2)), scene);
+    // methods.md, case B: recall 0.98, 30 false of 11,603.
+    EXPECT_LE(s.missed, 0.01 * static_cast<double>(scene.position.size()));
+    EXPECT_LE(s.spurious, 0.003 * static_cast<double>(scene.position.size()));
+}
+
 TEST(Locate, FindsBothLayersOnFramesOfACameraThatItDidNotImagine) {
     testing::CrystalPatch patch;
     patch.radius = 0.28;

@@ -1,6 +1,7 @@
 #include "tracking/detect/residual_blocks.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <numeric>
 
@@ -47,6 +48,23 @@ double ResidualBlocks::around(int column, int row) const {
         sum += first[0] + first[1] + first[2];
     }
     return sum;
+}
+
+ResidualBlocks::Usual ResidualBlocks::usual(const std::vector<Vec2>& discs) const {
+    std::vector<double> sums;
+    sums.reserve(discs.size());
+    for (const Vec2 p : discs) {
+        const int column = static_cast<int>(p.x + 0.5) / block_;
+        const int row = static_cast<int>(p.y + 0.5) / block_;
+        sums.push_back(around(std::clamp(column, 0, columns_ - 1), std::clamp(row, 0, rows_ - 1)));
+    }
+    if (sums.empty()) return {};
+    const auto middle = sums.begin() + static_cast<std::ptrdiff_t>(sums.size() / 2);
+    std::nth_element(sums.begin(), middle, sums.end());
+    const double median = *middle;
+    for (double& sum : sums) sum = std::abs(sum - median);
+    std::nth_element(sums.begin(), middle, sums.end());
+    return {median, 1.4826 * *middle};
 }
 
 std::vector<PixelBlock> ResidualBlocks::holding(double least) const {

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "core/vec2.h"
 #include "tracking/padded_image.h"
 
 namespace grainfield::tracking {
@@ -20,6 +21,14 @@ class ResidualBlocks {
 
     /// Over the whole image [contrast² px].
     double total() const { return total_; }
+
+    /// Sums over a block and the eight around it, where there are discs [contrast² px]; zero if
+    /// there are none.
+    struct Usual {
+        double median = 0;
+        double spread = 0;  ///< robust standard deviation, 1.4826 MAD
+    };
+    Usual usual(const std::vector<Vec2>& discs) const;
 
     /// Runs of blocks in a row of blocks, those with at least `least` on themselves and the eight
     /// around them together: whatever explains that much within one block's length of its centre

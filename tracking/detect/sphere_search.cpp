@@ -7,36 +7,58 @@
 #include <optional>
 
 #include "tracking/detect/local_maxima.h"
+#include "tracking/detect/second_look.h"
 
 namespace grainfield::tracking {
 namespace {
 
 constexpr int kLastRounds = 4;
-constexpr double kCandidateShare = 0.1;
+constexpr double kCandidateShare = 0.2;
 constexpr double kUnusual = 2;
 constexpr double kSurely = 0.5;
-constexpr double kSameAgain = 0.25;  // [D]
-constexpr double kFewPlaces = 0.2;   // of the image: beyond, the transforms are cheaper
-constexpr double kHalfSplit = 0.3;   // [D]
+constexpr double kSameAgain = 0.25;   // [D]
+constexpr double kFewPlaces = 0.2;    // of the image: beyond, the transforms are cheaper
+constexpr double kMostlyNoise = 0.9;  // of what the camera's noise leaves in a few blocks
+constexpr double kHalfSplit = 0.3;    // [D]
+constexpr float kMissing = 0.25F;     // [contrast] a larger misfit is that of a missing sphere
+// A sphere must explain this many times the misfit that is usual on as many pixels as it reaches …
+constexpr double kMisfits = 12;
+// … but between these shares of what an isolated one explains.
+constexpr double kLeastEvidence = 0.04;
+constexpr double kMostEvidence = 0.15;
 
-/// RMS of the residual where the model is flat (clear background or core), outliers beyond four
-/// robust standard deviations left out; from evenly spaced rows, as many as a percent of accuracy
-/// needs.
-double flat_noise(const PaddedImage& darkness, const PaddedImage& transmission) {
+/// What is left of the image, from evenly spaced rows, as many as a percent of accuracy needs.
+struct Remainder {
+    /// RMS where the model is flat (clear background or core), outliers beyond four robust standard
+    /// deviations left out.
+    double noise = 0;
+    /// Mean square where there are spheres, without what is left of missing ones.
+    double misfit = 0;
+};
+
+Remainder remainder(const PaddedImage& darkness, const PaddedImage& transmission) {
     constexpr double kSample = 6e4;
     const double pixels = static_cast<double>(darkness.width()) * darkness.height();
     const int stride = std::max(1, static_cast<int>(pixels / kSample));
     std::vector<float> deviations;
+    double squares = 0;
+    double covered = 0;
     for (int y = stride / 2; y < darkness.height(); y += stride) {
         const float* d = darkness.row(y);
         const float* t = transmission.row(y);
         for (int x = 0; x < darkness.width(); ++x) {
-            // Exactly 0: not visible.
-            if (t[x] > 0.995F || (t[x] < 0.005F && t[x] > 0))
-                deviations.push_back(std::abs(d[x] - 1.0F + t[x]));
+            if (t[x] <= 0) continue;  // not visible
+            const float deviation = std::abs(d[x] - 1.0F + t[x]);
+            const bool is_clear = t[x] > 0.995F;
+            if (is_clear || t[x] < 0.005F) deviations.push_back(deviation);
+            if (is_clear || deviation > kMissing) continue;
+            squares += static_cast<double>(deviation) * static_cast<double>(deviation);
+            covered += 1;
         }
     }
-    if (deviations.size() < 100) return 0;
+    Remainder left;
+    left.misfit = covered > 0 ? squares / covered : 0;
+    if (deviations.size() < 100) return left;
     const auto middle = deviations.begin() + static_cast<std::ptrdiff_t>(deviations.size() / 2);
     std::nth_element(deviations.begin(), middle, deviations.end());
     const float widest = 4 * 1.4826F * *middle;
@@ -47,7 +69,8 @@ double flat_noise(const PaddedImage& darkness, const PaddedImage& transmission) 
         sum += static_cast<double>(d) * static_cast<double>(d);
         n += 1;
     }
-    return std::sqrt(sum / n);
+    left.noise = std::sqrt(sum / n);
+    return left;
 }
 
 /// Weakest first: discs that explain less than `threshold`, and the weaker of every pair nearer
@@ -99,8 +122,10 @@ OptionTable describe(DetectionOptions& options) {
     OptionTable table("detect");
     table.number("separation", options.separation, "D", {0.05, 2},
                  "two centres nearer than this are one sphere");
-    table.number("evidence", options.evidence, "-", {0, 1},
-                 "share of an isolated sphere's misfit that each sphere must explain");
+    table.number(
+        "evidence", options.evidence, "-", {0, 1},
+        "share of an isolated sphere's misfit that each sphere must explain; auto: 0.04 to 0.15, "
+        "as the image model fits");
     table.number("border", options.border, "D", {0, 10},
                  "centres nearer to the image border than this are not reported");
     return table;
@@ -152,19 +177,35 @@ void SphereSearch::seed() {
     summary_.detect_seconds += seconds_since(begin);
 }
 
+void SphereSearch::forget_rejections() {
+    rejected_ =
+        PointGrid(fit_.darkness().width(), fit_.darkness().height(), kSameAgain * disc_.diameter);
+    rejected_at_ = 0;
+}
+
 std::int64_t SphereSearch::remove_unfounded() {
     // Nothing has changed since all were found to be founded.
     if (summary_.steps == judged_at_) return 0;
-    summary_.noise = flat_noise(fit_.darkness(), fit_.transmission());
-    const double noise2 = summary_.noise * summary_.noise;
-    threshold_ = std::max(options_.evidence * correlation_.full_gain(),
-                          options_.significance * options_.significance * noise2);
+    const Remainder left = remainder(fit_.darkness(), fit_.transmission());
+    summary_.noise = left.noise;
+    const double isolated = correlation_.full_gain();
+    const double most = options_.evidence.value_or(kMostEvidence) * isolated;
+    const double area = std::numbers::pi * disc_.reach() * disc_.reach();
+    threshold_ = options_.evidence
+                     ? most
+                     : std::clamp(kMisfits * left.misfit * area, kLeastEvidence * isolated, most);
+    threshold_ = std::max(threshold_,
+                          options_.significance * options_.significance * left.noise * left.noise);
+    summary_.evidence = threshold_ / isolated;
+    // Judged by what was left while most spheres were missing.
+    if (threshold_ < 0.5 * rejected_at_) forget_rejections();
     const std::vector<char> keep = discs_to_keep(fit_, fit_.explained(), threshold_, separation_);
     std::int64_t removed = 0;
     for (std::size_t j = 0; j < keep.size(); ++j) {
         if (keep[j]) continue;
         ++removed;
         rejected_.add(fit_.positions()[j], 0);
+        rejected_at_ = std::max(rejected_at_, threshold_);
     }
     if (removed > 0) fit_.keep_only(keep);
     summary_.removed += removed;
@@ -186,8 +227,8 @@ void SphereSearch::split(std::uint32_t j, Vec2 place) {
 
 /// The map of likelihood gain where it can reach `least`: a disc can lower the misfit by no more
 /// than the misfit within its reach. Empty if that is nowhere enough.
-Image SphereSearch::gain_above(const ResidualBlocks& residual, double least) {
-    const std::vector<PixelBlock> places = residual.holding(least);
+Image SphereSearch::gain_above(const ResidualBlocks& residual, double least, double noise) {
+    const std::vector<PixelBlock> places = residual.holding(least + noise);
     if (places.empty()) {
         ++summary_.maps_skipped;
         return {};
@@ -213,7 +254,9 @@ std::int64_t SphereSearch::add_missing() {
     const double usual = per_pixel * std::numbers::pi * disc_.reach() * disc_.reach();
     const double unusual = std::min(kUnusual * usual, kSurely * correlation_.full_gain());
     const auto least_gain = static_cast<float>(std::max(kCandidateShare * threshold_, unusual));
-    const Image gain = gain_above(residual, static_cast<double>(least_gain));
+    const double block = std::ceil(disc_.reach());
+    const double noise = kMostlyNoise * 9 * block * block * summary_.noise * summary_.noise;
+    const Image gain = gain_above(residual, static_cast<double>(least_gain), noise);
     if (gain.size() == 0) return 0;
     PointGrid present(darkness.width(), darkness.height(), separation_);
     for (std::uint32_t j = 0; j < fit_.positions().size(); ++j) present.add(fit_.positions()[j], j);
@@ -253,6 +296,17 @@ void SphereSearch::run(const RefinementOptions& rough) {
         summary_.settled_detection = add_missing() == 0 && removed == 0;
         summary_.detect_seconds += seconds_since(begin);
     }
+}
+
+void SphereSearch::look_again(const RefinementOptions& refinement) {
+    const auto begin = Clock::now();
+    const SecondLook look = tracking::look_again(fit_, correlation_, separation_, summary_.noise,
+                                                 summary_.evidence, refinement);
+    summary_.trials += look.trials;
+    summary_.added += look.kept;
+    summary_.steps += look.steps;
+    if (look.steps > 0) forget_judgement();
+    summary_.detect_seconds += seconds_since(begin);
 }
 
 void SphereSearch::finish(const RefinementOptions& refinement) {

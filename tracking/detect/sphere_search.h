@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/frame.h"
@@ -15,11 +16,12 @@ namespace grainfield::tracking {
 struct DetectionOptions {
     double cutoff = 3;  ///< a first candidate needs 1/χ² above this [-]
     /// Two centres nearer than this are one sphere [D]. In a cell of height L_z spheres cannot come
-    /// closer in projection than sqrt(a² − (L_z − a)²) = 0.34 a for L_z = 1.94 a.
-    double separation = 0.42;
-    /// A sphere must explain this share of the misfit that an isolated one explains [-]. On the
-    /// real frame spheres lie above 0.25 and doubtful ones below 0.15 (docs/tracking.md).
-    double evidence = 0.15;
+    /// closer in projection than sqrt(a² − (L_z − a)²) = 0.34 a for L_z = 1.94 a; D ≤ a.
+    double separation = 0.34;
+    /// A sphere must explain this share of the misfit that an isolated one explains [-]. Auto: 0.04
+    /// to 0.15, the more the image model leaves unexplained (docs/tracking.md). On the real frame
+    /// spheres lie above 0.25 and doubtful ones below 0.15.
+    std::optional<double> evidence;
     double border = 0.25;     ///< centres nearer to the image border are not reported [D]
     double significance = 6;  ///< … and this many standard deviations of the noise [-]
     int max_passes = 12;      ///< most rounds of adding and removing spheres
@@ -32,7 +34,8 @@ OptionTable describe(DetectionOptions& options);
 /// Peaks of Shattuck's χ² start the scene; then, pass by pass, all positions are refined together,
 /// spheres that explain too little of the image are taken out, and the map of likelihood gain says
 /// where one more sphere would explain what is left. Hidden spheres of the other layer appear this
-/// way, from the residual of what covers them. Ends when a pass changes nothing.
+/// way, from the residual of what covers them. Ends when a pass changes nothing. A second look
+/// (second_look.h) finds those that their neighbours have moved to cover for.
 class SphereSearch {
  public:
     /// In the image that `fit` was started on. `correlation` must be made for its size; both
@@ -47,6 +50,9 @@ class SphereSearch {
     /// Passes until nothing changes.
     void run(const RefinementOptions& rough);
 
+    /// Adds discs on trial where the model leaves unusually much (second_look.h).
+    void look_again(const RefinementOptions& refinement);
+
     /// Sweeps until nothing moves. Two discs that come together then are one: the weaker one goes
     /// and its neighbours settle.
     void finish(const RefinementOptions& refinement);
@@ -60,16 +66,19 @@ class SphereSearch {
         std::int64_t steps = 0;         ///< disc updates done
         int maps_skipped = 0;           ///< maps of gain that the residual made needless
         int maps_in_part = 0;           ///< computed only where the residual can hold a sphere
+        std::int64_t trials = 0;        ///< discs added on trial
         bool settled_detection = true;  ///< the last pass changed nothing
+        double evidence = 0;            ///< share of an isolated one's misfit that all explain
         double noise = 0;               ///< robust RMS where the model is flat [contrast]
         double detect_seconds = 0, refine_seconds = 0;
     };
     const Summary& summary() const { return summary_; }
 
  private:
+    void forget_rejections();
     std::int64_t remove_unfounded();
     void split(std::uint32_t j, Vec2 place);
-    Image gain_above(const ResidualBlocks& residual, double least);
+    Image gain_above(const ResidualBlocks& residual, double least, double noise);
     std::int64_t add_missing();
 
     DetectionOptions options_;
@@ -79,6 +88,7 @@ class SphereSearch {
     PointGrid rejected_;           ///< places not to be tried again
     double separation_;            ///< [px]
     double threshold_ = 0;         ///< least misfit that a sphere must explain [contrast² px]
+    double rejected_at_ = 0;       ///< the highest threshold that those rejected fell short of
     std::int64_t judged_at_ = -1;  ///< disc updates done when nobody had to go; −1: not known
     Summary summary_;
 };

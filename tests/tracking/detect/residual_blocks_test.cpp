@@ -76,5 +76,24 @@ TEST(ResidualBlocks, NothingIsHeldWhereThereIsOnlyNoise) {
     EXPECT_TRUE(ResidualBlocks(scene.darkness, scene.transmission, 9).holding(0.5).empty());
 }
 
+TEST(ResidualBlocks, UsualIsWhatMostDiscsHaveAround) {
+    Scene scene = noisy(200, 150, 0.1);
+    for (int y = 90; y < 110; ++y) {
+        for (int x = 30; x < 60; ++x) scene.darkness.row(y)[x] += 0.5F;
+    }
+    std::vector<Vec2> discs;
+    for (int y = 15; y < 136; y += 10) {
+        for (int x = 15; x < 186; x += 10) {
+            discs.push_back({static_cast<double>(x), static_cast<double>(y)});
+        }
+    }
+    const ResidualBlocks blocks(scene.darkness, scene.transmission, 10);
+    const auto usual = blocks.usual(discs);
+    // 900 pixels of variance 0.01, whose sum scatters by sqrt(2/900) of it.
+    EXPECT_NEAR(usual.median, 9, 0.5);
+    EXPECT_NEAR(usual.spread, 9 * std::sqrt(2.0 / 900), 0.13);
+    EXPECT_EQ(blocks.usual({}).median, 0);
+}
+
 }  // namespace
 }  // namespace grainfield::tracking

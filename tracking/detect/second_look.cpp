@@ -1,0 +1,160 @@
+#include "tracking/detect/second_look.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "tracking/detect/local_maxima.h"
+#include "tracking/detect/residual_blocks.h"
+#include "tracking/point_grid.h"
+
+namespace grainfield::tracking {
+namespace {
+
+// Unusual is what lies this far above the median, in robust standard deviations or in medians,
+// whichever is less.
+constexpr double kSpreads = 4;
+constexpr double kMedians = 0.5;
+constexpr double kPoorModel = 0.12;  // a sphere must explain this share: trials prove less
+constexpr double kSignificance = 6;
+constexpr int kRounds = 8;
+constexpr int kSweeps = 12;
+constexpr double kApart = 5;         // [D]
+constexpr double kNeighbours = 2.5;  // [D] who goes back
+constexpr double kJudged = 1.75;     // [D] half the side of the square that is judged
+constexpr double kTried = 0.15;      // [D]
+constexpr double kPeaks = 0.25;      // [D]
+constexpr double kFewPlaces = 0.2;   // of the image: beyond, the transforms are cheaper
+
+struct Trial {
+    Vec2 place;
+    std::uint32_t added = 0;
+    double before = 0;  ///< misfit around
+    std::vector<std::pair<std::uint32_t, Vec2>> neighbours;
+};
+
+/// Σ (I − M)² over the square of half side `half` about a place.
+double misfit_about(const JointFit& fit, Vec2 place, double half) {
+    const PaddedImage& darkness = fit.darkness();
+    const int x0 = std::max(0, static_cast<int>(std::ceil(place.x - half)));
+    const int x1 = std::min(darkness.width(), static_cast<int>(std::floor(place.x + half)) + 1);
+    const int y0 = std::max(0, static_cast<int>(std::ceil(place.y - half)));
+    const int y1 = std::min(darkness.height(), static_cast<int>(std::floor(place.y + half)) + 1);
+    double sum = 0;
+    for (int y = y0; y < y1; ++y) {
+        const float* d = darkness.row(y);
+        const float* t = fit.transmission().row(y);
+        float row = 0;
+        for (int x = x0; x < x1; ++x) {
+            const float r = d[x] - 1.0F + t[x];
+            row += r * r;
+        }
+        sum += static_cast<double>(row);
+    }
+    return sum;
+}
+
+/// Places to try, highest gain first.
+std::vector<Vec2> candidates(const JointFit& fit, DiscCorrelation& correlation, double misfit,
+                             double least, const ResidualBlocks& residual) {
+    const std::vector<PixelBlock> blocks = residual.holding(misfit);
+    if (blocks.empty()) return {};
+    const PaddedImage& darkness = fit.darkness();
+    double area = 0;
+    for (const PixelBlock& b : blocks) area += static_cast<double>(b.x1 - b.x0) * (b.y1 - b.y0);
+    const bool is_everywhere = area > kFewPlaces * darkness.width() * darkness.height();
+    const Image gain = is_everywhere ? correlation.gain(darkness, fit.transmission())
+                                     : correlation.gain_in(blocks, darkness, fit.transmission());
+    std::vector<Vec2> places;
+    for (const Peak& peak : local_maxima(gain, static_cast<float>(least),
+                                         kPeaks * fit.disc().diameter / correlation.factor())) {
+        places.push_back(correlation.in_frame(peak.position));
+    }
+    return places;
+}
+
+PointGrid all_discs(const JointFit& fit, double distance) {
+    PointGrid all(fit.darkness().width(), fit.darkness().height(), distance);
+    for (std::uint32_t j = 0; j < fit.positions().size(); ++j) all.add(fit.positions()[j], j);
+    return all;
+}
+
+/// Whoever is not kept goes, and its neighbours go back. How many stay.
+std::int64_t keep_the_better(JointFit& fit, const std::vector<Trial>& trials, double separation,
+                             double enough) {
+    const PointGrid all = all_discs(fit, separation);
+    std::vector<char> keep(fit.positions().size(), 1);
+    std::vector<const Trial*> failed;
+    for (const Trial& trial : trials) {
+        bool is_crowded = false;
+        all.near(fit.positions()[trial.added], separation,
+                 [&](std::uint32_t j, Vec2) { is_crowded = is_crowded || j != trial.added; });
+        const double after = misfit_about(fit, trial.place, kJudged * fit.disc().diameter);
+        if (!is_crowded && after < trial.before - enough) continue;
+        keep[trial.added] = 0;
+        failed.push_back(&trial);
+    }
+    for (const Trial* trial : failed) {
+        for (const auto& [j, place] : trial->neighbours) {
+            if (squared_norm(fit.positions()[j] - place) > 0) fit.move(j, place);
+        }
+    }
+    if (!failed.empty()) fit.keep_only(keep);
+    return static_cast<std::int64_t>(trials.size() - failed.size());
+}
+
+}  // namespace
+
+SecondLook look_again(JointFit& fit, DiscCorrelation& correlation, double separation, double noise,
+                      double evidence, const RefinementOptions& refinement) {
+    SecondLook look;
+    if (fit.positions().empty() || noise <= 0) return look;
+    const double least = kSignificance * kSignificance * noise * noise;
+    const int block = static_cast<int>(std::ceil(fit.disc().reach()));
+    const double poverty = std::max(1.0, evidence / kPoorModel);
+    const double white = 9.0 * block * block * noise * noise;
+    const double diameter = fit.disc().diameter;
+    const int width = fit.darkness().width();
+    const int height = fit.darkness().height();
+    RefinementOptions few = refinement;
+    few.max_sweeps = std::min(refinement.max_sweeps, kSweeps);
+    // What moves by itself must not count for a trial.
+    look.steps += fit.refine(few).steps;
+    PointGrid tried(width, height, kTried * diameter);
+    for (int round = 0; round < kRounds; ++round) {
+        const ResidualBlocks residual(fit.darkness(), fit.transmission(), block, fit.threads());
+        const auto [median, spread] = residual.usual(fit.positions());
+        const double above = spread > 0 ? std::min(kSpreads * spread, kMedians * median) : median;
+        const std::vector<Vec2> places =
+            candidates(fit, correlation, median + above, least, residual);
+        if (places.empty()) break;
+        const PointGrid present = all_discs(fit, kNeighbours * diameter);
+        PointGrid taken(width, height, kApart * diameter);
+        std::vector<Trial> trials;
+        for (const Vec2 place : places) {
+            if (tried.any(place, kTried * diameter) || taken.any(place, kApart * diameter))
+                continue;
+            tried.add(place, 0);
+            taken.add(place, 0);
+            Trial trial{place, 0, misfit_about(fit, place, kJudged * diameter), {}};
+            present.near(place, kNeighbours * diameter,
+                         [&](std::uint32_t j, Vec2 p) { trial.neighbours.emplace_back(j, p); });
+            trials.push_back(std::move(trial));
+        }
+        if (trials.empty()) break;
+        for (Trial& trial : trials) {
+            trial.added = static_cast<std::uint32_t>(fit.positions().size());
+            fit.add(trial.place);
+        }
+        look.steps += fit.refine(few).steps;
+        const std::int64_t kept =
+            keep_the_better(fit, trials, separation, std::max(least, poverty * (median - white)));
+        look.steps += fit.refine(few).steps;
+        look.trials += static_cast<std::int64_t>(trials.size());
+        look.kept += kept;
+    }
+    return look;
+}
+
+}  // namespace grainfield::tracking
