@@ -262,6 +262,30 @@ TEST(Locate, TheResultDoesNotDependOnTheNumberOfThreads) {
     EXPECT_EQ(one.position, located(frame, 8).position);
 }
 
+TEST(Locate, WhatASphereMustExplainFollowsFromWhatTheModelLeavesOver) {
+    WarmCase c;
+    DetectionOptions detection;
+    const auto evidence = [&](const Image& frame) {
+        return c.locator.locate(c.model.darkness(frame), detection, {}).evidence;
+    };
+    EXPECT_NEAR(evidence(c.frame), 0.04, 1e-6);
+    // Spheres with a light ring that the model knows nothing of.
+    Image rings = c.frame;
+    for (const Vec2 p : c.scene.position) {
+        for (int y = static_cast<int>(p.y) - 6; y <= p.y + 6; ++y) {
+            for (int x = static_cast<int>(p.x) - 6; x <= p.x + 6; ++x) {
+                if (x < 0 || y < 0 || x >= rings.width() || y >= rings.height()) continue;
+                if (std::abs(std::hypot(x - p.x, y - p.y) - 5) < 1) rings(x, y) += 20;
+            }
+        }
+    }
+    const double ringed = evidence(rings);
+    EXPECT_GT(ringed, 0.06);
+    EXPECT_LE(ringed, 0.15);
+    detection.evidence = 0.1;
+    EXPECT_NEAR(evidence(c.frame), 0.1, 1e-6);
+}
+
 TEST(Locate, AnEmptyFrameGivesNoSpheres) {
     Locator locator(200, 150, {12, 1.2}, 1);
     const auto found = locator.locate(Image(200, 150), {}, {});

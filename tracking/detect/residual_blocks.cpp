@@ -54,8 +54,8 @@ ResidualBlocks::Usual ResidualBlocks::usual(const std::vector<Vec2>& discs) cons
     std::vector<double> sums;
     sums.reserve(discs.size());
     for (const Vec2 p : discs) {
-        const int column = static_cast<int>(p.x + 0.5) / block_;
-        const int row = static_cast<int>(p.y + 0.5) / block_;
+        const int column = static_cast<int>(std::lround(p.x)) / block_;
+        const int row = static_cast<int>(std::lround(p.y)) / block_;
         sums.push_back(around(std::clamp(column, 0, columns_ - 1), std::clamp(row, 0, rows_ - 1)));
     }
     if (sums.empty()) return {};
