@@ -368,10 +368,16 @@ std::vector<Figure> make_figures(const std::vector<Results>& runs,
     add(structure_factor(runs, labels));
     if (any_has(runs, "fit")) add_with_panels(scaled_spectrum(runs, labels));
     add_with_panels(number_variance(runs, labels));
-    add(displacement(runs, labels));
+    add_with_panels(displacement(runs, labels));
     add(phase_fractions(runs, labels));
     if (any_has(runs, "s4")) add(order_structure_factor(runs, labels));
-    for (Figure& figure : further_figures(runs, labels)) add(std::move(figure));
+    for (Figure& figure : further_figures(runs, labels)) {
+        if (figure.name == "synthetic") {
+            add_with_panels(std::move(figure));
+        } else {
+            add(std::move(figure));
+        }
+    }
     if (any_has(runs, "series")) {
         add(energies(runs, labels));
         add(collisions(runs, labels));

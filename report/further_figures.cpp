@@ -97,8 +97,22 @@ bool any_has(const Runs& runs, const Source& source) {
         runs, [&](const Results& run) { return find_curve(run, source) != nullptr; });
 }
 
-std::string unit_of_time(const Runs& runs) {
-    return pretty_unit("time unit", runs.front().source.time_unit);
+constexpr const char* kTime = "time unit";
+
+// The unit of the x axis as the runs that have the curve have it; "a or l" where they differ.
+std::string unit_of(const Runs& runs, const Source& source, const Axis& axis) {
+    if (axis.unit.empty()) return "";
+    std::vector<std::string> units;
+    for (const Results& run : runs) {
+        const Curve* curve = find_curve(run, source);
+        if (curve == nullptr) continue;
+        const std::string unit = axis.unit == kTime ? pretty_unit("time unit", run.source.time_unit)
+                                                    : curve->find(source.x)->unit;
+        if (std::ranges::find(units, unit) == units.end()) units.push_back(unit);
+    }
+    std::string joined;
+    for (const std::string& unit : units) joined += joined.empty() ? unit : " or " + unit;
+    return joined;
 }
 
 struct Plan {
@@ -115,6 +129,7 @@ Figure drawn(const Runs& runs, const std::vector<std::string>& labels, const Pla
     figure.note = plan.note;
     figure.x = plan.x;
     figure.y = plan.y;
+    figure.x.unit = unit_of(runs, plan.source, plan.x);
     figure.runs = labels;
     for (const std::string& word : words_of(runs, plan.source)) {
         const std::string label = word.empty() ? plan.label : plan.label + word;
@@ -126,17 +141,13 @@ Figure drawn(const Runs& runs, const std::vector<std::string>& labels, const Pla
 
 Figure synthetic(const Runs& runs, const std::vector<std::string>& labels) {
     const Source source{"synthetic", "synthetic", "l", "variance", "err", "side"};
-    std::string unit = "a";
-    for (const Results& run : runs) {
-        if (const Curve* curve = find_curve(run, source)) unit = curve->find("l")->unit;
-    }
     Figure figure =
         drawn(runs, labels,
               {"synthetic",
                "Number variance of other boxes, from S(k)",
                "Boxes are periodic with a fixed number of particles: σ² vanishes at ℓ = L. Above "
                "the measured k S = 1 is taken (of a field its last value), which shows at small ℓ.",
-               {"l", "Window side ℓ", unit, Scale::log, false},
+               {"l", "Window side ℓ", "a", Scale::log, false},
                {"variance", "σ²(ℓ)", "", Scale::log, false},
                source,
                "L = "});
@@ -157,8 +168,7 @@ Figure synthetic(const Runs& runs, const std::vector<std::string>& labels) {
 
 std::vector<Figure> further_figures(const std::vector<Results>& runs,
                                     const std::vector<std::string>& labels) {
-    const std::string time = unit_of_time(runs);
-    const Axis lag{"t", "Lag time τ", time, Scale::log, false};
+    const Axis lag{"t", "Lag time τ", kTime, Scale::log, false};
     const std::vector<Plan> plans{{"variance_slope",
                                    "Local exponent of the number variance",
                                    "β = 2: σ² ∝ ⟨N⟩; β = 1: σ² ∝ the perimeter.",
@@ -204,7 +214,7 @@ std::vector<Figure> further_figures(const std::vector<Results>& runs,
                                   {"q4_examples",
                                    "Order of a typical particle of each phase",
                                    "Through one averaging time.",
-                                   {"t", "Time", time, Scale::linear, true},
+                                   {"t", "Time", kTime, Scale::linear, true},
                                    {"q4", "|Q₄|", "", Scale::linear, true},
                                    {"phase", "q4_examples", "t", "q4", "", "phase"},
                                    ""},

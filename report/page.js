@@ -215,7 +215,7 @@
       const aspect = (map.y[1] - map.y[0]) / (map.x[1] - map.x[0]);
       const canvas = element("canvas", { width: 2 * side, height: Math.round(2 * side * Math.min(aspect, 2)) });
       const button = element("button", { type: "button", title: "Show large" }, canvas,
-        element("span", {}, labels[map.run] + (map.unit === "cells" ? ": " + map.title.split(" from ")[0] : "")));
+        element("span", {}, labels[map.run] + (map.unit === "cells" ? ": " + map.title.split(" from ")[0] : ", " + map.title.split(",")[0])));
       button.addEventListener("click", () => pick(map.run));
       gallery.append(button);
       const draw = () => {
