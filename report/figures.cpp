@@ -282,7 +282,7 @@ std::vector<Figure> critical(const Runs& runs, const std::vector<std::string>& l
             return curve == nullptr || curve->find("x")->meaning != parameters[p];
         });
         figure.note = "Where a line meets zero is the critical value, see the key numbers.";
-        figures.push_back(std::move(figure));
+        figures.push_back(of_present_runs(std::move(figure)));
     }
     return figures;
 }

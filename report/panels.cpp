@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <utility>
 
 namespace grainfield::report {
@@ -95,6 +96,25 @@ std::vector<Figure> panels_by_origin(const Figure& figure,
         panels[i].name += "_panel" + std::to_string(i + 1);
     }
     return panels;
+}
+
+Figure of_present_runs(Figure figure) {
+    std::vector<std::string> runs;
+    std::vector<std::size_t> place(figure.runs.size(), left_out);
+    for (std::size_t r = 0; r < figure.runs.size(); ++r) {
+        const bool is_present = std::ranges::any_of(figure.series, [&](const Series& s) {
+            return s.run == r && figure.kinds[s.kind].mark != Mark::guide;
+        });
+        if (!is_present) continue;
+        place[r] = runs.size();
+        runs.push_back(figure.runs[r]);
+    }
+    for (Series& series : figure.series) {
+        if (figure.kinds[series.kind].mark != Mark::guide) series.run = place[series.run];
+    }
+    figure.runs = std::move(runs);
+    figure.absent.clear();
+    return figure;
 }
 
 }  // namespace grainfield::report

@@ -67,5 +67,20 @@ TEST(Panels, AreNotMadeForOneOrigin) {
                     .empty());
 }
 
+TEST(Panels, RunsWithoutDataNeedNoColour) {
+    Figure figure = shared_figure();
+    std::erase_if(figure.series, [](const Series& series) { return series.run == 0; });
+    // The guide belongs to no run.
+    figure.series.push_back(shared_figure().series.back());
+    const Figure present = of_present_runs(figure);
+    EXPECT_EQ(present.runs, (std::vector<std::string>{"field, ν = 1", "MD, Γ = 3"}));
+    ASSERT_EQ(present.series.size(), 3U);
+    EXPECT_EQ(present.series[0].run, 0U);
+    EXPECT_EQ(present.series[0].y, (std::vector<double>{5, 50}));
+    EXPECT_EQ(present.series[1].run, 1U);
+    EXPECT_EQ(present.series[2].y, shared_figure().series.back().y);
+    EXPECT_TRUE(present.absent.empty());
+}
+
 }  // namespace
 }  // namespace grainfield::report
