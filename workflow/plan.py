@@ -144,9 +144,9 @@ class Plan:
         def steps(size):
             return (size["relax"] + size["record"]) / FIELD_STEP
 
-        sites = steps(self.plane) * self.plane["nx"] ** 2 * (
+        field = rate["site-step"] * steps(self.plane) * self.plane["nx"] ** 2 * (
             len(self.plane["nu"]) + len(self.plane["nu-beside"]))
-        sites += steps(self.line) * self.line["nx"] * 2 * len(self.line["nu"])
+        field += rate["node-step"] * steps(self.line) * self.line["nx"] * 2 * len(self.line["nu"])
         return [
             ("walled cell, molecular dynamics",
              gammas * periods * self.experiment_grains() * rate["grain-period-experiment"]),
@@ -156,7 +156,7 @@ class Plan:
             ("periodic layer, molecular dynamics",
              len(layer["amplitude"]) * (layer["relax"] + layer["record"]) * self.layer_grains()
              * rate["grain-period-layer"]),
-            ("field model", sites * rate["site-step"]),
+            ("field model", field),
             ("analysis", (2 * films * self.experiment_grains() + snapshots * self.layer_grains())
              * rate["sphere-analyze"])]
 
