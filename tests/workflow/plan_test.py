@@ -71,17 +71,17 @@ class TheRuns(unittest.TestCase):
         self.assertEqual(full.film_before("fast"), "slow2")
         self.assertEqual(option(full.film_options("4.5", "fast"), "discard"), "0")
 
-    def test_only_small_fits_particles_below_a_wavevector_of_its_own(self):
+    def test_only_full_leaves_the_range_of_the_fit_of_particles_to_the_pre_peak(self):
         for scale in plan.SCALES:
             for system in ("experiment", "layer"):
                 options = plan.Plan(scale).particle_fit_options(system)
                 own = any(o.startswith("--fit-k-max=") for o in options)
-                self.assertEqual(own, scale == "small")
+                self.assertEqual(own, scale != "full")
 
     def test_only_films_are_fitted_with_plane_waves_between_walls(self):
-        medium = plan.Plan("medium")
-        self.assertEqual(medium.particle_fit_options("experiment"), ["--modes=plane-waves"])
-        self.assertEqual(medium.particle_fit_options("layer"), [])
+        full = plan.Plan("full")
+        self.assertEqual(full.particle_fit_options("experiment"), ["--modes=plane-waves"])
+        self.assertEqual(full.particle_fit_options("layer"), [])
 
     def test_all_names_differ(self):
         for scale in plan.SCALES:
