@@ -155,9 +155,8 @@ Figure distance_figure(const Tuning& tuning) {
 Figure evidence_figure(const Tuning& tuning) {
     Figure figure = figure_of(
         "evidence", "What each sphere explains of the image",
-        "One for spheres that stand alone; hidden ones explain less. The least follows from how "
-        "well "
-        "the model fits; detect.evidence sets it, in a gap between false and hidden spheres.",
+        "One for spheres that stand alone; hidden ones explain less. The least follows from the "
+        "fit of the model; detect.evidence sets it, in a gap between false and hidden spheres.",
         {"evidence", "Share of the misfit of an isolated sphere", "", Scale::linear, true},
         {"share", "Share of the spheres", "", Scale::linear, true});
     const Histogram h = histogram(evidence(tuning), 0, 1.3, 65);

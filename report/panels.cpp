@@ -48,6 +48,12 @@ void add_guides(Figure& panel, const Figure& figure, double steeper) {
     }
 }
 
+bool has_series(const Figure& figure, std::size_t run) {
+    return std::ranges::any_of(figure.series, [&](const Series& s) {
+        return s.run == run && figure.kinds[s.kind].mark != Mark::guide;
+    });
+}
+
 Figure panel_of(const Figure& figure, const std::vector<RunIdentity>& identities,
                 const std::string& origin) {
     Figure panel = figure;
@@ -58,13 +64,8 @@ Figure panel_of(const Figure& figure, const std::vector<RunIdentity>& identities
     bool is_field = false;
     bool on_a_line = false;
     std::vector<std::size_t> place(figure.runs.size(), left_out);
-    const auto has_series = [&](std::size_t r) {
-        return std::ranges::any_of(figure.series, [&](const Series& s) {
-            return s.run == r && figure.kinds[s.kind].mark != Mark::guide;
-        });
-    };
     for (std::size_t r = 0; r < figure.runs.size(); ++r) {
-        if (identities[r].origin != origin || !has_series(r)) continue;
+        if (identities[r].origin != origin || !has_series(figure, r)) continue;
         place[r] = panel.runs.size();
         is_field = identities[r].is_field;
         on_a_line = identities[r].dimension == 1;
@@ -102,10 +103,7 @@ Figure of_present_runs(Figure figure) {
     std::vector<std::string> runs;
     std::vector<std::size_t> place(figure.runs.size(), left_out);
     for (std::size_t r = 0; r < figure.runs.size(); ++r) {
-        const bool is_present = std::ranges::any_of(figure.series, [&](const Series& s) {
-            return s.run == r && figure.kinds[s.kind].mark != Mark::guide;
-        });
-        if (!is_present) continue;
+        if (!has_series(figure, r)) continue;
         place[r] = runs.size();
         runs.push_back(figure.runs[r]);
     }

@@ -271,6 +271,7 @@ Located Locator::locate(const Image& darkness, const DetectionOptions& detection
         search.seed();
     }
     search.run(rough_version(refinement, disc_));
+    // Calibration asks for one pass: it wants most spheres soon, and the model is still wrong.
     if (detection.max_passes > 1) search.look_again(swept(refinement, disc_));
     // What is made of the image of all discs next is no better than where they are drawn.
     const bool is_corrected = meeting_ == EdgeMeeting::blurred_union || !correction_.is_zero();

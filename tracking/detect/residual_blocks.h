@@ -30,6 +30,9 @@ class ResidualBlocks {
     };
     Usual usual(const std::vector<Vec2>& discs) const;
 
+    /// What white noise σ [contrast] leaves in such a sum, no block of it cut by the border.
+    double white(double noise) const { return 9.0 * block_ * block_ * noise * noise; }
+
     /// Runs of blocks in a row of blocks, those with at least `least` on themselves and the eight
     /// around them together: whatever explains that much within one block's length of its centre
     /// has its centre in one of these.

@@ -113,7 +113,6 @@ SecondLook look_again(JointFit& fit, DiscCorrelation& correlation, double separa
     const double least = kSignificance * kSignificance * noise * noise;
     const int block = static_cast<int>(std::ceil(fit.disc().reach()));
     const double poverty = std::max(1.0, evidence / kPoorModel);
-    const double white = 9.0 * block * block * noise * noise;
     const double diameter = fit.disc().diameter;
     const int width = fit.darkness().width();
     const int height = fit.darkness().height();
@@ -148,8 +147,8 @@ SecondLook look_again(JointFit& fit, DiscCorrelation& correlation, double separa
             fit.add(trial.place);
         }
         look.steps += fit.refine(few).steps;
-        const std::int64_t kept =
-            keep_the_better(fit, trials, separation, std::max(least, poverty * (median - white)));
+        const std::int64_t kept = keep_the_better(
+            fit, trials, separation, std::max(least, poverty * (median - residual.white(noise))));
         look.steps += fit.refine(few).steps;
         look.trials += static_cast<std::int64_t>(trials.size());
         look.kept += kept;

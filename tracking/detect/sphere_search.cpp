@@ -205,9 +205,11 @@ std::int64_t SphereSearch::remove_unfounded() {
         if (keep[j]) continue;
         ++removed;
         rejected_.add(fit_.positions()[j], 0);
-        rejected_at_ = std::max(rejected_at_, threshold_);
     }
-    if (removed > 0) fit_.keep_only(keep);
+    if (removed > 0) {
+        rejected_at_ = std::max(rejected_at_, threshold_);
+        fit_.keep_only(keep);
+    }
     summary_.removed += removed;
     judged_at_ = removed == 0 ? summary_.steps : -1;
     return removed;
@@ -227,8 +229,9 @@ void SphereSearch::split(std::uint32_t j, Vec2 place) {
 
 /// The map of likelihood gain where it can reach `least`: a disc can lower the misfit by no more
 /// than the misfit within its reach. Empty if that is nowhere enough.
-Image SphereSearch::gain_above(const ResidualBlocks& residual, double least, double noise) {
-    const std::vector<PixelBlock> places = residual.holding(least + noise);
+Image SphereSearch::gain_above(const ResidualBlocks& residual, double least) {
+    const std::vector<PixelBlock> places =
+        residual.holding(least + kMostlyNoise * residual.white(summary_.noise));
     if (places.empty()) {
         ++summary_.maps_skipped;
         return {};
@@ -254,9 +257,7 @@ std::int64_t SphereSearch::add_missing() {
     const double usual = per_pixel * std::numbers::pi * disc_.reach() * disc_.reach();
     const double unusual = std::min(kUnusual * usual, kSurely * correlation_.full_gain());
     const auto least_gain = static_cast<float>(std::max(kCandidateShare * threshold_, unusual));
-    const double block = std::ceil(disc_.reach());
-    const double noise = kMostlyNoise * 9 * block * block * summary_.noise * summary_.noise;
-    const Image gain = gain_above(residual, static_cast<double>(least_gain), noise);
+    const Image gain = gain_above(residual, static_cast<double>(least_gain));
     if (gain.size() == 0) return 0;
     PointGrid present(darkness.width(), darkness.height(), separation_);
     for (std::uint32_t j = 0; j < fit_.positions().size(); ++j) present.add(fit_.positions()[j], j);

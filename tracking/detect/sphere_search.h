@@ -78,7 +78,7 @@ class SphereSearch {
     void forget_rejections();
     std::int64_t remove_unfounded();
     void split(std::uint32_t j, Vec2 place);
-    Image gain_above(const ResidualBlocks& residual, double least, double noise);
+    Image gain_above(const ResidualBlocks& residual, double least);
     std::int64_t add_missing();
 
     DetectionOptions options_;
