@@ -1,10 +1,6 @@
 #include "tracking/image_model.h"
 
 #include <algorithm>
-#include <cstddef>
-#include <vector>
-
-#include "tracking/padded_image.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -14,36 +10,27 @@ constexpr float kLeastSpan = 1e-6F;
 }  // namespace
 
 Image ImageModel::darkness(const Image& counts, const Illumination& light) const {
-    Image result;
-    darkness(counts, light, result);
+    Image result(counts.width(), counts.height());
+    for (int y = 0; y < counts.height(); ++y) darkness_row(counts, light, y, result.row(y));
     return result;
 }
 
-void ImageModel::darkness(const Image& counts, const Illumination& light, Image& result,
-                          int threads) const {
-    if (result.width() != counts.width() || result.height() != counts.height()) {
-        result = Image(counts.width(), counts.height());
-    }
+void ImageModel::darkness_row(const Image& counts, const Illumination& light, int y,
+                              float* out) const {
     const float sign = polarity == Polarity::dark ? 1.0F : -1.0F;
     const auto core = static_cast<float>(dark_level);
     const auto offset = static_cast<float>(light.offset);
     const auto scale = static_cast<float>(1 / light.span);
     const int width = counts.width();
-    in_row_bands(width, counts.height(), threads, [&](int first, int last) {
-        std::vector<float> clear(static_cast<std::size_t>(width));
-        const float* b = clear.data();
-        for (int y = first; y < last; ++y) {
-            background.row(y, width, clear.data());
-            const float* in = counts.row(y);
-            float* out = result.row(y);
+    background.row(y, width, out);
+    const float* in = counts.row(y);
 #pragma omp simd
-            for (int x = 0; x < width; ++x) {
-                const float span = std::max(sign * (b[x] - core), kLeastSpan);
-                const float d = sign * (b[x] - in[x]) / span;
-                out[x] = std::min(std::max((d - offset) * scale, -0.5F), 1.5F);
-            }
-        }
-    });
+    for (int x = 0; x < width; ++x) {
+        const float clear = out[x];
+        const float span = std::max(sign * (clear - core), kLeastSpan);
+        const float d = sign * (clear - in[x]) / span;
+        out[x] = std::min(std::max((d - offset) * scale, -0.5F), 1.5F);
+    }
 }
 
 ImageModel::PixelDarkness ImageModel::darkness_of(int x, int y) const {

@@ -34,10 +34,8 @@ struct ImageModel {
     /// core of a sphere, corrected for the light of the frame, clipped to
     /// [−0.5, 1.5].
     Image darkness(const Image& counts, const Illumination& light = {}) const;
-    /// The same into an image that is kept from frame to frame: fresh memory
-    /// costs as much.
-    void darkness(const Image& counts, const Illumination& light, Image& result,
-                  int threads = 1) const;
+    /// Row y of it.
+    void darkness_row(const Image& counts, const Illumination& light, int y, float* out) const;
 
     /// The same of one pixel, as calibrated, not clipped.
     struct PixelDarkness {

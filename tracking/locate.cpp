@@ -25,7 +25,7 @@ int rows_of_blocks(int height, int factor, int spacing) {
 
 /// The mean over whole blocks of factor × factor pixels, of every spacing-th row of them; what is
 /// left at the right and lower border is left out.
-void reduce(const Image& image, int factor, int spacing, int threads, Image& result) {
+void reduce(const PaddedImage& image, int factor, int spacing, int threads, Image& result) {
     const int width = image.width() / factor;
     const int height = rows_of_blocks(image.height(), factor, spacing);
     if (result.width() != width || result.height() != height) result = Image(width, height);
@@ -138,9 +138,9 @@ double Locator::clearance(Vec2 p) const {
 }
 
 /// Most of the search on an image of blocks: its pixels are fewer by the square of the factor.
-void Locator::search_coarsely(const Image& darkness, const DetectionOptions& detection,
+void Locator::search_coarsely(const DetectionOptions& detection,
                               const RefinementOptions& refinement, Located& found) {
-    reduce(darkness, factor_, 1, threads_, coarse_image_);
+    reduce(fit_.darkness(), factor_, 1, threads_, coarse_image_);
     coarse_fit_->restart(coarse_image_);
     SphereSearch search(*coarse_fit_, *coarse_, detection);
     search.seed();
@@ -168,10 +168,10 @@ void Locator::search_coarsely(const Image& darkness, const DetectionOptions& det
 /// is added or removed, and who went far is left where it was: the fine search judges by its own
 /// pixels. Empty if the misfit of half a sphere or more is left in so many places that a cold
 /// search is the shorter way.
-Locator::Scene Locator::approached(const Image& darkness, const RefinementOptions& refinement,
+Locator::Scene Locator::approached(const RefinementOptions& refinement,
                                    const std::vector<Vec2>& start, Located& found) {
     const auto begin = Clock::now();
-    reduce(darkness, factor_, kApproachSpacing, threads_, coarse_image_);
+    reduce(fit_.darkness(), factor_, kApproachSpacing, threads_, coarse_image_);
     approach_->restart(coarse_image_);
     std::vector<Vec2> places;
     places.reserve(start.size());
@@ -220,36 +220,83 @@ double Locator::least_drawn(double noise, const RefinementOptions& refinement) c
     return std::max(refinement.tolerance, std::min(kUndrawn * error, far()));
 }
 
-/// Joint Newton steps until nobody goes far. Who goes very far, or far more than once, is swept in
-/// between, where each step is checked: discs hardly wider than a pixel may step to and fro.
-JointInformation Locator::settle(SphereSearch& search, const RefinementOptions& refinement,
-                                 double least_drawn, Located& found) {
-    JointInformation information;
-    for (int round = 0; round < kMostSettling; ++round) {
-        search.finish(swept(refinement, disc_));
-        const auto begin = Clock::now();
-        const std::vector<char> disturbed = fit_.take_disturbed();
-        if (round > 0 && information.own.size() == fit_.positions().size()) {
-            update_information(fit_, disturbed, information);
-            found.steps += std::count(disturbed.begin(), disturbed.end(), 1);
-        } else {
-            const bool is_known = early_ && early_revision_ == fit_.revision();
-            information = is_known ? *std::exchange(early_, {}) : joint_information(fit_);
-            found.steps += static_cast<std::int64_t>(information.own.size());
-        }
-        const auto joint = joint_step(information, 0.1 * refinement.tolerance);
-        const bool is_far = fit_.displace(joint, least_drawn, far(), round > 0);
-        found.refine_seconds += seconds_since(begin);
-        if (!is_far) return information;
+/// Sweeps, then a joint Newton step; small ones are not drawn, or `exactly`. With `information` of the discs as they were, that of
+/// neighbours of discs that went elsewhere is gathered anew; else all. Whether anybody went far.
+bool Locator::settle_once(SphereSearch& search, const RefinementOptions& refinement, bool exactly,
+                          bool is_again, JointInformation& information, Located& found) {
+    search.finish(swept(refinement, disc_));
+    const double lag =
+        exactly ? refinement.tolerance : least_drawn(search.summary().noise, refinement);
+    const auto begin = Clock::now();
+    const std::vector<char> disturbed = fit_.take_disturbed();
+    if (is_again && information.own.size() == fit_.positions().size()) {
+        update_information(fit_, disturbed, information);
+        found.steps += std::count(disturbed.begin(), disturbed.end(), 1);
+    } else {
+        const bool is_known = early_ && early_revision_ == fit_.revision();
+        information = is_known ? *std::exchange(early_, {}) : joint_information(fit_);
+        found.steps += static_cast<std::int64_t>(information.own.size());
     }
-    // The few that no joint step settles are swept to the end.
+    const auto joint = joint_step(information, 0.1 * refinement.tolerance);
+    const bool is_far = fit_.displace(joint, lag, far(), is_again);
+    found.refine_seconds += seconds_since(begin);
+    return is_far;
+}
+
+/// Rounds of it until nobody goes far. Who goes very far, or far more than once, is swept in
+/// between, where each step is checked: discs hardly wider than a pixel may step to and fro.
+/// Whether all are settled.
+bool Locator::settle(SphereSearch& search, const RefinementOptions& refinement, bool exactly,
+                     JointInformation& information, Located& found) {
+    for (int round = 0; round < kMostSettling; ++round) {
+        if (!settle_once(search, refinement, exactly, round > 0, information, found)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/// The few that no joint step settles are swept to the end.
+void Locator::settle_rest(SphereSearch& search, const RefinementOptions& refinement,
+                          JointInformation& information) {
     fit_.draw_undrawn();
     search.finish(refinement);
     if (information.own.size() != fit_.positions().size()) information = joint_information(fit_);
-    return information;
 }
 
 Located Locator::locate(const Image& darkness, const DetectionOptions& detection,
+                        const RefinementOptions& refinement, const std::vector<Vec2>& start,
+                        double step) {
+    return locate(
+        [&](int y, float* row) { std::copy_n(darkness.row(y), darkness.width(), row); }, detection,
+        refinement, start, step);
+}
+
+/// Spheres are added and removed until nothing changes, and all of them settled.
+void Locator::search(SphereSearch& search, const DetectionOptions& detection,
+                     const RefinementOptions& refinement, bool exactly, Settled& settled,
+                     Located& found) {
+    const auto settle_all = [&] {
+        settled.is_settled = settle(search, refinement, exactly, settled.information, found);
+        settled.gain = undrawn_gain(fit_, settled.information);
+        settled.residual.emplace(residual_of(fit_, settled.gain));
+        settled.revision = fit_.revision();
+    };
+    // A warm frame has all its spheres, as a rule: these are settled before anybody asks.
+    if (found.warm) settle_all();
+    if (!found.warm || search.misses_any(*settled.residual)) {
+        search.run(rough_version(refinement, disc_));
+        settle_all();
+    }
+    // Calibration asks for one pass: it wants most spheres soon, and the model is still wrong.
+    if (detection.max_passes > 1 &&
+        search.look_again(swept(refinement, disc_), *settled.residual)) {
+        settle_all();
+    }
+    if (!settled.is_settled) settle_rest(search, refinement, settled.information);
+}
+
+Located Locator::locate(const JointFit::WriteRow& darkness, const DetectionOptions& detection,
                         const RefinementOptions& refinement, const std::vector<Vec2>& start,
                         double step) {
     Located found;
@@ -258,7 +305,7 @@ Located Locator::locate(const Image& darkness, const DetectionOptions& detection
     JointFit& fit = fit_;
     const bool moved = coarse_ && step > kNear * disc_.edge_width;
     const Scene scene =
-        moved && !start.empty() ? approached(darkness, refinement, start, found) : Scene{start, {}};
+        moved && !start.empty() ? approached(refinement, start, found) : Scene{start, {}};
     if (!scene.position.empty()) {
         found.warm = true;
         std::optional<double> left;
@@ -266,29 +313,27 @@ Located Locator::locate(const Image& darkness, const DetectionOptions& detection
         if (!moved && step > 0) left = 2 * step;
         place_all(scene, left);
     } else if (coarse_) {
-        search_coarsely(darkness, detection, refinement, found);
+        search_coarsely(detection, refinement, found);
     } else {
         search.seed();
     }
-    search.run(rough_version(refinement, disc_));
-    // Calibration asks for one pass: it wants most spheres soon, and the model is still wrong.
-    if (detection.max_passes > 1) search.look_again(swept(refinement, disc_));
     // What is made of the image of all discs next is no better than where they are drawn.
     const bool is_corrected = meeting_ == EdgeMeeting::blurred_union || !correction_.is_zero();
-    const double lag = least_drawn(search.summary().noise, refinement);
-    JointInformation information =
-        settle(search, refinement, is_corrected ? refinement.tolerance : lag, found);
+    Settled settled;
+    this->search(search, detection, refinement, is_corrected, settled, found);
+    const Image original = is_corrected ? fit.darkness().inner() : Image();
     for (int round = 1; is_corrected && round <= kCorrections; ++round) {
         const auto begin = Clock::now();
         const std::vector<Vec2> met = fit.positions();
         const Image product =
-            as_product(darkness, fit.transmission(), met, disc_, threads_, meeting_, correction_);
+            as_product(original, fit.transmission(), met, disc_, threads_, meeting_, correction_);
         fit.restart(product);
         place_all({met, {}}, kSwept * disc_.edge_width);
         found.refine_seconds += seconds_since(begin);
         search.forget_judgement();
-        information =
-            settle(search, refinement, round < kCorrections ? refinement.tolerance : lag, found);
+        if (!settle(search, refinement, round < kCorrections, settled.information, found)) {
+            settle_rest(search, refinement, settled.information);
+        }
     }
 
     const SphereSearch::Summary& summary = search.summary();
@@ -304,21 +349,24 @@ Located Locator::locate(const Image& darkness, const DetectionOptions& detection
     found.steps += summary.steps;
     found.detect_seconds += summary.detect_seconds;
     found.refine_seconds += summary.refine_seconds;
-    const std::vector<double> gain = undrawn_gain(fit, information);
-    found.residual_rms = fit.residual_rms(gain);
-
     const auto begin = Clock::now();
+    if (fit.revision() == settled.revision) {
+        found.residual_rms = settled.residual->rms(fit.pixels());
+    } else {
+        settled.gain = undrawn_gain(fit, settled.information);
+        found.residual_rms = fit.residual_rms(settled.gain);
+    }
     // Discs at the border have explained what is dark there; half unseen, they are not to be
     // trusted.
     const double border = detection.border * disc_.diameter;
-    const std::vector<double> residuals = fit.residuals(gain);
+    const std::vector<double> residuals = fit.residuals(settled.gain);
     const std::vector<double>& explained = fit.explained();
-    const std::vector<PositionCovariance> covariances = joint_covariance(information, threads_);
+    const std::vector<PositionCovariance> covariances = joint_covariance(settled.information, threads_);
     for (std::size_t j = 0; j < residuals.size(); ++j) {
         const Vec2 p = fit.positions()[j];
         found.unsettled += fit.is_restless(j, swept(refinement, disc_).tolerance) ? 1 : 0;
-        if (std::min({p.x, p.y, darkness.width() - 1 - p.x, darkness.height() - 1 - p.y,
-                      clearance(p)}) < border) {
+        if (std::min({p.x, p.y, fit.darkness().width() - 1 - p.x,
+                      fit.darkness().height() - 1 - p.y, clearance(p)}) < border) {
             continue;
         }
         const Vec2 error{std::sqrt(covariances[j].xx), std::sqrt(covariances[j].yy)};

@@ -61,6 +61,10 @@ class Locator {
     Located locate(const Image& darkness, const DetectionOptions& detection,
                    const RefinementOptions& refinement, const std::vector<Vec2>& start = {},
                    double step = 0);
+    /// The same of the image whose rows `darkness` writes, in parallel: it is not kept elsewhere.
+    Located locate(const JointFit::WriteRow& darkness, const DetectionOptions& detection,
+                   const RefinementOptions& refinement, const std::vector<Vec2>& start = {},
+                   double step = 0);
     /// Others are not looked at, in all frames to come.
     void set_visible(const VisiblePixels& visible);
     const DiscProfile& disc() const { return disc_; }
@@ -80,14 +84,29 @@ class Locator {
         std::vector<double> explained;
     };
     double clearance(Vec2 p) const;
-    Scene approached(const Image& darkness, const RefinementOptions& refinement,
-                     const std::vector<Vec2>& start, Located& found);
+    /// What is known when nobody moves any more.
+    struct Settled {
+        bool is_settled = false;
+        JointInformation information;
+        std::vector<double> gain;                ///< undrawn
+        std::optional<ResidualBlocks> residual;  ///< less that
+        std::uint64_t revision = 0;              ///< of the fit then
+    };
+    void search(SphereSearch& search, const DetectionOptions& detection,
+                const RefinementOptions& refinement, bool exactly, Settled& settled,
+                Located& found);
+    Scene approached(const RefinementOptions& refinement, const std::vector<Vec2>& start,
+                     Located& found);
     void place_all(const Scene& scene, std::optional<double> left);
     double far() const;
     double least_drawn(double noise, const RefinementOptions& refinement) const;
-    JointInformation settle(SphereSearch& search, const RefinementOptions& refinement,
-                            double least_drawn, Located& found);
-    void search_coarsely(const Image& darkness, const DetectionOptions& detection,
+    bool settle_once(SphereSearch& search, const RefinementOptions& refinement, bool exactly,
+                     bool is_again, JointInformation& information, Located& found);
+    bool settle(SphereSearch& search, const RefinementOptions& refinement, bool exactly,
+                JointInformation& information, Located& found);
+    void settle_rest(SphereSearch& search, const RefinementOptions& refinement,
+                     JointInformation& information);
+    void search_coarsely(const DetectionOptions& detection,
                          const RefinementOptions& refinement, Located& found);
 
     DiscProfile disc_;

@@ -137,10 +137,9 @@ void Tracker::locate(const Frame& frame, std::int64_t position, TrackSummary& su
     Located found;
     bool warm = false;
     for (int attempt = 0; attempt < 2; ++attempt) {
-        start = Clock::now();
-        model().darkness(frame.image, light, darkness_, threads_);
-        summary.ms_per_frame.detect += milliseconds_since(start);
-        found = locator_->locate(darkness_, options_.detection, options_.refinement, places, step);
+        found = locator_->locate(
+            [&](int y, float* row) { model().darkness_row(frame.image, light, y, row); },
+            options_.detection, options_.refinement, places, step);
         if (attempt == 0) warm = found.warm;
         summary.ms_per_frame.detect += 1e3 * found.detect_seconds;
         summary.ms_per_frame.refine += 1e3 * found.refine_seconds;

@@ -146,7 +146,6 @@ class Tracker {
     std::unique_ptr<Locator> locator_;
     std::unique_ptr<IlluminationFollower> illumination_;
     Previous previous_;
-    Image darkness_;  ///< of the present frame
     std::optional<Bilayer> bilayer_;
 };
 

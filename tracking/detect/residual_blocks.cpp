@@ -50,14 +50,29 @@ double ResidualBlocks::around(int column, int row) const {
     return sum;
 }
 
+int ResidualBlocks::column(Vec2 p) const {
+    return std::clamp(static_cast<int>(std::lround(p.x)) / block_, 0, columns_ - 1);
+}
+
+int ResidualBlocks::row(Vec2 p) const {
+    return std::clamp(static_cast<int>(std::lround(p.y)) / block_, 0, rows_ - 1);
+}
+
+double ResidualBlocks::rms(double pixels) const {
+    return pixels > 0 ? std::sqrt(std::max(0.0, total_) / pixels) : 0;
+}
+
+void ResidualBlocks::subtract(Vec2 p, double gain) {
+    const std::ptrdiff_t at =
+        static_cast<std::ptrdiff_t>(row(p) + 1) * (columns_ + 2) + column(p) + 1;
+    sums_[static_cast<std::size_t>(at)] -= gain;
+    total_ -= gain;
+}
+
 ResidualBlocks::Usual ResidualBlocks::usual(const std::vector<Vec2>& discs) const {
     std::vector<double> sums;
     sums.reserve(discs.size());
-    for (const Vec2 p : discs) {
-        const int column = static_cast<int>(std::lround(p.x)) / block_;
-        const int row = static_cast<int>(std::lround(p.y)) / block_;
-        sums.push_back(around(std::clamp(column, 0, columns_ - 1), std::clamp(row, 0, rows_ - 1)));
-    }
+    for (const Vec2 p : discs) sums.push_back(around(column(p), row(p)));
     if (sums.empty()) return {};
     const auto middle = sums.begin() + static_cast<std::ptrdiff_t>(sums.size() / 2);
     std::nth_element(sums.begin(), middle, sums.end());
@@ -84,6 +99,23 @@ std::vector<PixelBlock> ResidualBlocks::holding(double least) const {
         }
     }
     return runs;
+}
+
+ResidualBlocks residual_of(const JointFit& fit, const std::vector<double>& gain) {
+    ResidualBlocks residual(fit.darkness(), fit.transmission(),
+                            static_cast<int>(std::ceil(fit.disc().reach())), fit.threads());
+    for (std::size_t j = 0; j < gain.size(); ++j) residual.subtract(fit.positions()[j], gain[j]);
+    return residual;
+}
+
+std::vector<Vec2> ResidualBlocks::middles(const std::vector<PixelBlock>& runs) const {
+    std::vector<Vec2> middles;
+    for (const PixelBlock& run : runs) {
+        for (int x = run.x0; x < run.x1; x += block_) {
+            middles.push_back({x + 0.5 * (block_ - 1), run.y0 + 0.5 * (block_ - 1)});
+        }
+    }
+    return middles;
 }
 
 }  // namespace grainfield::tracking

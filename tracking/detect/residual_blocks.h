@@ -4,6 +4,7 @@
 
 #include "core/vec2.h"
 #include "tracking/padded_image.h"
+#include "tracking/refine/joint_fit.h"
 
 namespace grainfield::tracking {
 
@@ -22,6 +23,12 @@ class ResidualBlocks {
     /// Over the whole image [contrast² px].
     double total() const { return total_; }
 
+    /// √(total/pixels), 0 without pixels [contrast].
+    double rms(double pixels) const;
+
+    /// The misfit about p is known to be less by this much [contrast² px].
+    void subtract(Vec2 p, double gain);
+
     /// Sums over a block and the eight around it, where there are discs [contrast² px]; zero if
     /// there are none.
     struct Usual {
@@ -37,14 +44,23 @@ class ResidualBlocks {
     /// around them together: whatever explains that much within one block's length of its centre
     /// has its centre in one of these.
     std::vector<PixelBlock> holding(double least) const;
+    /// The middles of these blocks [px].
+    std::vector<Vec2> middles(const std::vector<PixelBlock>& runs) const;
+    int block() const { return block_; }
 
  private:
     double around(int column, int row) const;
+    int column(Vec2 p) const;
+    int row(Vec2 p) const;
 
     int width_, height_, block_;
     int columns_, rows_;
     double total_ = 0;
     std::vector<double> sums_;  ///< with a margin of one empty block
 };
+
+/// Of a fit, in blocks as long as a disc reaches, less `gain`, by how much what is not drawn lowers
+/// the misfit about each disc (undrawn_gain; empty: all is drawn).
+ResidualBlocks residual_of(const JointFit& fit, const std::vector<double>& gain = {});
 
 }  // namespace grainfield::tracking

@@ -104,14 +104,35 @@ std::int64_t keep_the_better(JointFit& fit, const std::vector<Trial>& trials, do
     return static_cast<std::int64_t>(trials.size() - failed.size());
 }
 
+/// Of the sums over three blocks by three about each disc.
+struct Level {
+    double median, unusual;
+};
+
+Level level(const JointFit& fit, const ResidualBlocks& residual) {
+    const auto [median, spread] = residual.usual(fit.positions());
+    return {median,
+            median + (spread > 0 ? std::min(kSpreads * spread, kMedians * median) : median)};
+}
+
+/// Discs near unusual places are drawn where they are. Whether there are any such places.
+bool draw_where_unusual(JointFit& fit, const ResidualBlocks& residual) {
+    const std::vector<PixelBlock> places = residual.holding(level(fit, residual).unusual);
+    if (places.empty()) return false;
+    // A block holds what lies in those around it, and these see discs within reach.
+    fit.draw_undrawn_near(residual.middles(places), 3 * residual.block());
+    return true;
+}
+
 }  // namespace
 
 SecondLook look_again(JointFit& fit, DiscCorrelation& correlation, double separation, double noise,
-                      double evidence, const RefinementOptions& refinement) {
+                      double evidence, const RefinementOptions& refinement,
+                      const ResidualBlocks& at_first) {
     SecondLook look;
     if (fit.positions().empty() || noise <= 0) return look;
+    if (!draw_where_unusual(fit, at_first)) return look;
     const double least = kSignificance * kSignificance * noise * noise;
-    const int block = static_cast<int>(std::ceil(fit.disc().reach()));
     const double poverty = std::max(1.0, evidence / kPoorModel);
     const double diameter = fit.disc().diameter;
     const int width = fit.darkness().width();
@@ -122,11 +143,9 @@ SecondLook look_again(JointFit& fit, DiscCorrelation& correlation, double separa
     look.steps += fit.refine(few).steps;
     PointGrid tried(width, height, kTried * diameter);
     for (int round = 0; round < kRounds; ++round) {
-        const ResidualBlocks residual(fit.darkness(), fit.transmission(), block, fit.threads());
-        const auto [median, spread] = residual.usual(fit.positions());
-        const double above = spread > 0 ? std::min(kSpreads * spread, kMedians * median) : median;
-        const std::vector<Vec2> places =
-            candidates(fit, correlation, median + above, least, residual);
+        const ResidualBlocks residual = residual_of(fit);
+        const auto [median, unusual] = level(fit, residual);
+        const std::vector<Vec2> places = candidates(fit, correlation, unusual, least, residual);
         if (places.empty()) break;
         const PointGrid present = all_discs(fit, kNeighbours * diameter);
         PointGrid taken(width, height, kApart * diameter);

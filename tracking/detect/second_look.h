@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "tracking/detect/disc_correlation.h"
+#include "tracking/detect/residual_blocks.h"
 #include "tracking/refine/joint_fit.h"
 
 namespace grainfield::tracking {
@@ -24,12 +25,13 @@ struct SecondLook {
 /// by 36 σ² at least. Else it goes and its neighbours go back. Trials 5 D apart are made at once,
 /// in six rounds at most.
 ///
-/// A frame without such places costs one look at the residual. `separation`: none stays nearer to
+/// A frame without such places in `residual` costs nothing. `separation`: none stays nearer to
 /// another disc [px]; `noise` σ [contrast]; `evidence`: share of an isolated disc's misfit that
 /// each must explain: where that is above 0.12 the model is poor, and the misfit must fall by more
 /// in proportion. `refinement`: tolerance of the sweeps, and their number if less than twelve. The
 /// rows of the fit are those of the image (spacing 1). Independent of the number of threads.
 SecondLook look_again(JointFit& fit, DiscCorrelation& correlation, double separation, double noise,
-                      double evidence, const RefinementOptions& refinement);
+                      double evidence, const RefinementOptions& refinement,
+                      const ResidualBlocks& residual);
 
 }  // namespace grainfield::tracking

@@ -230,8 +230,7 @@ void SphereSearch::split(std::uint32_t j, Vec2 place) {
 /// The map of likelihood gain where it can reach `least`: a disc can lower the misfit by no more
 /// than the misfit within its reach. Empty if that is nowhere enough.
 Image SphereSearch::gain_above(const ResidualBlocks& residual, double least) {
-    const std::vector<PixelBlock> places =
-        residual.holding(least + kMostlyNoise * residual.white(summary_.noise));
+    const std::vector<PixelBlock> places = where_gain_reaches(residual, least);
     if (places.empty()) {
         ++summary_.maps_skipped;
         return {};
@@ -246,18 +245,34 @@ Image SphereSearch::gain_above(const ResidualBlocks& residual, double least) {
     return correlation_.gain_in(places, darkness, fit_.transmission());
 }
 
-std::int64_t SphereSearch::add_missing() {
-    // Where the model is not perfect, as on every real image, small gains are to be had anywhere.
-    // Where most spheres are missing the residual is large everywhere, and a gain of half a sphere
-    // is a candidate all the same.
-    const PaddedImage& darkness = fit_.darkness();
-    const ResidualBlocks residual(darkness, fit_.transmission(),
-                                  static_cast<int>(std::ceil(disc_.reach())), fit_.threads());
+/// Where the model is not perfect, as on every real image, small gains are to be had anywhere. Where
+/// most spheres are missing the residual is large everywhere, and a gain of half a sphere is a
+/// candidate all the same.
+double SphereSearch::least_gain(const ResidualBlocks& residual) const {
     const double per_pixel = residual.total() / std::max(1.0, fit_.pixels());
     const double usual = per_pixel * std::numbers::pi * disc_.reach() * disc_.reach();
     const double unusual = std::min(kUnusual * usual, kSurely * correlation_.full_gain());
-    const auto least_gain = static_cast<float>(std::max(kCandidateShare * threshold_, unusual));
-    const Image gain = gain_above(residual, static_cast<double>(least_gain));
+    return std::max(kCandidateShare * threshold_, unusual);
+}
+
+std::vector<PixelBlock> SphereSearch::where_gain_reaches(const ResidualBlocks& residual,
+                                                         double least) const {
+    return residual.holding(least + kMostlyNoise * residual.white(summary_.noise));
+}
+
+bool SphereSearch::misses_any(const ResidualBlocks& residual) {
+    if (!where_gain_reaches(residual, least_gain(residual)).empty()) return true;
+    ++summary_.passes;
+    ++summary_.maps_skipped;
+    summary_.settled_detection = true;
+    return false;
+}
+
+std::int64_t SphereSearch::add_missing() {
+    const PaddedImage& darkness = fit_.darkness();
+    const ResidualBlocks residual = residual_of(fit_);
+    const double least = least_gain(residual);
+    const Image gain = gain_above(residual, least);
     if (gain.size() == 0) return 0;
     PointGrid present(darkness.width(), darkness.height(), separation_);
     for (std::uint32_t j = 0; j < fit_.positions().size(); ++j) present.add(fit_.positions()[j], j);
@@ -266,7 +281,7 @@ std::int64_t SphereSearch::add_missing() {
     // Neighbours have moved to cover for a missing sphere, so its gain before they move back is
     // only part of what it will explain; whoever disappoints is removed again, for good.
     for (const Peak& peak :
-         local_maxima(gain, least_gain, 0.8 * disc_.diameter / correlation_.factor())) {
+         local_maxima(gain, static_cast<float>(least), 0.8 * disc_.diameter / correlation_.factor())) {
         const Vec2 place = correlation_.in_frame(peak.position);
         if (rejected_.any(place, kSameAgain * disc_.diameter)) continue;
         const std::optional<std::uint32_t> blocker = nearest(present, place, separation_);
@@ -299,15 +314,17 @@ void SphereSearch::run(const RefinementOptions& rough) {
     }
 }
 
-void SphereSearch::look_again(const RefinementOptions& refinement) {
+bool SphereSearch::look_again(const RefinementOptions& refinement,
+                              const ResidualBlocks& residual) {
     const auto begin = Clock::now();
     const SecondLook look = tracking::look_again(fit_, correlation_, separation_, summary_.noise,
-                                                 summary_.evidence, refinement);
+                                                 summary_.evidence, refinement, residual);
     summary_.trials += look.trials;
     summary_.added += look.kept;
     summary_.steps += look.steps;
     if (look.steps > 0) forget_judgement();
     summary_.detect_seconds += seconds_since(begin);
+    return look.steps > 0;
 }
 
 void SphereSearch::finish(const RefinementOptions& refinement) {

@@ -50,8 +50,13 @@ class SphereSearch {
     /// Passes until nothing changes.
     void run(const RefinementOptions& rough);
 
-    /// Adds discs on trial where the model leaves unusually much (second_look.h).
-    void look_again(const RefinementOptions& refinement);
+    /// Adds discs on trial where the model leaves unusually much (second_look.h). Whether any disc
+    /// took a step.
+    bool look_again(const RefinementOptions& refinement, const ResidualBlocks& residual);
+
+    /// Whether a sphere might be missing, judged from what is left of the image. Counts as a pass if
+    /// none can be.
+    bool misses_any(const ResidualBlocks& residual);
 
     /// Sweeps until nothing moves. Two discs that come together then are one: the weaker one goes
     /// and its neighbours settle.
@@ -78,6 +83,8 @@ class SphereSearch {
     void forget_rejections();
     std::int64_t remove_unfounded();
     void split(std::uint32_t j, Vec2 place);
+    double least_gain(const ResidualBlocks& residual) const;
+    std::vector<PixelBlock> where_gain_reaches(const ResidualBlocks& residual, double least) const;
     Image gain_above(const ResidualBlocks& residual, double least);
     std::int64_t add_missing();
 

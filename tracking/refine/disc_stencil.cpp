@@ -22,7 +22,8 @@ struct StencilPieces {
     std::size_t n;
     const float* darkness;
     float* transmission;
-    HalfFloat* kept;
+    const HalfFloat* kept;
+    HalfFloat* own;
 };
 
 /// A run of pixels in the windows of two discs; distances of the first one from either centre.
@@ -30,6 +31,13 @@ struct SharedRow {
     const float* transmission;
     const HalfFloat *a, *b;
     float ax, ay, bx, by;
+    int count;
+};
+
+/// The same of two discs that are drawn from templates.
+struct SharedTemplateRow {
+    const float* transmission;
+    const HalfFloat *ax, *ay, *bx, *by;
     int count;
 };
 
@@ -58,7 +66,8 @@ HWY_INLINE hn::Vec<StencilTag> store_half(hn::Vec<StencilTag> v, HalfFloat* to) 
 struct Spot {
     const float* darkness;
     float* transmission;
-    HalfFloat* kept;
+    const HalfFloat* kept;
+    HalfFloat* own;
     std::size_t at;
 };
 
@@ -78,7 +87,8 @@ HWY_INLINE void for_each_spot(const StencilPieces& s, float x, float y, Body&& b
         for (std::size_t i = 0; i < std::size_t{DiscStencil::kLanes}; i += lanes) {
             const std::size_t at = static_cast<std::size_t>(piece.at) + i;
             const std::ptrdiff_t offset = piece.offset + static_cast<std::ptrdiff_t>(i);
-            body(dx, dy, Spot{s.darkness + offset, s.transmission + offset, s.kept + at, at});
+            body(dx, dy,
+                 Spot{s.darkness + offset, s.transmission + offset, s.kept + at, s.own + at, at});
             dx = hn::Add(dx, next);
         }
     }
@@ -116,10 +126,10 @@ HWY_INLINE double draw(const StencilPieces& s, const DiscTerms& disc, float x, f
         const Vector dy2 = hn::Mul(dy, dy);
         // The last vector of most rows is there for discs off the anchor only.
         if (hn::AllFalse(kTag, hn::Lt(hn::MulAdd(dx, dx, dy2), reach2))) {
-            store_half(hn::Set(kTag, 1.0F), spot.kept);
+            store_half(hn::Set(kTag, 1.0F), spot.own);
             return;
         }
-        const Vector t = store_half(rough_transmission(dx, dy2, disc), spot.kept);
+        const Vector t = store_half(rough_transmission(dx, dy2, disc), spot.own);
         const Vector old = hn::LoadU(kTag, spot.transmission);
         const Vector now = hn::Mul(old, t);
         hn::StoreU(now, kTag, spot.transmission);
@@ -128,6 +138,44 @@ HWY_INLINE double draw(const StencilPieces& s, const DiscTerms& disc, float x, f
         }
     });
     return with_change ? sum(change) : 0;
+}
+
+/// t and −∂t/∂(x, y)/t = (2/w) P (x − centre)/r of every piece.
+void tabulate_stencil(const DiscStencil::Piece* pieces, std::size_t n, const DiscTerms& disc,
+                      float x, float y, HalfFloat* t, HalfFloat* along, HalfFloat* down) {
+    const int lanes = static_cast<int>(hn::Lanes(kTag));
+    const Vector one = hn::Set(kTag, 1.0F);
+    for (std::size_t j = 0; j < n; ++j) {
+        const DiscStencil::Piece& piece = pieces[j];
+        const Vector dy = hn::Set(kTag, piece.dy - y);
+        for (int i = 0; i < DiscStencil::kLanes; i += lanes) {
+            const Vector dx = hn::Iota(kTag, piece.dx - x + static_cast<float>(i));
+            const std::ptrdiff_t at = piece.at + i;
+            const Vector kept =
+                store_half(rough_transmission(dx, hn::Mul(dy, dy), disc), t + at);
+            const Vector r2 = hn::MulAdd(dx, dx, hn::Mul(dy, dy));
+            const Vector slope = hn::Div(hn::Mul(hn::Set(kTag, disc.two_over_width),
+                                                 hn::Sub(one, kept)),
+                                         hn::Sqrt(hn::Add(r2, hn::Set(kTag, 1e-12F))));
+            store_half(hn::Mul(slope, dx), along + at);
+            store_half(hn::Mul(slope, dy), down + at);
+        }
+    }
+}
+
+void draw_pieces(const StencilPieces& s) {
+    const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(kTag));
+    const DiscStencil::Piece* const end = s.pieces + s.n;
+    float* const image = s.transmission;
+    const HalfFloat* const kept = s.kept;
+    for (const DiscStencil::Piece* piece = s.pieces; piece != end; ++piece) {
+        float* const transmission = image + piece->offset;
+        const HalfFloat* const t = kept + piece->at;
+        for (std::ptrdiff_t i = 0; i < DiscStencil::kLanes; i += lanes) {
+            hn::StoreU(hn::Mul(hn::LoadU(kTag, transmission + i), load_half(t + i)), kTag,
+                       transmission + i);
+        }
+    }
 }
 
 double place_stencil(const StencilPieces& s, const DiscTerms& disc, float x, float y) {
@@ -191,6 +239,83 @@ void linearise_stencil(const StencilPieces& s, const DiscTerms& disc, float x, f
     for (int i = 0; i < 6; ++i) sums[i] = sum(all[i]);
 }
 
+void local_misfit_stencil(const StencilPieces& s, const DiscTerms& disc, float x, float y,
+                          double* sums) {
+    Vector misfit = hn::Zero(kTag);
+    Vector pixels = misfit;
+    const Vector one = hn::Set(kTag, 1.0F);
+    const Vector reach2 = hn::Set(kTag, disc.reach2);
+    for_each_spot(s, x, y, [&](Vector dx, Vector dy, Spot spot) HWY_ATTR {
+        const Vector transmission = hn::LoadU(kTag, spot.transmission);
+        // Where nothing is looked at, it is 0 and there is no residual.
+        const auto is_visible = hn::Gt(transmission, hn::Zero(kTag));
+        const auto is_near = hn::Le(hn::MulAdd(dx, dx, hn::Mul(dy, dy)), reach2);
+        const Vector residual = hn::IfThenElseZero(
+            is_near, residual_of(hn::LoadU(kTag, spot.darkness), transmission));
+        misfit = hn::MulAdd(residual, residual, misfit);
+        pixels = hn::Add(pixels, hn::IfThenElseZero(hn::And(is_near, is_visible), one));
+    });
+    sums[0] = sum(misfit);
+    sums[1] = sum(pixels);
+}
+
+void linearise_template(const StencilPieces& s, const HalfFloat* along, const HalfFloat* down,
+                        double* sums) {
+    const std::ptrdiff_t lanes = static_cast<std::ptrdiff_t>(hn::Lanes(kTag));
+    Vector xx = hn::Zero(kTag);
+    Vector xy = xx;
+    Vector yy = xx;
+    Vector bx = xx;
+    Vector by = xx;
+    Vector misfit = xx;
+    for (std::size_t j = 0; j < s.n; ++j) {
+        const DiscStencil::Piece& piece = s.pieces[j];
+        for (std::ptrdiff_t i = 0; i < DiscStencil::kLanes; i += lanes) {
+            const Vector transmission = hn::LoadU(kTag, s.transmission + piece.offset + i);
+            const Vector residual =
+                residual_of(hn::LoadU(kTag, s.darkness + piece.offset + i), transmission);
+            const Vector jx = hn::Mul(transmission, load_half(along + piece.at + i));
+            const Vector jy = hn::Mul(transmission, load_half(down + piece.at + i));
+            xx = hn::MulAdd(jx, jx, xx);
+            xy = hn::MulAdd(jx, jy, xy);
+            yy = hn::MulAdd(jy, jy, yy);
+            bx = hn::MulAdd(jx, residual, bx);
+            by = hn::MulAdd(jy, residual, by);
+            misfit = hn::MulAdd(residual, residual, misfit);
+        }
+    }
+    const Vector all[] = {xx, xy, yy, bx, by, misfit};
+    for (int i = 0; i < 6; ++i) sums[i] = sum(all[i]);
+}
+
+void couple_template_rows(const SharedTemplateRow* rows, int n, double* sums) {
+    const int lanes = static_cast<int>(hn::Lanes(kTag));
+    Vector xx = hn::Zero(kTag);
+    Vector xy = xx;
+    Vector yx = xx;
+    Vector yy = xx;
+    for (int j = 0; j < n; ++j) {
+        const SharedTemplateRow& row = rows[j];
+        for (int i = 0; i < row.count; i += lanes) {
+            const auto inside = hn::FirstN(kTag, static_cast<std::size_t>(row.count - i));
+            const Vector t = hn::IfThenElseZero(inside, hn::LoadU(kTag, row.transmission + i));
+            const Vector both = hn::Mul(t, t);
+            const Vector from_a = hn::Mul(both, load_half(row.ax + i));
+            const Vector down_a = hn::Mul(both, load_half(row.ay + i));
+            const Vector from_b = load_half(row.bx + i);
+            const Vector down_b = load_half(row.by + i);
+            xx = hn::MulAdd(from_a, from_b, xx);
+            xy = hn::MulAdd(from_a, down_b, xy);
+            yx = hn::MulAdd(down_a, from_b, yx);
+            yy = hn::MulAdd(down_a, down_b, yy);
+        }
+    }
+    sums[0] = sum(xx);
+    sums[1] = sum(xy);
+    sums[2] = sum(yx);
+    sums[3] = sum(yy);
+}
+
 void couple_rows(const SharedRow* rows, int n, const DiscTerms& disc, double* sums) {
     const int lanes = static_cast<int>(hn::Lanes(kTag));
     const Vector iota = hn::Iota(kTag, 0.0F);
@@ -246,7 +371,7 @@ HWY_INLINE double shift(const StencilPieces& s, const DiscTerms& disc, float x, 
             hn::StoreU(halves, Halves(), kept_before + spot.at);
         }
         const Vector before = hn::PromoteTo(StencilTag(), hn::BitCast(HalfFloats(), halves));
-        const Vector t = store_half(rough_transmission(dx, hn::Mul(dy, dy), disc), spot.kept);
+        const Vector t = store_half(rough_transmission(dx, hn::Mul(dy, dy), disc), spot.own);
         const Vector now = hn::Mul(hn::Mul(old, t), reciprocal(before));
         hn::StoreU(now, kTag, spot.transmission);
         if constexpr (with_way_back) {
@@ -271,7 +396,12 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace grainfield::tracking {
 
+HWY_EXPORT(tabulate_stencil);
+HWY_EXPORT(draw_pieces);
+HWY_EXPORT(linearise_template);
+HWY_EXPORT(couple_template_rows);
 HWY_EXPORT(draw_stencil);
+HWY_EXPORT(local_misfit_stencil);
 HWY_EXPORT(place_stencil);
 HWY_EXPORT(lift_stencil);
 HWY_EXPORT(explained_stencil);
@@ -285,7 +415,7 @@ namespace {
 StencilPieces pieces_of(const StencilView& view, const std::vector<DiscStencil::Piece>& pieces) {
     const Anchor a = view.anchor;
     return {pieces.data(), pieces.size(), view.darkness.row(a.y) + a.x,
-            view.transmission.row(a.y) + a.x, view.kept};
+            view.transmission.row(a.y) + a.x, view.kept(), view.own};
 }
 
 StencilPieces pieces_of(const StencilView& view) {
@@ -368,10 +498,17 @@ void fetch(const StencilView& view) {
             fetch_line(t + i);
         }
     }
-    const auto* kept = reinterpret_cast<const char*>(view.kept);
+    if (view.shape != nullptr) return;
+    const auto* kept = reinterpret_cast<const char*>(view.own);
     for (std::size_t i = 0; i < view.stencil.size() * sizeof(HalfFloat); i += 64) {
         fetch_line(kept + i);
     }
+}
+
+void tabulate(const DiscStencil& stencil, Vec2 centre, HalfFloat* t, HalfFloat* x, HalfFloat* y) {
+    HWY_DYNAMIC_DISPATCH(tabulate_stencil)
+    (stencil.pieces().data(), stencil.pieces().size(), terms_of(stencil.disc()),
+     static_cast<float>(centre.x), static_cast<float>(centre.y), t, x, y);
 }
 
 double place(const StencilView& view, Vec2 centre) {
@@ -386,6 +523,10 @@ void draw(const StencilView& view, Vec2 centre) {
     (pieces_of(view), terms_of(view.stencil.disc()), at.x, at.y);
 }
 
+void draw_template(const StencilView& view) {
+    HWY_DYNAMIC_DISPATCH(draw_pieces)(pieces_of(view, *view.shape->pieces));
+}
+
 double lift(const StencilView& view) {
     return HWY_DYNAMIC_DISPATCH(lift_stencil)(pieces_of(view));
 }
@@ -397,14 +538,30 @@ double explained(const StencilView& view) {
 NormalEquations linearise(const StencilView& view, Vec2 centre) {
     const FromAnchor at(centre, view);
     double sums[6] = {};
-    HWY_DYNAMIC_DISPATCH(linearise_stencil)
-    (pieces_of(view, view.stencil.edge_pieces()), terms_of(view.stencil.disc()), at.x, at.y, sums);
+    const StencilPieces pieces = pieces_of(view, view.stencil.edge_pieces());
+    if (view.shape != nullptr) {
+        HWY_DYNAMIC_DISPATCH(linearise_template)(pieces, view.shape->x, view.shape->y, sums);
+    } else {
+        HWY_DYNAMIC_DISPATCH(linearise_stencil)
+        (pieces, terms_of(view.stencil.disc()), at.x, at.y, sums);
+    }
     return {sums[0], sums[1], sums[2], sums[3], sums[4], sums[5]};
 }
 
-CrossBlock coupling(const StencilView& a, Vec2 centre_a, const StencilView& b, Vec2 centre_b) {
-    thread_local std::vector<SharedRow> rows;
-    rows.clear();
+LocalMisfit local_misfit(const StencilView& view, Vec2 centre) {
+    const FromAnchor at(centre, view);
+    double sums[2] = {};
+    HWY_DYNAMIC_DISPATCH(local_misfit_stencil)
+    (pieces_of(view), terms_of(view.stencil.disc()), at.x, at.y, sums);
+    return {sums[0], sums[1]};
+}
+
+namespace {
+
+/// Calls action(row, x, in_a, in_b, count) for every row that the edges of two discs share: the row
+/// and first column in the image, and where that is among the kept values of each.
+template <class Action>
+void for_shared_rows(const StencilView& a, const StencilView& b, Action&& action) {
     const std::vector<DiscStencil::Row>& spans = a.stencil.edge_spans();
     const int lines = static_cast<int>(spans.size());
     const int down = a.anchor.y - b.anchor.y;
@@ -417,18 +574,37 @@ CrossBlock coupling(const StencilView& a, Vec2 centre_a, const StencilView& b, V
         const int first = std::max(in_a.first, in_b.first - right);
         const int end = std::min(in_a.first + in_a.count, in_b.first - right + in_b.count);
         if (end <= first) continue;
-        const int x = a.anchor.x + first;
-        const int row = a.anchor.y + in_a.dy;
-        const int y = row * a.stencil.spacing();
-        rows.push_back({a.transmission.row(row) + x, a.kept + in_a.at + (first - in_a.first),
-                        b.kept + in_b.at + (first + right - in_b.first),
-                        static_cast<float>(x - centre_a.x), static_cast<float>(y - centre_a.y),
-                        static_cast<float>(x - centre_b.x), static_cast<float>(y - centre_b.y),
-                        end - first});
+        action(a.anchor.y + in_a.dy, a.anchor.x + first, in_a.at + (first - in_a.first),
+               in_b.at + (first + right - in_b.first), end - first);
     }
+}
+
+}  // namespace
+
+CrossBlock coupling(const StencilView& a, Vec2 centre_a, const StencilView& b, Vec2 centre_b) {
     double sums[4] = {};
-    HWY_DYNAMIC_DISPATCH(couple_rows)
-    (rows.data(), static_cast<int>(rows.size()), terms_of(a.stencil.disc()), sums);
+    if (a.shape != nullptr && b.shape != nullptr) {
+        thread_local std::vector<SharedTemplateRow> rows;
+        rows.clear();
+        for_shared_rows(a, b, [&](int row, int x, int in_a, int in_b, int count) {
+            rows.push_back({a.transmission.row(row) + x, a.shape->x + in_a, a.shape->y + in_a,
+                            b.shape->x + in_b, b.shape->y + in_b, count});
+        });
+        HWY_DYNAMIC_DISPATCH(couple_template_rows)
+        (rows.data(), static_cast<int>(rows.size()), sums);
+    } else {
+        thread_local std::vector<SharedRow> rows;
+        rows.clear();
+        for_shared_rows(a, b, [&](int row, int x, int in_a, int in_b, int count) {
+            const int y = row * a.stencil.spacing();
+            rows.push_back({a.transmission.row(row) + x, a.kept() + in_a, b.kept() + in_b,
+                            static_cast<float>(x - centre_a.x), static_cast<float>(y - centre_a.y),
+                            static_cast<float>(x - centre_b.x), static_cast<float>(y - centre_b.y),
+                            count});
+        });
+        HWY_DYNAMIC_DISPATCH(couple_rows)
+        (rows.data(), static_cast<int>(rows.size()), terms_of(a.stencil.disc()), sums);
+    }
     return {sums[0], sums[1], sums[2], sums[3]};
 }
 
@@ -453,7 +629,7 @@ void undo(const StencilView& view, const BeforeShift& before) {
     for (const DiscStencil::Piece& piece : view.stencil.redrawn(before.redraw)) {
         std::copy_n(before.transmission.data() + piece.at, DiscStencil::kLanes,
                     anchor + piece.offset);
-        std::copy_n(before.kept.data() + piece.at, DiscStencil::kLanes, view.kept + piece.at);
+        std::copy_n(before.kept.data() + piece.at, DiscStencil::kLanes, view.own + piece.at);
     }
 }
 

@@ -86,6 +86,16 @@ struct Anchor {
 /// value. What is stored is what multiplies the image, so that it divides out again.
 using HalfFloat = std::uint16_t;
 
+/// t of a disc somewhere in its window and −∂t/∂(x, y)/t, stencil.size() values each, in the order of
+/// the stencil, and the pieces in which t differs from 1.
+struct DiscTemplate {
+    const HalfFloat *t, *x, *y;
+    const std::vector<DiscStencil::Piece>* pieces;
+};
+
+/// Fills the tables of a template; centre seen from the anchor [px].
+void tabulate(const DiscStencil& stencil, Vec2 centre, HalfFloat* t, HalfFloat* x, HalfFloat* y);
+
 /// A disc's window in the images of a scene. The images need the margin of disc_kernel.h and the
 /// pitch of the stencil.
 struct StencilView {
@@ -93,7 +103,10 @@ struct StencilView {
     const PaddedImage& darkness;
     PaddedImage& transmission;
     Anchor anchor;
-    HalfFloat* kept;  ///< stencil.size() values
+    HalfFloat* own;              ///< stencil.size() values, where t is kept when it is computed
+    const DiscTemplate* shape{};  ///< what the disc is drawn from, if it is; then `own` is not read
+
+    const HalfFloat* kept() const { return shape != nullptr ? shape->t : own; }
 };
 
 /// Asks for a disc's pixels ahead of their use.
@@ -104,6 +117,9 @@ double place(const StencilView& view, Vec2 centre);
 
 /// The same without the answer.
 void draw(const StencilView& view, Vec2 centre);
+
+/// T ← T · t, from the view's template.
+void draw_template(const StencilView& view);
 
 /// T ← T / t. Returns the change of Σ (I − M)².
 double lift(const StencilView& view);
@@ -122,6 +138,13 @@ struct NormalEquations {
 /// Summed over the edge. `centre` is where t was kept.
 NormalEquations linearise(const StencilView& view, Vec2 centre);
 
+/// Σ (I − M)² over the visible pixels within reach, and their number.
+struct LocalMisfit {
+    double sum = 0;  ///< [contrast²]
+    double pixels = 0;
+};
+LocalMisfit local_misfit(const StencilView& view, Vec2 centre);
+
 /// Σ J_a J_bᵀ over the pixels that both edges reach: what couples the positions of two discs.
 struct CrossBlock {
     double xx = 0, xy = 0, yx = 0, yy = 0;  ///< [1/px²]
@@ -136,7 +159,8 @@ struct BeforeShift {
     std::vector<HalfFloat> kept;
 };
 
-/// T ← T · t_to / t, t kept anew; the anchor must hold `to`. Returns the change of Σ (I − M)².
+/// T ← T · t_to / t, t kept anew, in the disc's own values; the anchor must hold `to`, and a disc
+/// drawn from a template is redrawn as a whole. Returns the change of Σ (I − M)².
 double shift(const StencilView& view, Vec2 to, Redraw redraw, BeforeShift& before);
 
 /// The same without the answer and the way back.

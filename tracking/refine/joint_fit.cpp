@@ -11,7 +11,6 @@
 #include "core/parallel.h"
 #include "tracking/point_grid.h"
 #include "tracking/refine/disc_kernel.h"
-#include "tracking/refine/local_misfit.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -83,13 +82,19 @@ JointFit::JointFit(const Image& darkness, const DiscProfile& disc, int threads, 
       darkness_(padded_darkness(darkness, disc)),
       transmission_(clear_transmission(darkness.width(), darkness.height(), disc)),
       stencil_(disc, transmission_.pitch(), spacing),
+      templates_(stencil_),
       pixels_(static_cast<double>(darkness.size())) {}
 
 void JointFit::restart(const Image& darkness) {
-    in_row_bands(darkness.width(), darkness.height(), threads_, [&](int first, int last) {
+    restart([&](int y, float* row) { std::copy_n(darkness.row(y), darkness.width(), row); });
+}
+
+void JointFit::restart(const WriteRow& write_row) {
+    const int width = darkness_.width();
+    in_row_bands(width, darkness_.height(), threads_, [&](int first, int last) {
         for (int y = first; y < last; ++y) {
-            std::copy_n(darkness.row(y), darkness.width(), darkness_.row(y));
-            std::fill_n(transmission_.row(y), darkness.width(), 1.0F);
+            write_row(y, darkness_.row(y));
+            std::fill_n(transmission_.row(y), width, 1.0F);
         }
     });
     visible_.hide_others(darkness_, 1.0F);
@@ -110,7 +115,8 @@ void JointFit::set_visible(VisiblePixels visible) {
 
 StencilView JointFit::view(const Disc& disc) const {
     return {stencil_, darkness_, const_cast<PaddedImage&>(transmission_), disc.anchor,
-            const_cast<HalfFloat*>(kept_.data()) + disc.slot * stencil_.size()};
+            const_cast<HalfFloat*>(kept_.data()) + disc.slot * stencil_.size(),
+            disc.is_template ? &disc.shape : nullptr};
 }
 
 std::uint32_t JointFit::free_slot() {
@@ -151,6 +157,21 @@ void JointFit::add(Vec2 position) {
     draw(view(discs_.back()), positions_.back());
 }
 
+/// One of many: at the nearest template, if there are any.
+void JointFit::draw_new(std::size_t j) {
+    Disc& disc = discs_[j];
+    if (templates_.is_empty()) {
+        draw(view(disc), positions_[j]);
+        return;
+    }
+    const DiscTemplates::Place place = templates_.nearest(positions_[j]);
+    disc.anchor = place.anchor;
+    disc.placed = positions_[j] = place.centre;
+    disc.shape = templates_[place.number];
+    disc.is_template = true;
+    draw_template(view(disc));
+}
+
 void JointFit::add_all(const std::vector<Vec2>& positions, const std::vector<double>& explained,
                        std::optional<double> left) {
     ++revision_;
@@ -161,7 +182,7 @@ void JointFit::add_all(const std::vector<Vec2>& positions, const std::vector<dou
         append(positions[i], explained.empty() ? std::nullopt : std::optional(explained[i]), left);
     }
     in_tiles(added, [&](const std::vector<std::uint32_t>& tile) {
-        for (const std::uint32_t j : tile) draw(view(discs_[j]), positions_[j]);
+        for (const std::uint32_t j : tile) draw_new(j);
     });
 }
 
@@ -251,8 +272,7 @@ void JointFit::add_all(const std::vector<Vec2>& positions, const std::vector<dou
                 const std::vector<std::uint32_t>& discs = parts.drawn[at(row)];
                 for (std::size_t k = 0; k < discs.size(); ++k) {
                     // The darkness, too, which the visit reads.
-                    if (k + 1 < discs.size()) fetch(discs[k + 1]);
-                    draw(view(discs_[discs[k]]), positions_[discs[k]]);
+                    draw_new(discs[k]);
                 }
             }
             if (row == 0) continue;
@@ -286,6 +306,7 @@ double JointFit::move_to(std::size_t j, Vec2 to) {
     disc.anchor = Anchor::of(to, stencil_.spacing());
     disc.placed = to;
     disc.stale = 0;
+    disc.is_template = false;
     positions_[j] = to;
     return lifted + place(view(disc), to);
 }
@@ -317,17 +338,20 @@ void JointFit::keep_only(const std::vector<char>& keep) {
     discs_.resize(kept);
 }
 
-Vec2 damped_step(const NormalEquations& n, Vec2 b) {
+DampedInverse::DampedInverse(const NormalEquations& n) {
     const double damping = 1e-3 * (n.xx + n.yy) + 1e-3;
-    const double xx = n.xx + damping;
-    const double yy = n.yy + damping;
-    const double determinant = xx * yy - n.xy * n.xy;
-    return {(yy * b.x - n.xy * b.y) / determinant, (xx * b.y - n.xy * b.x) / determinant};
+    const double a = n.xx + damping;
+    const double b = n.yy + damping;
+    const double determinant = a * b - n.xy * n.xy;
+    xx = b / determinant;
+    xy = -n.xy / determinant;
+    yy = a / determinant;
 }
 
 /// How much of a disc is drawn anew when it goes to `to`, and its path since it was drawn as a
 /// whole, after that.
 std::pair<Redraw, float> JointFit::redraw_for(const Disc& disc, Vec2 to) const {
+    if (disc.is_template) return {Redraw::whole, 0.0F};
     const auto path = disc.stale + static_cast<float>(norm(to - disc.placed));
     if (static_cast<double>(path) > kMostStale * profile_.edge_width) return {Redraw::whole, 0.0F};
     return {Redraw::edge, path};
@@ -341,7 +365,7 @@ double JointFit::step(std::size_t j, double relaxation, double lag) {
     const Vec2 start = positions_[j];
     const Vec2 from = disc.placed;
     const NormalEquations n = linearise(view(disc), from);
-    Vec2 d = relaxation * damped_step(n, {n.bx, n.by});
+    Vec2 d = relaxation * (DampedInverse(n) * Vec2{n.bx, n.by});
     // Steps shrink from sweep to sweep, so the last one says how much room the next needs.
     const double room =
         std::clamp(1.5 * static_cast<double>(disc.last_step), kLongestStep, longest_step(profile_));
@@ -358,7 +382,10 @@ double JointFit::step(std::size_t j, double relaxation, double lag) {
         const auto [redraw, stale] = redraw_for(disc, to);
         const double change = in_window ? shift(view(disc), to, redraw, before) : move_to(j, to);
         if (change <= 1e-5 * (n.misfit + 1e-6)) {
-            if (in_window) disc.stale = stale;
+            if (in_window) {
+                disc.stale = stale;
+                disc.is_template = false;
+            }
             disc.placed = to;
             positions_[j] = to;
             return norm(to - start);
@@ -431,7 +458,12 @@ JointFit::Summary JointFit::refine(const RefinementOptions& options) {
         }
         if (active.empty()) return summary;
         ++revision_;
-        draw_undrawn_near(active);
+        if (some_undrawn_) {
+            // A disc is compared with the image of all that share pixels with it.
+            std::vector<Vec2> places;
+            for (const std::uint32_t j : active) places.push_back(positions_[j]);
+            draw_undrawn_near(places, 2 * profile_.reach());
+        }
         std::atomic<std::int64_t> steps = 0;
         // A few discs at the edge of what can be resolved would step to and fro for ever.
         const double relaxation = summary.sweeps < kFullSteps ? 1.0 : 0.5;
@@ -529,12 +561,10 @@ std::vector<char> JointFit::take_disturbed() {
     return disturbed;
 }
 
-/// Sweeps compare a disc with the image of all that share pixels with it.
-void JointFit::draw_undrawn_near(const std::vector<std::uint32_t>& discs) {
+void JointFit::draw_undrawn_near(const std::vector<Vec2>& places, double range) {
     if (!some_undrawn_) return;
-    const double range = 2 * profile_.reach();
     PointGrid grid(darkness_.width(), height(), range);
-    for (const std::uint32_t j : discs) grid.add(positions_[j], j);
+    for (const Vec2 p : places) grid.add(p, 0);
     std::vector<std::uint32_t> waiting;
     for (std::uint32_t j = 0; j < discs_.size(); ++j) {
         if (squared_norm(undrawn_step(j)) > 0 && grid.any(positions_[j], range)) {
@@ -574,21 +604,20 @@ void JointFit::redraw(std::size_t j) {
     }
     const auto [what, stale] = redraw_for(disc, to);
     tracking::redraw(view(disc), to, what);
+    disc.is_template = false;
     disc.stale = stale;
     disc.placed = to;
 }
 
 std::vector<double> JointFit::residuals(const std::vector<double>& gain) const {
-    std::vector<Vec2> placed(discs_.size());
-    for (std::size_t j = 0; j < placed.size(); ++j) placed[j] = discs_[j].placed;
-    const std::vector<LocalMisfit> misfits =
-        local_misfits(darkness_, transmission_, visible_, placed, profile_.reach(), threads_);
     std::vector<double> rms(discs_.size(), std::numeric_limits<double>::quiet_NaN());
-    for (std::size_t j = 0; j < rms.size(); ++j) {
-        if (!(misfits[j].pixels > 0)) continue;
-        const double sum = misfits[j].sum - (gain.empty() ? 0 : gain[j]);
-        rms[j] = std::sqrt(std::max(0.0, sum) / misfits[j].pixels);
-    }
+    parallel_for(static_cast<std::int64_t>(rms.size()), threads_, [&](std::int64_t i) {
+        const auto j = static_cast<std::size_t>(i);
+        const LocalMisfit misfit = local_misfit(view(discs_[j]), discs_[j].placed);
+        if (!(misfit.pixels > 0)) return;
+        const double sum = misfit.sum - (gain.empty() ? 0 : gain[j]);
+        rms[j] = std::sqrt(std::max(0.0, sum) / misfit.pixels);
+    });
     return rms;
 }
 

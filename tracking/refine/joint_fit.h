@@ -13,6 +13,7 @@
 #include "tracking/disc_profile.h"
 #include "tracking/padded_image.h"
 #include "tracking/refine/disc_stencil.h"
+#include "tracking/refine/disc_templates.h"
 #include "tracking/visible_pixels.h"
 
 namespace grainfield::tracking {
@@ -39,6 +40,9 @@ OptionTable describe(RefinementOptions& options);
 /// kB at D = 16 px) besides the two images.
 class JointFit {
  public:
+    /// Writes row y of an image.
+    using WriteRow = std::function<void(int y, float* row)>;
+
     /// The rows of the image may be `spacing` pixels apart: enough for the first steps of a fit at
     /// a fraction of their cost.
     JointFit(const Image& darkness, const DiscProfile& disc, int threads, int spacing = 1);
@@ -46,6 +50,8 @@ class JointFit {
     int spacing() const { return stencil_.spacing(); }
     /// Begins anew, without discs, on an image of the same size; memory is kept.
     void restart(const Image& darkness);
+    /// On the image whose rows `write_row` writes, rows in parallel.
+    void restart(const WriteRow& write_row);
 
     /// From the next restart on.
     void set_visible(VisiblePixels visible);
@@ -55,7 +61,8 @@ class JointFit {
     /// Where a disc is put that is to be at p: within the image.
     Vec2 inside(Vec2 p) const;
     void add(Vec2 position);
-    /// The same as add() one by one, in parallel. `explained`: what each disc is known to explain,
+    /// Many at once, in parallel, each at the place nearest to where it is to be that there is a
+    /// template for (disc_templates.h). `explained`: what each disc is known to explain,
     /// until something near it moves; empty: unknown. `left`: how far they are expected to be from
     /// where they belong [px]; those nearer than the tolerance take no step.
     void add_all(const std::vector<Vec2>& positions, const std::vector<double>& explained = {},
@@ -123,8 +130,10 @@ class JointFit {
 
     /// Where it is less where it is drawn [px].
     Vec2 undrawn_step(std::size_t j) const { return positions_[j] - discs_[j].placed; }
-    /// Draws all discs where they are.
+    /// Draws all discs where they are …
     void draw_undrawn();
+    /// … nearer than `range` to one of these places [px].
+    void draw_undrawn_near(const std::vector<Vec2>& places, double range);
 
     /// RMS of I − M within reach of each disc [contrast]; NaN without pixels. `gain`: by how much
     /// what is not drawn lowers the misfit about each disc [contrast²].
@@ -138,7 +147,9 @@ class JointFit {
     struct Disc {
         Anchor anchor;
         Vec2 placed;                ///< where it is in the image of all discs [px]
-        std::uint32_t slot = 0;     ///< of its transmissions
+        DiscTemplate shape{};       ///< what it is drawn from …
+        bool is_template = false;   ///< … if so; else from computed transmissions
+        std::uint32_t slot = 0;     ///< of these
         float last_step = 0;        ///< [px]; large for discs that have not moved yet
         float left = 0;             ///< [px] expected of the next step; large likewise
         float stale = 0;            ///< [px] path since it was drawn as a whole
@@ -156,11 +167,11 @@ class JointFit {
     std::uint32_t free_slot();
     struct Parts;
     void append(Vec2 position, std::optional<double> explained, std::optional<double> left);
+    void draw_new(std::size_t j);
     double move_to(std::size_t j, Vec2 to);
     std::pair<Redraw, float> redraw_for(const Disc& disc, Vec2 to) const;
     void redraw(std::size_t j);
     void redraw_all(const std::vector<std::uint32_t>& discs);
-    void draw_undrawn_near(const std::vector<std::uint32_t>& discs);
     double step(std::size_t j, double relaxation, double lag);
     void take_step(std::size_t j, double relaxation, double lag);
     void in_tiles(const std::vector<std::uint32_t>& discs,
@@ -172,6 +183,7 @@ class JointFit {
     PaddedImage darkness_;
     PaddedImage transmission_;
     DiscStencil stencil_;
+    DiscTemplates templates_;
     std::vector<Vec2> positions_;
     std::vector<Disc> discs_;
     HugeVector<HalfFloat> kept_;       ///< transmissions, stencil_.size() a slot
@@ -184,8 +196,13 @@ class JointFit {
     double pixels_;
 };
 
-/// The Gauss–Newton step (A + λ)⁻¹ b of one disc, λ = 1e-3 (tr A + 1): one that is fully hidden has
-/// no information and stays where it is.
-Vec2 damped_step(const NormalEquations& information, Vec2 b);
+/// (A + λ)⁻¹ of one disc, λ = 1e-3 (tr A + 1): a Gauss–Newton step is its product with b. One that is
+/// fully hidden has no information and stays where it is.
+struct DampedInverse {
+    double xx, xy, yy;  ///< [px²]
+
+    explicit DampedInverse(const NormalEquations& information);
+    Vec2 operator*(Vec2 b) const { return {xx * b.x + xy * b.y, xy * b.x + yy * b.y}; }
+};
 
 }  // namespace grainfield::tracking

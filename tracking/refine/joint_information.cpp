@@ -176,6 +176,9 @@ std::vector<double> undrawn_gain(const JointFit& fit, const JointInformation& in
 JointFit::Displacement joint_step(const JointInformation& info, double accuracy) {
     const std::size_t n = info.own.size();
     JointFit::Displacement result{std::vector<Vec2>(n), std::vector<float>(n, 0.0F)};
+    std::vector<DampedInverse> inverse;
+    inverse.reserve(n);
+    for (const NormalEquations& own : info.own) inverse.emplace_back(own);
     std::vector<char> is_awake(n, 1);
     std::vector<char> wakes(n, 0);
     bool any = true;
@@ -190,11 +193,11 @@ JointFit::Displacement joint_step(const JointInformation& info, double accuracy)
                 const Vec2 d = result.step[info.entry[e].other];
                 rest -= Vec2{b.xx * d.x + b.xy * d.y, b.yx * d.x + b.yy * d.y};
             }
-            const Vec2 next = damped_step(own, rest);
-            const double change = std::sqrt(squared_norm(next - result.step[i]));
+            const Vec2 next = inverse[i] * rest;
+            const double change = squared_norm(next - result.step[i]);
             result.step[i] = next;
             result.left[i] = static_cast<float>(change);
-            if (!(change > accuracy)) continue;
+            if (!(change > accuracy * accuracy)) continue;
             any = true;
             wakes[i] = 1;
             for (std::size_t e = info.begin[i]; e < info.begin[i + 1]; ++e) {
@@ -204,6 +207,7 @@ JointFit::Displacement joint_step(const JointInformation& info, double accuracy)
         is_awake.swap(wakes);
         std::fill(wakes.begin(), wakes.end(), 0);
     }
+    for (float& left : result.left) left = std::sqrt(left);
     return result;
 }
 
