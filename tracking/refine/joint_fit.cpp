@@ -138,6 +138,10 @@ Vec2 JointFit::inside(Vec2 p) const {
             std::max(-0.5, std::min(p.y, height() - 0.5))};
 }
 
+Vec2 JointFit::roughly(Vec2 p) const {
+    return templates_.is_empty() ? inside(p) : templates_.nearest(inside(p)).centre;
+}
+
 void JointFit::append(Vec2 position, std::optional<double> explained, std::optional<double> left) {
     const Vec2 p = inside(position);
     const float expected = left ? static_cast<float>(*left) : kFresh;

@@ -58,11 +58,13 @@ class JointFit {
     /// Pixels that are looked at.
     double pixels() const { return pixels_; }
 
-    /// Where a disc is put that is to be at p: within the image.
+    /// Where a disc is put that is to be at p: within the image …
     Vec2 inside(Vec2 p) const;
+    /// … and, if many are put there at once, at the nearest place that there is a template for
+    /// (disc_templates.h).
+    Vec2 roughly(Vec2 p) const;
     void add(Vec2 position);
-    /// Many at once, in parallel, each at the place nearest to where it is to be that there is a
-    /// template for (disc_templates.h). `explained`: what each disc is known to explain,
+    /// Many at once, in parallel, each roughly where it is to be. `explained`: what each disc is known to explain,
     /// until something near it moves; empty: unknown. `left`: how far they are expected to be from
     /// where they belong [px]; those nearer than the tolerance take no step.
     void add_all(const std::vector<Vec2>& positions, const std::vector<double>& explained = {},

@@ -123,7 +123,7 @@ JointInformation add_all(JointFit& fit, const std::vector<Vec2>& positions,
                          const std::vector<double>& explained, std::optional<double> left) {
     std::vector<Vec2> places;
     places.reserve(positions.size());
-    for (const Vec2 p : positions) places.push_back(fit.inside(p));
+    for (const Vec2 p : positions) places.push_back(fit.roughly(p));
     Gatherer gatherer(fit);
     gatherer.prepare(places);
     fit.add_all(places, explained, left, [&](int part, const std::vector<std::uint32_t>& discs) {

@@ -411,7 +411,8 @@ TEST(JointFit, LocalResidualsAreThoseWithinReach) {
             double n = 0;
             for (int y = 0; y < 90; ++y) {
                 for (int x = 0; x < 90; ++x) {
-                    if (std::hypot(x - truth[j].x, y - truth[j].y) > disc.reach()) continue;
+                    const Vec2 p = fit.positions()[j];
+                    if (std::hypot(x - p.x, y - p.y) > disc.reach()) continue;
                     if (!visible(x, y)) continue;
                     const double r =
                         static_cast<double>(fit.darkness()(x, y) - 1 + fit.transmission()(x, y));
