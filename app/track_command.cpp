@@ -50,10 +50,10 @@ std::string words(const Session& session, const Tracker& tracker, const TrackSum
     }
     const auto& ms = summary.ms_per_frame;
     text += fmt::format(
-        "  time       {:.1f} ms a frame: read {:.1f}, detect {:.1f}, refine {:.1f}, link {:.1f}, "
-        "write {:.1f}; {} in all\n",
-        ms.read + ms.detect + ms.refine + ms.link + ms.write, ms.read, ms.detect, ms.refine,
-        ms.link, ms.write, format_duration(session.seconds()));
+        "  time       {:.1f} ms a frame, two side by side; each read {:.1f}, detect {:.1f}, refine "
+        "{:.1f}, link {:.1f}, write {:.1f}; {} in all\n",
+        ms.wall, ms.read, ms.detect, ms.refine, ms.link, ms.write,
+        format_duration(session.seconds()));
     for (const PlannedStage& stage : session.plan.skipped()) {
         text += fmt::format("  skipped    {}: {}\n", stage.stage, stage.reason);
     }
@@ -77,7 +77,8 @@ ordered_json facts(const Tracker& tracker, const TrackSummary& summary) {
                              {"refine", ms.refine},
                              {"link", ms.link},
                              {"read", ms.read},
-                             {"write", ms.write}};
+                             {"write", ms.write},
+                             {"wall", ms.wall}};
     facts["residual_rms"] = nullptr;
     if (has_residual(tracker, summary)) facts["residual_rms"] = summary.residual_rms;
     facts["layers"] = nullptr;
@@ -199,10 +200,10 @@ Summary TrackCommand::run(Session& session) {
     Progress progress("tracking", frames.count(), "frames", session.common.verbosity());
     TrackSummary result = tracker.run(
         *tracks, progress,
-        [&](const Frame& frame, const Snapshot& snapshot) {
-            if (!choice.takes(frames.last_position())) return;
+        [&](const Frame& frame, const Snapshot& snapshot, std::int64_t position) {
+            if (!choice.takes(position)) return;
             tracks->add_preview(frame, snapshot);
-            previews.push_back(frames.last_position());
+            previews.push_back(position);
         },
         resumption);
     deadline.reset();

@@ -217,7 +217,8 @@ ValidationOutcome validate(const ValidationCase& scene, const ValidationSettings
     ScoringSink sink(scene.truth, outcome.scores, found, seen);
     PreviewChoice choice(settings.previews, scene.frames.count());
     std::vector<Preview> previews;
-    summary = tracker.run(sink, progress, [&](const Frame& frame, const Snapshot& snapshot) {
+    summary = tracker.run(sink, progress, [&](const Frame& frame, const Snapshot& snapshot,
+                                               std::int64_t) {
         if (choice.takes(snapshot.frame)) previews.push_back({frame, snapshot, {}});
     });
     const bool interrupted = caught_signal() != 0;

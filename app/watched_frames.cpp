@@ -19,7 +19,6 @@ WatchedFrames::WatchedFrames(std::unique_ptr<FrameSource> source, BadFrames bad_
 
 Frame WatchedFrames::read(std::int64_t position) {
     Frame frame = source_->read(position);
-    last_position_ = position;
     if (bad_frames_ == BadFrames::refuse && frame.status != FrameStatus::ok) {
         throw InputError(
             {.problem = fmt::format("frame {} of '{}' is {}", frame.index, name(),

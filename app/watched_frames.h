@@ -11,8 +11,8 @@ namespace grainfield::app {
 
 enum class BadFrames { allow, refuse };
 
-/// Passes frames through, remembers which position was read last, and, if bad frames are refused,
-/// throws InputError for the first one that is corrupt or missing.
+/// Passes frames through and, if bad frames are refused, throws InputError for the first one that is
+/// corrupt or missing.
 class WatchedFrames : public FrameSource {
  public:
     WatchedFrames(std::unique_ptr<FrameSource> source, BadFrames bad_frames);
@@ -26,12 +26,9 @@ class WatchedFrames : public FrameSource {
     std::string name() const override { return source_->name(); }
     const std::vector<std::string>& warnings() const override { return source_->warnings(); }
 
-    std::int64_t last_position() const { return last_position_; }
-
  private:
     std::unique_ptr<FrameSource> source_;
     BadFrames bad_frames_;
-    std::int64_t last_position_ = -1;
 };
 
 /// Chooses frames to keep for people: `wanted` positions spread evenly from the first to the last

@@ -105,7 +105,7 @@ void transfer(NumberArchive& archive, TrackSummary& summary) {
     archive(summary.dimmest);
     archive(summary.brightest);
     FrameTimes& ms = summary.ms_per_frame;
-    for (double* time : {&ms.read, &ms.detect, &ms.refine, &ms.link, &ms.write}) archive(*time);
+    for (double* time : {&ms.read, &ms.detect, &ms.refine, &ms.link, &ms.write, &ms.wall}) archive(*time);
 }
 
 void Tracker::transfer(NumberArchive& archive, Run& run) {
@@ -119,7 +119,7 @@ void Tracker::transfer(NumberArchive& archive, Run& run) {
     archive(previous_.position);
     archive(previous_.found);
     archive(previous_.step_rms);
-    if (illumination_) illumination_->transfer(archive);
+    light_.transfer(archive);
     if (bilayer_) bilayer_->transfer(archive);
 }
 

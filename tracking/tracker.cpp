@@ -15,6 +15,8 @@ namespace {
 
 /// How many frames are tried for calibration before giving up.
 constexpr std::int64_t kCalibrationFrames = 10;
+/// Frames are fitted in twos; the second starts from spheres two frames old.
+constexpr std::int64_t kSideBySide = 2;
 /// Above this RMS step a cold search is the cheaper one [D].
 constexpr double kWarmStep = 0.25;
 /// A frame whose light was misjudged by more is fitted again [contrast].
@@ -73,10 +75,14 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
                         source.name(), tries));
         return;
     }
-    locator_ = std::make_unique<Locator>(source.width(), source.height(), model().disc, threads_,
-                                         model().meeting, model().correction);
-    locator_->set_visible(options_.visible);
-    illumination_ = std::make_unique<IlluminationFollower>(model(), options_.visible);
+    const int lanes = static_cast<int>(std::min<std::int64_t>(kSideBySide, count));
+    for (int lane = 0; lane < lanes; ++lane) {
+        lanes_.push_back({Locator(source.width(), source.height(), model().disc,
+                                  std::max(1, threads_ / lanes), model().meeting,
+                                  model().correction),
+                          IlluminationFollower(model(), options_.visible)});
+        lanes_.back().locator.set_visible(options_.visible);
+    }
     plan.run("detect", "χ² map, then likelihood gain of the residual until nothing changes");
     plan.run("refine",
              fmt::format("joint least squares on the {}{}",
@@ -88,8 +94,8 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
     } else {
         plan.run("link", "least squared steps, optimal where spheres compete");
         plan.run("warm start",
-                 fmt::format("frames begin with the spheres of the frame before while "
-                             "these move less than {:.2g} D a frame",
+                 fmt::format("frames begin, two at a time, with the spheres of the frame before "
+                             "them while these move less than {:.2g} D",
                              kWarmStep));
     }
     if (options_.layers.height) {
@@ -110,72 +116,125 @@ TrajectoryInfo Tracker::info() const {
     return info;
 }
 
-std::vector<Vec2> Tracker::start_for(const Frame& frame, std::int64_t position) const {
+/// The frames that are fitted next, side by side: the first one alone, for it says what the light of
+/// the others is compared with, then two at a time, wherever a run goes on.
+std::vector<Tracker::Job> Tracker::read(Run& run) {
+    const auto begin = Clock::now();
+    const std::int64_t first = run.next;
+    const std::int64_t end =
+        first == 0 ? 1 : std::min(source_.count(), first + kSideBySide - (first - 1) % kSideBySide);
+    std::vector<Job> jobs;
+    for (; run.next < end; ++run.next) {
+        Job& job = jobs.emplace_back();
+        job.frame = source_.read(run.next);
+        job.position = run.next;
+        if (caught_signal() != 0) {  // the source may have cut short what the frame is made from
+            run.next = first;
+            return {};
+        }
+    }
+    run.summary.ms_per_frame.read += milliseconds_since(begin);
+    return jobs;
+}
+
+void Tracker::fit(std::vector<Job>& jobs) {
+    if (!calibration_) return;
+    for (Job& job : jobs) {
+        if (job.frame.status == FrameStatus::ok) {
+            job.blank = blank_reason(job.frame.image, options_.visible);
+        }
+    }
+    const auto repeats = [&](const Job& job, std::int64_t position, const Image& counts) {
+        return job.is_usable() && position == job.position - 1 && counts == job.frame.image;
+    };
+    for (std::size_t k = 0; k < jobs.size(); ++k) {
+        jobs[k].is_repeated =
+            k == 0 ? repeats(jobs[k], previous_.position, previous_.counts)
+                   : jobs[k - 1].is_usable() &&
+                         repeats(jobs[k], jobs[k - 1].position, jobs[k - 1].frame.image);
+    }
+    std::vector<std::size_t> fitted;
+    for (std::size_t k = 0; k < jobs.size(); ++k) {
+        if (jobs[k].is_usable() && !jobs[k].is_repeated) fitted.push_back(k);
+    }
+    parallel_for(static_cast<std::int64_t>(fitted.size()), threads_, [&](std::int64_t i) {
+        const auto lane = static_cast<std::size_t>(i);
+        fit(jobs[fitted[lane]], lanes_[lane]);
+    });
+    if (!fitted.empty()) light_ = lanes_[fitted.size() - 1].illumination.state();
+    for (std::size_t k = 0; k < jobs.size(); ++k) {
+        if (jobs[k].is_repeated) jobs[k].found = k == 0 ? previous_.found : jobs[k - 1].found;
+    }
+}
+
+std::vector<Vec2> Tracker::start_for(const Job& job) const {
     // The calibration has been there already.
-    if (frame.index == calibration_frame_) return calibration_->positions;
-    if (position != previous_.position + 1 ||
-        previous_.step_rms > kWarmStep * model().disc.diameter) {
+    if (job.frame.index == calibration_frame_) return calibration_->positions;
+    const std::int64_t frames = job.position - previous_.position;
+    if (frames > kSideBySide ||
+        static_cast<double>(frames) * previous_.step_rms > kWarmStep * model().disc.diameter) {
         return {};
     }
     return previous_.found.fitted;
 }
 
-void Tracker::locate(const Frame& frame, std::int64_t position, TrackSummary& summary) {
-    if (position == previous_.position + 1 && frame.image == previous_.counts) {
-        ++summary.repeated;
-        previous_.position = position;
-        return;
-    }
-    auto start = Clock::now();
-    Illumination light = illumination_->expected(frame.image);
-    summary.ms_per_frame.detect += milliseconds_since(start);
-    std::vector<Vec2> places = start_for(frame, position);
+void Tracker::fit(Job& job, Lane& lane) const {
+    const Frame& frame = job.frame;
+    auto begin = Clock::now();
+    lane.illumination.continue_from(light_);
+    Illumination light = lane.illumination.expected(frame.image);
+    job.ms.detect += milliseconds_since(begin);
+    std::vector<Vec2> places = start_for(job);
     // Before the first step is known it is taken to be a large one.
     double step = frame.index == calibration_frame_ ? 0
-                  : previous_.step_rms > 0          ? previous_.step_rms
-                                                    : kWarmStep * model().disc.diameter;
-    Located found;
-    bool warm = false;
+                  : previous_.step_rms > 0
+                      ? static_cast<double>(job.position - previous_.position) * previous_.step_rms
+                      : kWarmStep * model().disc.diameter;
     for (int attempt = 0; attempt < 2; ++attempt) {
-        found = locator_->locate(
+        job.found = lane.locator.locate(
             [&](int y, float* row) { model().darkness_row(frame.image, light, y, row); },
             options_.detection, options_.refinement, places, step);
-        if (attempt == 0) warm = found.warm;
-        summary.ms_per_frame.detect += 1e3 * found.detect_seconds;
-        summary.ms_per_frame.refine += 1e3 * found.refine_seconds;
-        start = Clock::now();
+        if (attempt == 0) job.is_warm = job.found.warm && frame.index != calibration_frame_;
+        job.ms.detect += 1e3 * job.found.detect_seconds;
+        job.ms.refine += 1e3 * job.found.refine_seconds;
+        begin = Clock::now();
         const Illumination settled =
-            illumination_->settled(frame.image, light, locator_->transmission());
-        summary.ms_per_frame.detect += milliseconds_since(start);
+            lane.illumination.settled(frame.image, light, lane.locator.transmission());
+        job.ms.detect += milliseconds_since(begin);
         const bool holds = std::abs(settled.offset - light.offset) < kLightAccuracy &&
                            std::abs(settled.span / light.span - 1) < kLightAccuracy;
         light = settled;
         if (holds) break;
-        places = found.fitted;
+        places = job.found.fitted;
         step = 0;
     }
-    summary.warm_frames += warm && frame.index != calibration_frame_;
-    summary.dimmest = std::min(summary.dimmest, light.span);
-    summary.brightest = std::max(summary.brightest, light.span);
-    previous_ = {position, {}, std::move(found), 0};
+    job.light = light;
 }
 
-Snapshot Tracker::track(const Frame& frame, std::int64_t position, Linker& linker,
-                        TrackSummary& summary) {
+Snapshot Tracker::snapshot_of(const Job& job, Run& run) {
     Snapshot snapshot;
-    snapshot.frame = frame.index;
-    snapshot.time = frame.time;
+    snapshot.frame = job.frame.index;
+    snapshot.time = job.frame.time;
     snapshot.box.origin = {-0.5, -0.5};
-    snapshot.box.length = {static_cast<double>(frame.image.width()),
-                           static_cast<double>(frame.image.height())};
+    snapshot.box.length = {static_cast<double>(job.frame.image.width()),
+                           static_cast<double>(job.frame.image.height())};
     if (!calibration_) return snapshot;
-    if (const std::string reason = blank_reason(frame.image, options_.visible); !reason.empty()) {
-        plan_.warn(fmt::format("{}, frame {}: {}", source_.name(), frame.index, reason));
+    if (!job.blank.empty()) {
+        plan_.warn(fmt::format("{}, frame {}: {}", source_.name(), job.frame.index, job.blank));
         return snapshot;
     }
-    locate(frame, position, summary);
-    const Located& found = previous_.found;
-    judge(found, frame, summary);
+    TrackSummary& summary = run.summary;
+    const Located& found = job.found;
+    if (job.is_repeated) {
+        ++summary.repeated;
+    } else {
+        summary.warm_frames += job.is_warm;
+        summary.dimmest = std::min(summary.dimmest, job.light.span);
+        summary.brightest = std::max(summary.brightest, job.light.span);
+        summary.ms_per_frame.detect += job.ms.detect;
+        summary.ms_per_frame.refine += job.ms.refine;
+    }
+    judge(found, job.frame, summary);
     snapshot.position = found.position;
     snapshot.quality = found.residual;
     snapshot.position_error = found.error;
@@ -185,9 +244,10 @@ Snapshot Tracker::track(const Frame& frame, std::int64_t position, Linker& linke
     }
 
     if (bilayer_) bilayer_->admit(snapshot, found.explained);
-    const auto start = Clock::now();
+    const auto begin = Clock::now();
+    Linker& linker = run.linker;
     const LinkSummary before = linker.summary();
-    snapshot.id = linker.link(position, snapshot.position, snapshot.position_error);
+    snapshot.id = linker.link(job.position, snapshot.position, snapshot.position_error);
     const LinkSummary& after = linker.summary();
     if (const std::int64_t steps = after.consecutive - before.consecutive; steps > 0) {
         previous_.step_rms =
@@ -197,7 +257,7 @@ Snapshot Tracker::track(const Frame& frame, std::int64_t position, Linker& linke
         bilayer_->label(snapshot);
         summary.layers = bilayer_->summary();
     }
-    summary.ms_per_frame.link += milliseconds_since(start);
+    summary.ms_per_frame.link += milliseconds_since(begin);
     return snapshot;
 }
 
@@ -262,8 +322,30 @@ void Tracker::summarise(const TrackSummary& summary) {
     }
 }
 
-TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress,
-                          const std::function<void(const Frame&, const Snapshot&)>& each_frame,
+/// Links and writes what was found, and keeps it for the frames to come.
+void Tracker::finish(Job& job, Run& run, const EachFrame& each_frame) {
+    TrackSummary& summary = run.summary;
+    if (job.frame.status != FrameStatus::ok) {
+        ++(job.frame.status == FrameStatus::corrupt ? summary.frames_corrupt
+                                                    : summary.frames_missing);
+        plan_.warn(fmt::format("{}, frame {}: {}", source_.name(), job.frame.index,
+                               job.frame.message));
+        return;
+    }
+    const Snapshot snapshot = snapshot_of(job, run);
+    run.particles += static_cast<double>(snapshot.size());
+    ++summary.frames;
+    const auto begin = Clock::now();
+    run.long_tracks.write(snapshot);
+    summary.ms_per_frame.write += milliseconds_since(begin);
+    if (each_frame) each_frame(job.frame, snapshot, job.position);
+    if (!calibration_ || !job.is_usable()) return;
+    previous_.position = job.position;
+    previous_.counts = std::move(job.frame.image);
+    previous_.found = std::move(job.found);
+}
+
+TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress, const EachFrame& each_frame,
                           const TrackResumption& resumption) {
     previous_ = {};
     bilayer_.reset();
@@ -291,34 +373,22 @@ TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress,
         restore(run, *resumption.from);
         progress.resume_at(run.next);
     }
+    const auto begin = Clock::now();
     while (run.next < source_.count() && caught_signal() == 0) {
-        const std::int64_t i = run.next++;
-        auto start = Clock::now();
-        Frame frame = source_.read(i);
-        if (caught_signal() != 0) {  // the source may have cut short what the frame is made from
-            --run.next;
-            break;
+        std::vector<Job> jobs = read(run);
+        fit(jobs);
+        const bool is_new = std::ranges::any_of(
+            jobs, [](const Job& job) { return job.is_usable() && !job.is_repeated; });
+        if (is_new) previous_.step_rms = 0;  // unless linking says it
+        for (Job& job : jobs) {
+            progress.advance();
+            finish(job, run, each_frame);
         }
-        summary.ms_per_frame.read += milliseconds_since(start);
-        progress.advance();
-        if (frame.status != FrameStatus::ok) {
-            ++(frame.status == FrameStatus::corrupt ? summary.frames_corrupt
-                                                    : summary.frames_missing);
-            plan_.warn(fmt::format("{}, frame {}: {}", source_.name(), frame.index, frame.message));
-            continue;
-        }
-        const Snapshot snapshot = track(frame, i, linker, summary);
-        run.particles += static_cast<double>(snapshot.size());
-        ++summary.frames;
-        start = Clock::now();
-        long_tracks.write(snapshot);
-        summary.ms_per_frame.write += milliseconds_since(start);
-        if (each_frame) each_frame(frame, snapshot);
-        if (previous_.position == i) previous_.counts = std::move(frame.image);
         if (resumption.save && run.next < source_.count() && resumption.is_due()) {
             resumption.save(checkpoint(run));
         }
     }
+    summary.ms_per_frame.wall += milliseconds_since(begin);
     if (resumption.save && run.next < source_.count()) resumption.save(checkpoint(run));
     long_tracks.finish();
     progress.finish();
@@ -327,7 +397,7 @@ TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress,
     summary.residual_rms /= n;
     for (double* t :
          {&summary.ms_per_frame.read, &summary.ms_per_frame.detect, &summary.ms_per_frame.refine,
-          &summary.ms_per_frame.link, &summary.ms_per_frame.write}) {
+          &summary.ms_per_frame.link, &summary.ms_per_frame.write, &summary.ms_per_frame.wall}) {
         *t /= n;
     }
     const LinkSummary& links = linker.summary();

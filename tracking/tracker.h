@@ -2,8 +2,8 @@
 
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/checkpoint.h"
@@ -42,6 +42,7 @@ std::vector<OptionTable> describe(TrackOptions& options);
 /// Where the time of a run went, per frame.
 struct FrameTimes {
     double read = 0, detect = 0, refine = 0, link = 0, write = 0;  ///< [ms]
+    double wall = 0;  ///< by the clock [ms]; less than the sum where frames are fitted side by side
 };
 
 struct TrackSummary {
@@ -74,16 +75,17 @@ struct TrackResumption {
 /// Frames in, linked snapshots out: calibrates the image model on the first usable frame, then
 /// locates every sphere of every frame and gives it its identity through time.
 ///
-/// A frame starts from the spheres of the frame before (warm) unless frames are missing between
-/// them or the spheres moved by more than D/4 then: refinement goes on from there, and the search
-/// for spheres that came or went looks only where the residual asks for it. A frame that repeats
-/// the one before costs nothing. The light of each frame is followed (IlluminationFollower).
+/// The first frame is fitted alone, then two at a time, side by side: both start from the spheres of
+/// the frame before the two (warm), one or two frames ago, unless these are expected to have moved
+/// by more than D/4 since or more frames are missing between them. Refinement goes on from there,
+/// and the search for spheres that came or went looks only where the residual asks for it. A frame
+/// that repeats the one before costs nothing. The light of each frame is followed (IlluminationFollower).
 ///
 /// Where the height of the cell is given, spheres without room between the plates are left out and
 /// the others get the layer that their overlaps tell (Bilayer), up to turning a cluster over.
 ///
-/// Positions are in pixels of the source. One frame is in memory at a time. Results do not depend
-/// on the number of threads.
+/// Positions are in pixels of the source. Three frames are in memory at a time. Results do not depend
+/// on the number of threads: frames are fitted in twos on one thread as well.
 class Tracker {
  public:
     /// Calibrates; what was decided goes into `plan`. The source must outlive the tracker. A source
@@ -99,15 +101,19 @@ class Tracker {
     const ImageModel& model() const { return calibration_->model; }
     TrajectoryInfo info() const;
 
+    /// Told of each frame that was tracked, in order, and its position among those selected.
+    using EachFrame =
+        std::function<void(const Frame&, const Snapshot&, std::int64_t position)>;
+
     /// Tracks all frames. Corrupt and missing frames leave a gap. Stops early, keeping what was
     /// done, when an interrupt was caught (core/interrupt.h). A run that was saved, and a new
     /// tracker that goes on from there, give the same snapshots as one that was not.
     TrackSummary run(SnapshotSink& sink, Progress& progress,
-                     const std::function<void(const Frame&, const Snapshot&)>& each_frame = {},
+                     const EachFrame& each_frame = {},
                      const TrackResumption& resumption = {});
 
  private:
-    /// What one frame leaves for the next.
+    /// What the frames before leave for the next.
     struct Previous {
         std::int64_t position = -2;  ///< among the frames selected
         Image counts;
@@ -128,12 +134,30 @@ class Tracker {
     void transfer(NumberArchive& archive, Run& run);
     std::vector<double> calibration_numbers() const;
 
-    /// Fits frame number `position` among those selected: frames left out on purpose are not
-    /// missing. The result is in previous_.
-    void locate(const Frame& frame, std::int64_t position, TrackSummary& summary);
-    std::vector<Vec2> start_for(const Frame& frame, std::int64_t position) const;
-    Snapshot track(const Frame& frame, std::int64_t position, Linker& linker,
-                   TrackSummary& summary);
+    /// What a frame is fitted with; frames side by side have one each.
+    struct Lane {
+        Locator locator;
+        IlluminationFollower illumination;
+    };
+    /// A frame on its way.
+    struct Job {
+        Frame frame;
+        std::int64_t position = 0;  ///< among those selected: frames left out are not missing
+        std::string blank;          ///< why there is nothing to fit; empty: there is
+        bool is_repeated = false;   ///< of the frame before: `found` is that one's
+        bool is_warm = false;
+        Located found;
+        Illumination light;
+        FrameTimes ms;
+
+        bool is_usable() const { return frame.status == FrameStatus::ok && blank.empty(); }
+    };
+    std::vector<Job> read(Run& run);
+    void fit(std::vector<Job>& jobs);
+    void fit(Job& job, Lane& lane) const;
+    std::vector<Vec2> start_for(const Job& job) const;
+    void finish(Job& job, Run& run, const EachFrame& each_frame);
+    Snapshot snapshot_of(const Job& job, Run& run);
     void judge(const Located& found, const Frame& frame, TrackSummary& summary);
     void summarise(const TrackSummary& summary);
 
@@ -143,8 +167,8 @@ class Tracker {
     int threads_;
     std::optional<Calibration> calibration_;
     std::int64_t calibration_frame_ = -1;
-    std::unique_ptr<Locator> locator_;
-    std::unique_ptr<IlluminationFollower> illumination_;
+    std::vector<Lane> lanes_;
+    IlluminationFollower::State light_;
     Previous previous_;
     std::optional<Bilayer> bilayer_;
 };

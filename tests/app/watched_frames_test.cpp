@@ -43,7 +43,6 @@ std::vector<std::int64_t> taken(PreviewChoice choice, const std::vector<std::int
 TEST(WatchedFrames, PassBadFramesThroughUnlessTheyAreRefused) {
     WatchedFrames lenient(std::make_unique<FiveFrames>(), BadFrames::allow);
     EXPECT_EQ(lenient.read(3).status, FrameStatus::corrupt);
-    EXPECT_EQ(lenient.last_position(), 3);
     WatchedFrames strict(std::make_unique<FiveFrames>(), BadFrames::refuse);
     EXPECT_EQ(strict.read(2).status, FrameStatus::ok);
     EXPECT_THROW(strict.read(3), InputError);

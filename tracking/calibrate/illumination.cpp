@@ -60,18 +60,18 @@ std::vector<float> IlluminationFollower::sample_of(const Image& counts) {
 
 Illumination IlluminationFollower::expected(const Image& counts) {
     std::vector<float> now = sample_of(counts);
-    Illumination light = last_;
-    if (!sample_.empty() && !now.empty()) {
+    Illumination light = state_.last;
+    if (!state_.sample.empty() && !now.empty()) {
         const auto below = [&](double darkness) {
-            const auto value = static_cast<float>(last_.offset + last_.span * darkness);
-            const auto count = std::count_if(sample_.begin(), sample_.end(),
+            const auto value = static_cast<float>(state_.last.offset + state_.last.span * darkness);
+            const auto count = std::count_if(state_.sample.begin(), state_.sample.end(),
                                              [value](float other) { return other < value; });
-            return static_cast<double>(count) / static_cast<double>(sample_.size());
+            return static_cast<double>(count) / static_cast<double>(state_.sample.size());
         };
         const double clear = below(0.25);
         const double core = 1 - below(0.75);
         const auto change = [&](double share) {
-            const double difference = at_share(now, share) - at_share(sample_, share);
+            const double difference = at_share(now, share) - at_share(state_.sample, share);
             return std::abs(difference) < kRankAccuracy ? 0 : difference;
         };
         const double clear_change = clear > kLeastShare ? change(clear / 4) : 0;
@@ -79,9 +79,9 @@ Illumination IlluminationFollower::expected(const Image& counts) {
         light.offset += clear_change;
         light.span += core_change - clear_change;
         // Spheres that are all gone are not a change of the light.
-        if (!(light.span > kDimmest)) light = last_;
+        if (!(light.span > kDimmest)) light = state_.last;
     }
-    sample_ = std::move(now);
+    state_.sample = std::move(now);
     return light;
 }
 
@@ -97,33 +97,33 @@ Illumination IlluminationFollower::settled(const Image& counts, const Illuminati
         const auto offset = static_cast<float>(used.offset);
         (t > kClear ? clear : core).push_back((d - offset) / static_cast<float>(used.span));
     }
-    const double least = kLeastShare * static_cast<double>(sample_.size());
-    last_ = used;
+    const double least = kLeastShare * static_cast<double>(state_.sample.size());
+    state_.last = used;
     const bool has_clear = static_cast<double>(clear.size()) > least;
     const bool has_core = static_cast<double>(core.size()) > least;
-    if (!has_reference_) {
-        if (has_clear) clear_reference_ = median(clear);
-        if (has_core) core_reference_ = median(core);
-        has_reference_ = has_clear || has_core;
-        return last_;
+    if (!state_.has_reference) {
+        if (has_clear) state_.clear_reference = median(clear);
+        if (has_core) state_.core_reference = median(core);
+        state_.has_reference = has_clear || has_core;
+        return state_.last;
     }
-    const double low = has_clear ? median(clear) - clear_reference_ : 0;
-    const double high = has_core ? median(core) - core_reference_ : 0;
-    const double span = 1 + (high - low) / (core_reference_ - clear_reference_);
+    const double low = has_clear ? median(clear) - state_.clear_reference : 0;
+    const double high = has_core ? median(core) - state_.core_reference : 0;
+    const double span = 1 + (high - low) / (state_.core_reference - state_.clear_reference);
     if (used.span * span > kDimmest) {
-        last_.offset = used.offset + used.span * (low - clear_reference_ * (span - 1));
-        last_.span = used.span * span;
+        state_.last.offset = used.offset + used.span * (low - state_.clear_reference * (span - 1));
+        state_.last.span = used.span * span;
     }
-    return last_;
+    return state_.last;
 }
 
-void IlluminationFollower::transfer(NumberArchive& archive) {
-    archive(sample_);
-    archive(last_.offset);
-    archive(last_.span);
-    archive(has_reference_);
-    archive(clear_reference_);
-    archive(core_reference_);
+void IlluminationFollower::State::transfer(NumberArchive& archive) {
+    archive(sample);
+    archive(last.offset);
+    archive(last.span);
+    archive(has_reference);
+    archive(clear_reference);
+    archive(core_reference);
 }
 
 }  // namespace grainfield::tracking

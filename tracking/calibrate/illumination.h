@@ -38,8 +38,18 @@ class IlluminationFollower {
     Illumination settled(const Image& counts, const Illumination& used,
                          const PaddedImage& transmission);
 
-    /// Saves or restores what the next frame is compared with.
-    void transfer(NumberArchive& archive);
+    /// What the next frame is compared with.
+    struct State {
+        std::vector<float> sample;  ///< darkness values of the last frame as calibrated
+        Illumination last;
+        bool has_reference = false;
+        double clear_reference = 0, core_reference = 1;
+
+        /// Saves or restores it.
+        void transfer(NumberArchive& archive);
+    };
+    const State& state() const { return state_; }
+    void continue_from(const State& state) { state_ = state; }
 
  private:
     struct Pixel {
@@ -53,10 +63,7 @@ class IlluminationFollower {
     VisiblePixels visible_;
     int width_ = 0, height_ = 0;
     std::vector<Pixel> pixels_;  ///< the sample
-    std::vector<float> sample_;  ///< darkness values of the last frame as calibrated
-    Illumination last_;
-    bool has_reference_ = false;
-    double clear_reference_ = 0, core_reference_ = 1;
+    State state_;
 };
 
 }  // namespace grainfield::tracking
