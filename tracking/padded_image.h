@@ -66,6 +66,17 @@ class PaddedImage {
     const float* row(int y) const { return pixels_.data() + offset(y); }
     float operator()(int x, int y) const { return row(y)[x]; }
 
+    /// Asks for pixels [x0, x1) × [y0, y1) ahead of their use; those beyond the image are left out.
+    void fetch(int x0, int y0, int x1, int y1) const {
+        constexpr int kLine = 16;  // floats
+        for (int y = std::max(y0, 0); y < std::min(y1, height_); ++y) {
+            const float* pixels = row(y);
+            for (int x = std::max(x0, 0); x < std::min(x1, width_); x += kLine) {
+                fetch_line(pixels + x);
+            }
+        }
+    }
+
     Image inner() const {
         Image image(width_, height_);
         for (int y = 0; y < height_; ++y) std::copy_n(row(y), width_, image.row(y));

@@ -194,7 +194,7 @@ void JointFit::add_all(const std::vector<Vec2>& positions, const std::vector<dou
 /// share no pixel. Strips of columns are drawn in parallel, row by row from the top; the last
 /// column of each but the last, the seam, after them.
 struct JointFit::Parts {
-    int rows, strips;
+    int rows, columns, strips;
     std::vector<std::vector<std::uint32_t>> drawn;    ///< of each row of each strip, then seam
     std::vector<std::vector<std::uint32_t>> visited;  ///< likewise; a seam's with both neighbours
 
@@ -204,6 +204,8 @@ struct JointFit::Parts {
                static_cast<std::size_t>(row);
     }
     std::size_t seam(int s, int row) const { return strip(strips + s, row); }
+    /// Columns [first, end) of cells are those of strip s.
+    int first_column(int s) const { return (s * columns + strips - 1) / strips; }
     static int rows_of(const JointFit& fit);
     static int columns_of(const JointFit& fit);
     static int strips_of(const JointFit& fit) { return std::max(1, columns_of(fit) / kStrip); }
@@ -220,10 +222,10 @@ int JointFit::Parts::columns_of(const JointFit& fit) {
 
 JointFit::Parts::Parts(const JointFit& fit)
     : rows(rows_of(fit)),
+      columns(columns_of(fit)),
       strips(strips_of(fit)),
       drawn(static_cast<std::size_t>(fit.parts())),
       visited(static_cast<std::size_t>(fit.parts())) {
-    const int columns = columns_of(fit);
     const int width = fit.stencil_.width();
     const int height = static_cast<int>(fit.stencil_.rows().size());
     const auto column_of = [&](const Disc& disc) {
@@ -243,9 +245,8 @@ JointFit::Parts::Parts(const JointFit& fit)
         const int column = column_of(fit.discs_[j]);
         const int row = row_of(fit.discs_[j]);
         const int s = std::min(column * strips / columns, strips - 1);
-        // Columns [first, end) are those of strip s.
-        const int first = (s * columns + strips - 1) / strips;
-        const int end = ((s + 1) * columns + strips - 1) / strips;
+        const int first = first_column(s);
+        const int end = first_column(s + 1);
         const bool is_seam = s + 1 < strips && column == end - 1;
         const bool is_before = s + 1 < strips && column == end - 2;
         const bool is_after = s > 0 && column == first;
@@ -271,13 +272,19 @@ void JointFit::add_all(const std::vector<Vec2>& positions, const std::vector<dou
     const Parts parts(*this);
     const auto go_down = [&](int strip) {
         const auto at = [&](int row) { return parts.strip(strip, row); };
+        const int height = static_cast<int>(stencil_.rows().size());
+        const int of_strip = strip % parts.strips;
+        const int first = parts.first_column(of_strip) * stencil_.width() - stencil_.width() / 2;
+        const int end = parts.first_column(of_strip + 1) * stencil_.width() + stencil_.width() / 2;
+        const auto fetch_row = [&](const PaddedImage& image, int row) {
+            if (strip >= parts.strips) return;  // has just been used
+            image.fetch(first, row * height + height / 2, end, (row + 1) * height + height / 2);
+        };
         for (int row = 0; row <= parts.rows; ++row) {
+            fetch_row(transmission_, row + 1);
             if (row < parts.rows) {
-                const std::vector<std::uint32_t>& discs = parts.drawn[at(row)];
-                for (std::size_t k = 0; k < discs.size(); ++k) {
-                    // The darkness, too, which the visit reads.
-                    draw_new(discs[k]);
-                }
+                fetch_row(darkness_, row);
+                for (const std::uint32_t j : parts.drawn[at(row)]) draw_new(j);
             }
             if (row == 0) continue;
             visit(static_cast<int>(at(row - 1)), parts.visited[at(row - 1)]);
