@@ -163,19 +163,36 @@ void tabulate_stencil(const DiscStencil::Piece* pieces, std::size_t n, const Dis
     }
 }
 
-void draw_pieces(const StencilPieces& s) {
+template <bool with_change>
+HWY_INLINE double draw_template(const StencilPieces& s) {
+    Vector change = hn::Zero(kTag);
     const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(kTag));
     const DiscStencil::Piece* const end = s.pieces + s.n;
     float* const image = s.transmission;
+    const float* const darkness = s.darkness;
     const HalfFloat* const kept = s.kept;
     for (const DiscStencil::Piece* piece = s.pieces; piece != end; ++piece) {
         float* const transmission = image + piece->offset;
         const HalfFloat* const t = kept + piece->at;
         for (std::ptrdiff_t i = 0; i < DiscStencil::kLanes; i += lanes) {
-            hn::StoreU(hn::Mul(hn::LoadU(kTag, transmission + i), load_half(t + i)), kTag,
-                       transmission + i);
+            const Vector old = hn::LoadU(kTag, transmission + i);
+            const Vector now = hn::Mul(old, load_half(t + i));
+            hn::StoreU(now, kTag, transmission + i);
+            if constexpr (with_change) {
+                change = hn::Add(
+                    change, change_of(hn::LoadU(kTag, darkness + piece->offset + i), old, now));
+            }
         }
     }
+    return with_change ? sum(change) : 0;
+}
+
+double place_pieces(const StencilPieces& s) {
+    return draw_template<true>(s);
+}
+
+void draw_pieces(const StencilPieces& s) {
+    draw_template<false>(s);
 }
 
 double place_stencil(const StencilPieces& s, const DiscTerms& disc, float x, float y) {
@@ -381,6 +398,25 @@ HWY_INLINE double shift(const StencilPieces& s, const DiscTerms& disc, float x, 
     return with_way_back ? sum(change) : 0;
 }
 
+double shift_template(const StencilPieces& s, const HalfFloat* to) {
+    const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(kTag));
+    Vector change = hn::Zero(kTag);
+    for (std::size_t j = 0; j < s.n; ++j) {
+        const DiscStencil::Piece& piece = s.pieces[j];
+        for (std::ptrdiff_t i = 0; i < DiscStencil::kLanes; i += lanes) {
+            float* transmission = s.transmission + piece.offset + i;
+            const Vector old = hn::LoadU(kTag, transmission);
+            const Vector ratio = hn::Mul(load_half(to + piece.at + i),
+                                         reciprocal(load_half(s.kept + piece.at + i)));
+            const Vector now = hn::Mul(old, ratio);
+            hn::StoreU(now, kTag, transmission);
+            change = hn::Add(change,
+                             change_of(hn::LoadU(kTag, s.darkness + piece.offset + i), old, now));
+        }
+    }
+    return sum(change);
+}
+
 double shift_stencil(const StencilPieces& s, const DiscTerms& disc, float x, float y,
                      float* transmission_before, HalfFloat* kept_before) {
     return shift<true>(s, disc, x, y, transmission_before, kept_before);
@@ -398,8 +434,10 @@ namespace grainfield::tracking {
 
 HWY_EXPORT(tabulate_stencil);
 HWY_EXPORT(draw_pieces);
+HWY_EXPORT(place_pieces);
 HWY_EXPORT(linearise_template);
 HWY_EXPORT(couple_template_rows);
+HWY_EXPORT(shift_template);
 HWY_EXPORT(draw_stencil);
 HWY_EXPORT(local_misfit_stencil);
 HWY_EXPORT(place_stencil);
@@ -527,6 +565,10 @@ void draw_template(const StencilView& view) {
     HWY_DYNAMIC_DISPATCH(draw_pieces)(pieces_of(view, *view.shape->pieces));
 }
 
+double place_template(const StencilView& view) {
+    return HWY_DYNAMIC_DISPATCH(place_pieces)(pieces_of(view, *view.shape->pieces));
+}
+
 double lift(const StencilView& view) {
     return HWY_DYNAMIC_DISPATCH(lift_stencil)(pieces_of(view));
 }
@@ -616,6 +658,10 @@ double shift(const StencilView& view, Vec2 to, Redraw redraw, BeforeShift& befor
     return HWY_DYNAMIC_DISPATCH(shift_stencil)(pieces_of(view, view.stencil.redrawn(redraw)),
                                                terms_of(view.stencil.disc()), at.x, at.y,
                                                before.transmission.data(), before.kept.data());
+}
+
+double shift(const StencilView& view, const DiscTemplate& to) {
+    return HWY_DYNAMIC_DISPATCH(shift_template)(pieces_of(view), to.t);
 }
 
 void redraw(const StencilView& view, Vec2 to, Redraw redraw) {

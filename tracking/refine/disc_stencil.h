@@ -78,6 +78,7 @@ struct Anchor {
 
     /// Of a centre in pixels, where rows are `spacing` pixels apart.
     static Anchor of(Vec2 centre, int spacing = 1);
+    bool operator==(const Anchor&) const = default;
     /// The window there holds a disc at `centre`.
     bool holds(Vec2 centre, int spacing = 1) const;
 };
@@ -120,6 +121,8 @@ void draw(const StencilView& view, Vec2 centre);
 
 /// T ← T · t, from the view's template.
 void draw_template(const StencilView& view);
+/// The same; returns the change of Σ (I − M)².
+double place_template(const StencilView& view);
 
 /// T ← T / t. Returns the change of Σ (I − M)².
 double lift(const StencilView& view);
@@ -165,6 +168,10 @@ double shift(const StencilView& view, Vec2 to, Redraw redraw, BeforeShift& befor
 
 /// The same without the answer and the way back.
 void redraw(const StencilView& view, Vec2 to, Redraw redraw);
+
+/// T ← T · t_to / t with both from tables; the view stays that of before. Returns the change of Σ (I −
+/// M)². The way back is the same with the templates exchanged.
+double shift(const StencilView& view, const DiscTemplate& to);
 
 /// Undoes the last shift.
 void undo(const StencilView& view, const BeforeShift& before);

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <stdexcept>
 #include <utility>
@@ -116,7 +117,7 @@ void JointFit::set_visible(VisiblePixels visible) {
 StencilView JointFit::view(const Disc& disc) const {
     return {stencil_, darkness_, const_cast<PaddedImage&>(transmission_), disc.anchor,
             const_cast<HalfFloat*>(kept_.data()) + disc.slot * stencil_.size(),
-            disc.is_template ? &disc.shape : nullptr};
+            disc.number != DiscTemplates::kNone ? &disc.shape : nullptr};
 }
 
 std::uint32_t JointFit::free_slot() {
@@ -169,11 +170,43 @@ void JointFit::draw_new(std::size_t j) {
         return;
     }
     const DiscTemplates::Place place = templates_.nearest(positions_[j]);
-    disc.anchor = place.anchor;
-    disc.placed = positions_[j] = place.centre;
-    disc.shape = templates_[place.number];
-    disc.is_template = true;
+    positions_[j] = place.centre;
+    use(disc, place);
     draw_template(view(disc));
+}
+
+/// From now on a disc is drawn from the template of that place.
+void JointFit::use(Disc& disc, const DiscTemplates::Place& place) {
+    disc.anchor = place.anchor;
+    disc.placed = place.centre;
+    disc.shape = templates_[place.number];
+    disc.number = place.number;
+}
+
+bool JointFit::is_at(const Disc& disc, const DiscTemplates::Place& place) const {
+    return disc.number == place.number && disc.anchor == place.anchor;
+}
+
+/// Divides a disc out where it is drawn and multiplies it in at the template's place. Returns the
+/// change of Σ (I − M)².
+double JointFit::move_to(std::size_t j, const DiscTemplates::Place& place) {
+    Disc& disc = discs_[j];
+    double change = 0;
+    if (disc.anchor == place.anchor) {
+        change = shift(view(disc), templates_[place.number]);
+        use(disc, place);
+    } else {
+        change = lift(view(disc));
+        use(disc, place);
+        change += place_template(view(disc));
+    }
+    return change;
+}
+
+/// Whether it is enough to draw discs at the nearest template.
+bool JointFit::is_rough(double tolerance) const {
+    return !templates_.is_empty() &&
+           tolerance >= 0.5 * DiscTemplates::kFarthest * profile_.edge_width;
 }
 
 void JointFit::add_all(const std::vector<Vec2>& positions, const std::vector<double>& explained,
@@ -317,7 +350,7 @@ double JointFit::move_to(std::size_t j, Vec2 to) {
     disc.anchor = Anchor::of(to, stencil_.spacing());
     disc.placed = to;
     disc.stale = 0;
-    disc.is_template = false;
+    disc.number = DiscTemplates::kNone;
     positions_[j] = to;
     return lifted + place(view(disc), to);
 }
@@ -362,7 +395,7 @@ DampedInverse::DampedInverse(const NormalEquations& n) {
 /// How much of a disc is drawn anew when it goes to `to`, and its path since it was drawn as a
 /// whole, after that.
 std::pair<Redraw, float> JointFit::redraw_for(const Disc& disc, Vec2 to) const {
-    if (disc.is_template) return {Redraw::whole, 0.0F};
+    if (disc.number != DiscTemplates::kNone) return {Redraw::whole, 0.0F};
     const auto path = disc.stale + static_cast<float>(norm(to - disc.placed));
     if (static_cast<double>(path) > kMostStale * profile_.edge_width) return {Redraw::whole, 0.0F};
     return {Redraw::edge, path};
@@ -386,6 +419,7 @@ double JointFit::step(std::size_t j, double relaxation, double lag) {
         return norm(positions_[j] - start);
     }
     if (length > room) d *= room / length;
+    if (is_rough(lag)) return rough_step(j, d, n.misfit);
 
     for (int attempt = 0; attempt < 4; ++attempt) {
         const Vec2 to = inside(from + d);
@@ -395,7 +429,7 @@ double JointFit::step(std::size_t j, double relaxation, double lag) {
         if (change <= 1e-5 * (n.misfit + 1e-6)) {
             if (in_window) {
                 disc.stale = stale;
-                disc.is_template = false;
+                disc.number = DiscTemplates::kNone;
             }
             disc.placed = to;
             positions_[j] = to;
@@ -403,6 +437,36 @@ double JointFit::step(std::size_t j, double relaxation, double lag) {
         }
         if (in_window) {
             undo(view(disc), before);
+        } else {
+            move_to(j, from);
+        }
+        d *= 0.3;
+    }
+    positions_[j] = from;
+    return 0;
+}
+
+/// The same to the template nearest to the end of step d.
+double JointFit::rough_step(std::size_t j, Vec2 d, double misfit) {
+    Disc& disc = discs_[j];
+    const Vec2 start = positions_[j];
+    const Vec2 from = disc.placed;
+    const Disc before = disc;
+    const DiscTemplates::Place back{from, before.anchor, before.number};
+    for (int attempt = 0; attempt < 4; ++attempt) {
+        const Vec2 to = inside(from + d);
+        const DiscTemplates::Place place = templates_.nearest(to);
+        if (is_at(disc, place)) {
+            positions_[j] = to;
+            return norm(to - start);
+        }
+        const double change = move_to(j, place);
+        if (change <= 1e-5 * (misfit + 1e-6)) {
+            positions_[j] = to;
+            return norm(to - start);
+        }
+        if (before.number != DiscTemplates::kNone) {
+            move_to(j, back);
         } else {
             move_to(j, from);
         }
@@ -473,7 +537,7 @@ JointFit::Summary JointFit::refine(const RefinementOptions& options) {
             // A disc is compared with the image of all that share pixels with it.
             std::vector<Vec2> places;
             for (const std::uint32_t j : active) places.push_back(positions_[j]);
-            draw_undrawn_near(places, 2 * profile_.reach());
+            draw_undrawn_near(places, 2 * profile_.reach(), is_rough(options.tolerance));
         }
         std::atomic<std::int64_t> steps = 0;
         // A few discs at the edge of what can be resolved would step to and fro for ever.
@@ -555,7 +619,11 @@ bool JointFit::displace(const Displacement& all, double least_drawn, double far,
             some_undrawn_ = some_undrawn_ || length > 0;
         }
     }
-    redraw_all(drawn);
+    // Twice the half diagonal of the squares about the templates.
+    const bool roughly =
+        is_rough(least_drawn / (2 * std::numbers::sqrt2)) && !drawn.empty();
+    some_undrawn_ = some_undrawn_ || roughly;
+    redraw_all(drawn, roughly);
     return is_far;
 }
 
@@ -572,7 +640,7 @@ std::vector<char> JointFit::take_disturbed() {
     return disturbed;
 }
 
-void JointFit::draw_undrawn_near(const std::vector<Vec2>& places, double range) {
+void JointFit::draw_undrawn_near(const std::vector<Vec2>& places, double range, bool roughly) {
     if (!some_undrawn_) return;
     PointGrid grid(darkness_.width(), height(), range);
     for (const Vec2 p : places) grid.add(p, 0);
@@ -582,7 +650,7 @@ void JointFit::draw_undrawn_near(const std::vector<Vec2>& places, double range) 
             waiting.push_back(j);
         }
     }
-    redraw_all(waiting);
+    redraw_all(waiting, roughly);
 }
 
 void JointFit::draw_undrawn() {
@@ -590,32 +658,37 @@ void JointFit::draw_undrawn() {
     for (std::uint32_t j = 0; j < discs_.size(); ++j) {
         if (squared_norm(undrawn_step(j)) > 0) waiting.push_back(j);
     }
-    redraw_all(waiting);
+    redraw_all(waiting, false);
     some_undrawn_ = false;
 }
 
-void JointFit::redraw_all(const std::vector<std::uint32_t>& discs) {
+void JointFit::redraw_all(const std::vector<std::uint32_t>& discs, bool roughly) {
     if (discs.empty()) return;
     ++revision_;
     in_tiles(discs, [&](const std::vector<std::uint32_t>& tile) {
         for (std::size_t k = 0; k < tile.size(); ++k) {
             if (k + 1 < tile.size()) fetch(tile[k + 1]);
-            redraw(tile[k]);
+            redraw(tile[k], roughly);
         }
     });
 }
 
-/// Draws a disc where it is now.
-void JointFit::redraw(std::size_t j) {
+/// Draws a disc where it is now, or at the template nearest to that.
+void JointFit::redraw(std::size_t j, bool roughly) {
     Disc& disc = discs_[j];
     const Vec2 to = positions_[j];
+    if (roughly) {
+        const DiscTemplates::Place place = templates_.nearest(to);
+        if (!is_at(disc, place)) move_to(j, place);
+        return;
+    }
     if (!disc.anchor.holds(to, stencil_.spacing())) {
         move_to(j, to);
         return;
     }
     const auto [what, stale] = redraw_for(disc, to);
     tracking::redraw(view(disc), to, what);
-    disc.is_template = false;
+    disc.number = DiscTemplates::kNone;
     disc.stale = stale;
     disc.placed = to;
 }

@@ -135,7 +135,7 @@ class JointFit {
     /// Draws all discs where they are …
     void draw_undrawn();
     /// … nearer than `range` to one of these places [px].
-    void draw_undrawn_near(const std::vector<Vec2>& places, double range);
+    void draw_undrawn_near(const std::vector<Vec2>& places, double range, bool roughly = false);
 
     /// RMS of I − M within reach of each disc [contrast]; NaN without pixels. `gain`: by how much
     /// what is not drawn lowers the misfit about each disc [contrast²].
@@ -150,7 +150,8 @@ class JointFit {
         Anchor anchor;
         Vec2 placed;                ///< where it is in the image of all discs [px]
         DiscTemplate shape{};       ///< what it is drawn from …
-        bool is_template = false;   ///< … if so; else from computed transmissions
+        /// … if so; DiscTemplates::kNone: from computed transmissions.
+        std::uint16_t number = DiscTemplates::kNone;
         std::uint32_t slot = 0;     ///< of these
         float last_step = 0;        ///< [px]; large for discs that have not moved yet
         float left = 0;             ///< [px] expected of the next step; large likewise
@@ -170,11 +171,16 @@ class JointFit {
     struct Parts;
     void append(Vec2 position, std::optional<double> explained, std::optional<double> left);
     void draw_new(std::size_t j);
+    void use(Disc& disc, const DiscTemplates::Place& place);
+    double move_to(std::size_t j, const DiscTemplates::Place& place);
+    bool is_at(const Disc& disc, const DiscTemplates::Place& place) const;
+    bool is_rough(double tolerance) const;
     double move_to(std::size_t j, Vec2 to);
     std::pair<Redraw, float> redraw_for(const Disc& disc, Vec2 to) const;
-    void redraw(std::size_t j);
-    void redraw_all(const std::vector<std::uint32_t>& discs);
+    void redraw(std::size_t j, bool roughly);
+    void redraw_all(const std::vector<std::uint32_t>& discs, bool roughly);
     double step(std::size_t j, double relaxation, double lag);
+    double rough_step(std::size_t j, Vec2 d, double misfit);
     void take_step(std::size_t j, double relaxation, double lag);
     void in_tiles(const std::vector<std::uint32_t>& discs,
                   const std::function<void(const std::vector<std::uint32_t>&)>& body);
