@@ -22,8 +22,18 @@ void ImageModel::darkness_row(const Image& counts, const Illumination& light, in
     const auto offset = static_cast<float>(light.offset);
     const auto scale = static_cast<float>(1 / light.span);
     const int width = counts.width();
-    background.row(y, width, out);
     const float* in = counts.row(y);
+    if (background.is_uniform()) {
+        const auto clear = static_cast<float>(background(0, 0));
+        const float per_count = scale * sign / std::max(sign * (clear - core), kLeastSpan);
+        const float at_zero = per_count * clear - offset * scale;
+#pragma omp simd
+        for (int x = 0; x < width; ++x) {
+            out[x] = std::min(std::max(at_zero - per_count * in[x], -0.5F), 1.5F);
+        }
+        return;
+    }
+    background.row(y, width, out);
 #pragma omp simd
     for (int x = 0; x < width; ++x) {
         const float clear = out[x];

@@ -271,6 +271,9 @@ OptionTable describe(CalibrationOptions& options) {
 }
 
 std::string blank_reason(const Image& counts, const VisiblePixels& visible) {
+    // Where spheres are many a few pixels show it.
+    constexpr int kSparsely = 4;
+    if (blank_reason(levels_of(counts, visible, kSparsely)).empty()) return {};
     return blank_reason(levels_of(counts, visible));
 }
 

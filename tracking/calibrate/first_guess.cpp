@@ -55,19 +55,19 @@ bool sees_around(const VisiblePixels& visible, int x, int y) {
 
 }  // namespace
 
-Levels levels_of(const Image& counts, const VisiblePixels& visible) {
-    constexpr int kRowStep = 4;
-    constexpr int kColumnStep = 3;
+Levels levels_of(const Image& counts, const VisiblePixels& visible, int sparsely) {
+    const int row_step = 4 * sparsely;
+    const int column_step = 3 * sparsely;
     std::vector<float> sample;
     double sum = 0;
     double n = 0;
     float darkest = std::numeric_limits<float>::max();
     float brightest = std::numeric_limits<float>::lowest();
-    for (int y = 1; y + 1 < counts.height(); y += kRowStep) {
+    for (int y = 1; y + 1 < counts.height(); y += row_step) {
         const float* a = counts.row(y - 1);
         const float* b = counts.row(y);
         const float* c = counts.row(y + 1);
-        for (int x = 1; x + 1 < counts.width(); x += kColumnStep) {
+        for (int x = 1; x + 1 < counts.width(); x += column_step) {
             if (!sees_around(visible, x, y)) continue;
             sample.push_back(b[x]);
             const float mean = (a[x - 1] + a[x] + a[x + 1] + b[x - 1] + b[x] + b[x + 1] + c[x - 1] +

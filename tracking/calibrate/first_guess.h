@@ -17,8 +17,9 @@ struct Levels {
     double noise;  ///< RMS of what varies from pixel to pixel [counts]
 };
 
-/// From every fourth row and third column: a percent of accuracy is plenty.
-Levels levels_of(const Image& counts, const VisiblePixels& visible = {});
+/// From every fourth row and third column: a percent of accuracy is plenty; from `sparsely` times
+/// fewer of both.
+Levels levels_of(const Image& counts, const VisiblePixels& visible = {}, int sparsely = 1);
 
 /// Why a frame cannot hold spheres (calibration.h). Empty if it can.
 std::string blank_reason(const Levels& levels);

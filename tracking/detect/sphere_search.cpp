@@ -37,7 +37,7 @@ struct Remainder {
 };
 
 Remainder remainder(const PaddedImage& darkness, const PaddedImage& transmission) {
-    constexpr double kSample = 6e4;
+    constexpr double kSample = 3e4;
     const double pixels = static_cast<double>(darkness.width()) * darkness.height();
     const int stride = std::max(1, static_cast<int>(pixels / kSample));
     std::vector<float> deviations;

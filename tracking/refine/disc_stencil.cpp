@@ -34,11 +34,15 @@ struct SharedRow {
     int count;
 };
 
-/// The same of two discs that are drawn from templates.
-struct SharedTemplateRow {
-    const float* transmission;
+/// Two discs that are drawn from templates: what their windows share begins at these places.
+struct SharedTemplates {
+    const DiscStencil::Row* a;  ///< first shared row of the edge, in the window of each
+    const DiscStencil::Row* b;
+    int rows;
+    int right;  ///< from the anchor of b to that of a
+    const float* transmission;  ///< at the anchor of a
+    std::ptrdiff_t pitch;
     const HalfFloat *ax, *ay, *bx, *by;
-    int count;
 };
 
 }  // namespace grainfield::tracking
@@ -305,22 +309,28 @@ void linearise_template(const StencilPieces& s, const HalfFloat* along, const Ha
     for (int i = 0; i < 6; ++i) sums[i] = sum(all[i]);
 }
 
-void couple_template_rows(const SharedTemplateRow* rows, int n, double* sums) {
+void couple_templates(const SharedTemplates& s, double* sums) {
     const int lanes = static_cast<int>(hn::Lanes(kTag));
     Vector xx = hn::Zero(kTag);
     Vector xy = xx;
     Vector yx = xx;
     Vector yy = xx;
-    for (int j = 0; j < n; ++j) {
-        const SharedTemplateRow& row = rows[j];
-        for (int i = 0; i < row.count; i += lanes) {
-            const auto inside = hn::FirstN(kTag, static_cast<std::size_t>(row.count - i));
-            const Vector t = hn::IfThenElseZero(inside, hn::LoadU(kTag, row.transmission + i));
+    for (int j = 0; j < s.rows; ++j) {
+        const DiscStencil::Row& in_a = s.a[j];
+        const DiscStencil::Row& in_b = s.b[j];
+        const int first = std::max(in_a.first, in_b.first - s.right);
+        const int end = std::min(in_a.first + in_a.count, in_b.first - s.right + in_b.count);
+        const float* transmission = s.transmission + in_a.dy * s.pitch;
+        const int at_a = in_a.at - in_a.first;
+        const int at_b = in_b.at - in_b.first + s.right;
+        for (int x = first; x < end; x += lanes) {
+            const auto inside = hn::FirstN(kTag, static_cast<std::size_t>(end - x));
+            const Vector t = hn::IfThenElseZero(inside, hn::LoadU(kTag, transmission + x));
             const Vector both = hn::Mul(t, t);
-            const Vector from_a = hn::Mul(both, load_half(row.ax + i));
-            const Vector down_a = hn::Mul(both, load_half(row.ay + i));
-            const Vector from_b = load_half(row.bx + i);
-            const Vector down_b = load_half(row.by + i);
+            const Vector from_a = hn::Mul(both, load_half(s.ax + at_a + x));
+            const Vector down_a = hn::Mul(both, load_half(s.ay + at_a + x));
+            const Vector from_b = load_half(s.bx + at_b + x);
+            const Vector down_b = load_half(s.by + at_b + x);
             xx = hn::MulAdd(from_a, from_b, xx);
             xy = hn::MulAdd(from_a, down_b, xy);
             yx = hn::MulAdd(down_a, from_b, yx);
@@ -436,7 +446,7 @@ HWY_EXPORT(tabulate_stencil);
 HWY_EXPORT(draw_pieces);
 HWY_EXPORT(place_pieces);
 HWY_EXPORT(linearise_template);
-HWY_EXPORT(couple_template_rows);
+HWY_EXPORT(couple_templates);
 HWY_EXPORT(shift_template);
 HWY_EXPORT(draw_stencil);
 HWY_EXPORT(local_misfit_stencil);
@@ -598,55 +608,44 @@ LocalMisfit local_misfit(const StencilView& view, Vec2 centre) {
     return {sums[0], sums[1]};
 }
 
-namespace {
-
-/// Calls action(row, x, in_a, in_b, count) for every row that the edges of two discs share: the row
-/// and first column in the image, and where that is among the kept values of each.
-template <class Action>
-void for_shared_rows(const StencilView& a, const StencilView& b, Action&& action) {
+CrossBlock coupling(const StencilView& a, Vec2 centre_a, const StencilView& b, Vec2 centre_b) {
     const std::vector<DiscStencil::Row>& spans = a.stencil.edge_spans();
     const int lines = static_cast<int>(spans.size());
     const int down = a.anchor.y - b.anchor.y;
     const int right = a.anchor.x - b.anchor.x;
-    for (int j = std::max(0, -down); j < std::min(lines, lines - down); ++j) {
+    const int begin = std::max(0, -down);
+    const int end = std::min(lines, lines - down);
+    double sums[4] = {};
+    if (end <= begin) return {};
+    if (a.shape != nullptr && b.shape != nullptr) {
+        HWY_DYNAMIC_DISPATCH(couple_templates)
+        ({spans.data() + begin, spans.data() + begin + down, end - begin, right,
+          a.transmission.row(a.anchor.y) + a.anchor.x, a.transmission.pitch(), a.shape->x,
+          a.shape->y, b.shape->x, b.shape->y},
+         sums);
+        return {sums[0], sums[1], sums[2], sums[3]};
+    }
+    thread_local std::vector<SharedRow> rows;
+    rows.clear();
+    for (int j = begin; j < end; ++j) {
         const DiscStencil::Row& in_a = spans[static_cast<std::size_t>(j)];
         const int line_of_b = j + down;
         const DiscStencil::Row& in_b = spans[static_cast<std::size_t>(line_of_b)];
         // Columns seen from the anchor of a.
         const int first = std::max(in_a.first, in_b.first - right);
-        const int end = std::min(in_a.first + in_a.count, in_b.first - right + in_b.count);
-        if (end <= first) continue;
-        action(a.anchor.y + in_a.dy, a.anchor.x + first, in_a.at + (first - in_a.first),
-               in_b.at + (first + right - in_b.first), end - first);
+        const int last = std::min(in_a.first + in_a.count, in_b.first - right + in_b.count);
+        if (last <= first) continue;
+        const int x = a.anchor.x + first;
+        const int row = a.anchor.y + in_a.dy;
+        const int y = row * a.stencil.spacing();
+        rows.push_back({a.transmission.row(row) + x, a.kept() + in_a.at + (first - in_a.first),
+                        b.kept() + in_b.at + (first + right - in_b.first),
+                        static_cast<float>(x - centre_a.x), static_cast<float>(y - centre_a.y),
+                        static_cast<float>(x - centre_b.x), static_cast<float>(y - centre_b.y),
+                        last - first});
     }
-}
-
-}  // namespace
-
-CrossBlock coupling(const StencilView& a, Vec2 centre_a, const StencilView& b, Vec2 centre_b) {
-    double sums[4] = {};
-    if (a.shape != nullptr && b.shape != nullptr) {
-        thread_local std::vector<SharedTemplateRow> rows;
-        rows.clear();
-        for_shared_rows(a, b, [&](int row, int x, int in_a, int in_b, int count) {
-            rows.push_back({a.transmission.row(row) + x, a.shape->x + in_a, a.shape->y + in_a,
-                            b.shape->x + in_b, b.shape->y + in_b, count});
-        });
-        HWY_DYNAMIC_DISPATCH(couple_template_rows)
-        (rows.data(), static_cast<int>(rows.size()), sums);
-    } else {
-        thread_local std::vector<SharedRow> rows;
-        rows.clear();
-        for_shared_rows(a, b, [&](int row, int x, int in_a, int in_b, int count) {
-            const int y = row * a.stencil.spacing();
-            rows.push_back({a.transmission.row(row) + x, a.kept() + in_a, b.kept() + in_b,
-                            static_cast<float>(x - centre_a.x), static_cast<float>(y - centre_a.y),
-                            static_cast<float>(x - centre_b.x), static_cast<float>(y - centre_b.y),
-                            count});
-        });
-        HWY_DYNAMIC_DISPATCH(couple_rows)
-        (rows.data(), static_cast<int>(rows.size()), terms_of(a.stencil.disc()), sums);
-    }
+    HWY_DYNAMIC_DISPATCH(couple_rows)
+    (rows.data(), static_cast<int>(rows.size()), terms_of(a.stencil.disc()), sums);
     return {sums[0], sums[1], sums[2], sums[3]};
 }
 

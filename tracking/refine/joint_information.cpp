@@ -24,7 +24,8 @@ double trace(const NormalEquations& n) {
 }
 
 double smallest_eigenvalue(const NormalEquations& n) {
-    return 0.5 * trace(n) - std::hypot(0.5 * (n.xx - n.yy), n.xy);
+    const double half = 0.5 * (n.xx - n.yy);
+    return 0.5 * trace(n) - std::sqrt(half * half + n.xy * n.xy);
 }
 
 double squared(const CrossBlock& b) {
