@@ -388,8 +388,8 @@ TEST(Tracker, TheHeightOfTheCellNeedsTheTrueDiameter) {
 }
 
 TEST(Tracker, SameBytesForAnyNumberOfThreads) {
-    const Movie m = movie(2);
-    std::vector<std::vector<Vec2>> positions;
+    const Movie m = movie(4);  // one alone, two side by side, one of two
+    std::vector<std::vector<Snapshot>> snapshots;
     for (const int threads : {1, 2, 8}) {
         MemoryFrames source(m.frames);
         Collect sink;
@@ -397,10 +397,10 @@ TEST(Tracker, SameBytesForAnyNumberOfThreads) {
         TrackOptions options;
         options.threads = threads;
         run(source, sink, plan, options);
-        positions.push_back(sink.snapshots[1].position);
+        snapshots.push_back(sink.snapshots);
     }
-    EXPECT_EQ(positions[0], positions[1]);
-    EXPECT_EQ(positions[0], positions[2]);
+    expect_same(snapshots[0], snapshots[1], "2 threads");
+    expect_same(snapshots[0], snapshots[2], "8 threads");
 }
 
 }  // namespace

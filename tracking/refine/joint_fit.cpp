@@ -25,8 +25,6 @@ constexpr double kMostStale = 0.05;  // [w]
 constexpr int kInnerSweeps = 2;
 // Two images of this size and their surroundings stay in the second-level cache.
 constexpr double kTile = 128;
-// Columns of windows in a strip: three rows of them stay in the second-level cache.
-constexpr int kStrip = 8;
 
 /// A square grid over the image.
 struct Grid {
@@ -223,76 +221,15 @@ void JointFit::add_all(const std::vector<Vec2>& positions, const std::vector<dou
     });
 }
 
-/// The frame in cells as large as a window, so that windows of two cells with a third between them
-/// share no pixel. Strips of columns are drawn in parallel, row by row from the top; the last
-/// column of each but the last, the seam, after them.
-struct JointFit::Parts {
-    int rows, columns, strips;
-    std::vector<std::vector<std::uint32_t>> drawn;    ///< of each row of each strip, then seam
-    std::vector<std::vector<std::uint32_t>> visited;  ///< likewise; a seam's with both neighbours
-
-    explicit Parts(const JointFit& fit);
-    std::size_t strip(int s, int row) const {
-        return static_cast<std::size_t>(s) * static_cast<std::size_t>(rows) +
-               static_cast<std::size_t>(row);
-    }
-    std::size_t seam(int s, int row) const { return strip(strips + s, row); }
-    /// Columns [first, end) of cells are those of strip s.
-    int first_column(int s) const { return (s * columns + strips - 1) / strips; }
-    static int rows_of(const JointFit& fit);
-    static int columns_of(const JointFit& fit);
-    static int strips_of(const JointFit& fit) { return std::max(1, columns_of(fit) / kStrip); }
-};
-
-int JointFit::Parts::rows_of(const JointFit& fit) {
-    const int height = static_cast<int>(fit.stencil_.rows().size());
-    return (fit.darkness_.height() + height - 1) / height;
-}
-
-int JointFit::Parts::columns_of(const JointFit& fit) {
-    return (fit.darkness_.width() + fit.stencil_.width() - 1) / fit.stencil_.width();
-}
-
-JointFit::Parts::Parts(const JointFit& fit)
-    : rows(rows_of(fit)),
-      columns(columns_of(fit)),
-      strips(strips_of(fit)),
-      drawn(static_cast<std::size_t>(fit.parts())),
-      visited(static_cast<std::size_t>(fit.parts())) {
-    const int width = fit.stencil_.width();
-    const int height = static_cast<int>(fit.stencil_.rows().size());
-    const auto column_of = [&](const Disc& disc) {
-        return std::clamp(disc.anchor.x / width, 0, columns - 1);
-    };
-    const auto row_of = [&](const Disc& disc) {
-        return std::clamp(disc.anchor.y / height, 0, rows - 1);
-    };
-    std::vector<std::uint32_t> begin(static_cast<std::size_t>(columns) + 1, 0);
-    for (const Disc& disc : fit.discs_) ++begin[static_cast<std::size_t>(column_of(disc)) + 1];
-    std::partial_sum(begin.begin(), begin.end(), begin.begin());
-    std::vector<std::uint32_t> by_column(fit.discs_.size());
-    for (std::uint32_t j = 0; j < by_column.size(); ++j) {
-        by_column[begin[static_cast<std::size_t>(column_of(fit.discs_[j]))]++] = j;
-    }
-    for (const std::uint32_t j : by_column) {
-        const int column = column_of(fit.discs_[j]);
-        const int row = row_of(fit.discs_[j]);
-        const int s = std::min(column * strips / columns, strips - 1);
-        const int first = first_column(s);
-        const int end = first_column(s + 1);
-        const bool is_seam = s + 1 < strips && column == end - 1;
-        const bool is_before = s + 1 < strips && column == end - 2;
-        const bool is_after = s > 0 && column == first;
-        drawn[is_seam ? seam(s, row) : strip(s, row)].push_back(j);
-        visited[is_seam || is_before ? seam(s, row)
-                : is_after           ? seam(s - 1, row)
-                                     : strip(s, row)]
-            .push_back(j);
-    }
+DrawingOrder JointFit::drawing_order() const {
+    std::vector<Anchor> anchors;
+    anchors.reserve(discs_.size());
+    for (const Disc& disc : discs_) anchors.push_back(disc.anchor);
+    return {darkness_, stencil_, anchors};
 }
 
 int JointFit::parts() const {
-    return Parts::rows_of(*this) * 2 * Parts::strips_of(*this);
+    return DrawingOrder::parts(darkness_, stencil_);
 }
 
 void JointFit::add_all(const std::vector<Vec2>& positions, const std::vector<double>& explained,
@@ -302,37 +239,12 @@ void JointFit::add_all(const std::vector<Vec2>& positions, const std::vector<dou
     for (std::size_t i = 0; i < positions.size(); ++i) {
         append(positions[i], explained.empty() ? std::nullopt : std::optional(explained[i]), left);
     }
-    const Parts parts(*this);
-    const auto go_down = [&](int strip) {
-        const auto at = [&](int row) { return parts.strip(strip, row); };
-        const int height = static_cast<int>(stencil_.rows().size());
-        const int of_strip = strip % parts.strips;
-        const int first = parts.first_column(of_strip) * stencil_.width() - stencil_.width() / 2;
-        const int end = parts.first_column(of_strip + 1) * stencil_.width() + stencil_.width() / 2;
-        const auto fetch_row = [&](const PaddedImage& image, int row) {
-            if (strip >= parts.strips) return;  // has just been used
-            image.fetch(first, row * height + height / 2, end, (row + 1) * height + height / 2);
-        };
-        for (int row = 0; row <= parts.rows; ++row) {
-            fetch_row(transmission_, row + 1);
-            if (row < parts.rows) {
-                fetch_row(darkness_, row);
-                for (const std::uint32_t j : parts.drawn[at(row)]) draw_new(j);
-            }
-            if (row == 0) continue;
-            visit(static_cast<int>(at(row - 1)), parts.visited[at(row - 1)]);
-        }
-    };
-    parallel_for(parts.strips, threads_, [&](std::int64_t s) { go_down(static_cast<int>(s)); });
-    parallel_for(parts.strips - 1, threads_,
-                 [&](std::int64_t s) { go_down(parts.strips + static_cast<int>(s)); });
+    drawing_order().draw_and_visit(
+        threads_, transmission_, darkness_, [&](std::uint32_t j) { draw_new(j); }, visit);
 }
 
 void JointFit::in_parts(const Visit& visit) const {
-    const Parts parts(*this);
-    parallel_for(static_cast<std::int64_t>(parts.visited.size()), threads_, [&](std::int64_t part) {
-        visit(static_cast<int>(part), parts.visited[static_cast<std::size_t>(part)]);
-    });
+    drawing_order().visit(threads_, visit);
 }
 
 void JointFit::move(std::size_t j, Vec2 to) {
@@ -533,11 +445,12 @@ JointFit::Summary JointFit::refine(const RefinementOptions& options) {
         }
         if (active.empty()) return summary;
         ++revision_;
-        if (some_undrawn_) {
+        const bool roughly = is_rough(options.tolerance);
+        if (some_undrawn_ && (summary.sweeps == 0 || !roughly)) {
             // A disc is compared with the image of all that share pixels with it.
             std::vector<Vec2> places;
             for (const std::uint32_t j : active) places.push_back(positions_[j]);
-            draw_undrawn_near(places, 2 * profile_.reach(), is_rough(options.tolerance));
+            draw_undrawn_near(places, 2 * profile_.reach(), roughly);
         }
         std::atomic<std::int64_t> steps = 0;
         // A few discs at the edge of what can be resolved would step to and fro for ever.

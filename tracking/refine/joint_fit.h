@@ -14,6 +14,7 @@
 #include "tracking/padded_image.h"
 #include "tracking/refine/disc_stencil.h"
 #include "tracking/refine/disc_templates.h"
+#include "tracking/refine/drawing_order.h"
 #include "tracking/visible_pixels.h"
 
 namespace grainfield::tracking {
@@ -71,7 +72,7 @@ class JointFit {
                  std::optional<double> left = {});
 
     /// What is done with the discs of one of parts() parts of the frame.
-    using Visit = std::function<void(int part, const std::vector<std::uint32_t>& discs)>;
+    using Visit = DrawingOrder::Visit;
     int parts() const;
     /// add_all() on an empty fit; each part is visited as soon as all discs that share pixels with
     /// its own are drawn, while these pixels are in the cache: what has to be known of all discs
@@ -168,7 +169,7 @@ class JointFit {
     StencilView view(const Disc& disc) const;
     int height() const { return darkness_.height() * stencil_.spacing(); }
     std::uint32_t free_slot();
-    struct Parts;
+    DrawingOrder drawing_order() const;
     void append(Vec2 position, std::optional<double> explained, std::optional<double> left);
     void draw_new(std::size_t j);
     void use(Disc& disc, const DiscTemplates::Place& place);

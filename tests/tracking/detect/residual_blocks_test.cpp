@@ -76,6 +76,24 @@ TEST(ResidualBlocks, NothingIsHeldWhereThereIsOnlyNoise) {
     EXPECT_TRUE(ResidualBlocks(scene.darkness, scene.transmission, 9).holding(0.5).empty());
 }
 
+TEST(ResidualBlocks, WhatIsKnownToGoIsTakenFromItsOwnBlock) {
+    Scene scene = noisy(67, 41, 0.01);
+    for (int y = 18; y < 27; ++y) {
+        for (int x = 36; x < 45; ++x) scene.darkness.row(y)[x] += 0.5F;
+    }
+    ResidualBlocks blocks(scene.darkness, scene.transmission, 9);
+    const double total = blocks.total();
+    EXPECT_NEAR(blocks.rms(67 * 41), std::sqrt(total / (67 * 41)), 1e-12);
+    const std::vector<PixelBlock> before = blocks.holding(10);
+    ASSERT_EQ(before.size(), 3U);
+    const std::vector<Vec2> middles = blocks.middles(before);
+    EXPECT_EQ(middles.size(), 9U);
+    EXPECT_EQ(middles[4], (Vec2{40, 22}));
+    blocks.subtract({40, 22}, 19);
+    EXPECT_DOUBLE_EQ(blocks.total(), total - 19);
+    EXPECT_TRUE(blocks.holding(10).empty());
+}
+
 TEST(ResidualBlocks, UsualIsWhatMostDiscsHaveAround) {
     Scene scene = noisy(200, 150, 0.1);
     for (int y = 90; y < 110; ++y) {
