@@ -1,12 +1,30 @@
 #include <cstdio>
 
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
 #include <unistd.h>
 
 #include "app/command_line.h"
 #include "app/exit_code.h"
 #include "core/interrupt.h"
 
+namespace {
+
+/// Frames come and go by the ten megabytes. Given back to the system each time, their memory would be
+/// cleared by it each time.
+void keep_freed_memory() {
+#if defined(__GLIBC__)
+    constexpr int kMost = 1 << 28;  // [byte]
+    mallopt(M_MMAP_THRESHOLD, kMost);
+    mallopt(M_TRIM_THRESHOLD, kMost);
+#endif
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
+    keep_freed_memory();
     grainfield::catch_interrupts();
     const int code = grainfield::app::run_command_line(argc, argv);
     if (code == static_cast<int>(grainfield::app::ExitCode::output_failed)) {
