@@ -15,9 +15,8 @@ namespace {
 /// cleared by it each time.
 void keep_freed_memory() {
 #if defined(__GLIBC__)
-    constexpr int kMost = 1 << 28;  // [byte]
-    mallopt(M_MMAP_THRESHOLD, kMost);
-    mallopt(M_TRIM_THRESHOLD, kMost);
+    mallopt(M_MMAP_THRESHOLD, 1 << 25);  // [byte], the most that is accepted
+    mallopt(M_TRIM_THRESHOLD, 1 << 28);
 #endif
 }
 

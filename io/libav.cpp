@@ -49,6 +49,10 @@ void copy_plane(const AVFrame& frame, const AVComponentDescriptor& component, bo
                                  static_cast<std::ptrdiff_t>(y) * frame.linesize[component.plane] +
                                  component.offset;
         float* out = image.row(y);
+        if (component.depth == 8 && component.shift == 0 && component.step == 1) {
+            std::copy_n(in, image.width(), out);
+            continue;
+        }
         if (component.depth + component.shift <= 8) {
             for (int x = 0; x < image.width(); ++x, in += component.step) {
                 out[x] = static_cast<float>((static_cast<unsigned>(*in) >> shift) & mask);

@@ -59,7 +59,8 @@ DiscProfile reduced(const DiscProfile& disc, int factor) {
 
 // As far as this one joint step is as good as any number of single ones: for an isolated disc the
 // error is of third order, for overlapping ones of second order in the step.
-constexpr double kNewton = 0.08;  // [w]
+constexpr double kNewton = 0.08;      // [w]
+constexpr double kLeastError = 1e-4;  // [px]
 constexpr double kSwept = 0.03;   // [w]
 constexpr int kMostSettling = 4;
 // A step of less than this many standard errors of an isolated sphere is not drawn.
@@ -102,6 +103,14 @@ Locator::Locator(int width, int height, const DiscProfile& disc, int threads, Ed
         approach_.emplace(Image(width / factor_, rows_of_blocks(height, factor_, kApproachSpacing)),
                           blocks, threads, kApproachSpacing);
     }
+}
+
+void Locator::set_threads(int threads) {
+    threads_ = threads;
+    fit_.set_threads(threads);
+    if (!coarse_) return;
+    coarse_fit_->set_threads(threads);
+    approach_->set_threads(threads);
 }
 
 void Locator::set_visible(const VisiblePixels& visible) {
@@ -179,7 +188,7 @@ Locator::Scene Locator::approached(const RefinementOptions& refinement,
     approach_->add_all(places);
     RefinementOptions rough = rough_version(refinement, disc_);
     rough.tolerance /= factor_;
-    found.coarse_steps += approach_->refine(rough).steps;
+    found.coarse_steps += approach_->refine(rough, Drawing::roughly).steps;
     const ResidualBlocks residual(approach_->darkness(), approach_->transmission(),
                                   static_cast<int>(std::ceil(approach_->disc().reach())), threads_);
     double wrong = 0;
@@ -209,24 +218,27 @@ void Locator::place_all(const Scene& scene, std::optional<double> left) {
     early_revision_ = fit_.revision();
 }
 
-/// Joint steps beyond this are made again [px].
-double Locator::far() const {
-    return std::min(kNewton * disc_.edge_width, JointFit::kLongestStep);
+/// Joint steps d beyond this are made again [px]: what one neglects, of the order d²/w, stays below
+/// the standard error of an isolated sphere.
+double Locator::far(double noise) const {
+    const double error = std::max(kLeastError, noise / std::sqrt(disc_.information()));
+    return std::min({kNewton * disc_.edge_width, JointFit::kLongestStep,
+                     std::sqrt(disc_.edge_width * error)});
 }
 
 /// Up to here a step need not be drawn [px].
 double Locator::least_drawn(double noise, const RefinementOptions& refinement) const {
     const double error = noise / std::sqrt(disc_.information());
-    return std::max(refinement.tolerance, std::min(kUndrawn * error, far()));
+    return std::max(refinement.tolerance, std::min(kUndrawn * error, far(noise)));
 }
 
 /// Sweeps, then a joint Newton step; small ones are not drawn, or `exactly`. With `information` of the discs as they were, that of
 /// neighbours of discs that went elsewhere is gathered anew; else all. Whether anybody went far.
 bool Locator::settle_once(SphereSearch& search, const RefinementOptions& refinement, bool exactly,
                           bool is_again, JointInformation& information, Located& found) {
-    search.finish(swept(refinement, disc_));
-    const double lag =
-        exactly ? refinement.tolerance : least_drawn(search.summary().noise, refinement);
+    search.finish(swept(refinement, disc_), Drawing::roughly);
+    const double noise = search.summary().noise;
+    const double lag = exactly ? refinement.tolerance : least_drawn(noise, refinement);
     const auto begin = Clock::now();
     const std::vector<char> disturbed = fit_.take_disturbed();
     if (is_again && information.own.size() == fit_.positions().size()) {
@@ -238,7 +250,7 @@ bool Locator::settle_once(SphereSearch& search, const RefinementOptions& refinem
         found.steps += static_cast<std::int64_t>(information.own.size());
     }
     const auto joint = joint_step(information, 0.1 * refinement.tolerance);
-    const bool is_far = fit_.displace(joint, lag, far(), is_again);
+    const bool is_far = fit_.displace(joint, lag, far(noise), is_again);
     found.refine_seconds += seconds_since(begin);
     return is_far;
 }
@@ -260,7 +272,7 @@ bool Locator::settle(SphereSearch& search, const RefinementOptions& refinement, 
 void Locator::settle_rest(SphereSearch& search, const RefinementOptions& refinement,
                           JointInformation& information) {
     fit_.draw_undrawn();
-    search.finish(refinement);
+    search.finish(refinement, Drawing::exactly);
     if (information.own.size() != fit_.positions().size()) information = joint_information(fit_);
 }
 
@@ -273,7 +285,7 @@ Located Locator::locate(const Image& darkness, const DetectionOptions& detection
 }
 
 /// Spheres are added and removed until nothing changes, and all of them settled.
-void Locator::search(SphereSearch& search, const DetectionOptions& detection,
+void Locator::find_all(SphereSearch& search, const DetectionOptions& detection,
                      const RefinementOptions& refinement, bool exactly, Settled& settled,
                      Located& found) {
     const auto settle_all = [&] {
@@ -320,7 +332,7 @@ Located Locator::locate(const JointFit::WriteRow& darkness, const DetectionOptio
     // What is made of the image of all discs next is no better than where they are drawn.
     const bool is_corrected = meeting_ == EdgeMeeting::blurred_union || !correction_.is_zero();
     Settled settled;
-    this->search(search, detection, refinement, is_corrected, settled, found);
+    find_all(search, detection, refinement, is_corrected, settled, found);
     const Image original = is_corrected ? fit.darkness().inner() : Image();
     for (int round = 1; is_corrected && round <= kCorrections; ++round) {
         const auto begin = Clock::now();

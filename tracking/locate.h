@@ -49,9 +49,9 @@ struct Located {
 /// Pixels outside the image do not count.
 ///
 /// A start (warm) replaces the search on blocks. If its spheres are expected to have moved by more
-/// than kNear w since, they are refined on blocks first: a step there costs a quarter or less. From
-/// then on a warm frame is treated as a cold one, so that spheres that came or went are found; the
-/// map of likelihood gain is only computed where the residual can hold a sphere.
+/// than kNear w since, they are refined on blocks first: a step there costs a quarter or less. All
+/// are settled before the residual is asked whether any are missing: the map of likelihood gain is
+/// computed only where it can hold a sphere. If it can, the search is that of a cold frame.
 class Locator {
  public:
     Locator(int width, int height, const DiscProfile& disc, int threads,
@@ -67,6 +67,8 @@ class Locator {
                    double step = 0);
     /// Others are not looked at, in all frames to come.
     void set_visible(const VisiblePixels& visible);
+    /// Results do not depend on it.
+    void set_threads(int threads);
     const DiscProfile& disc() const { return disc_; }
     /// Image − model of the fit that came last: as the product of tanh discs sees the image,
     /// 0 where nothing is looked at [contrast].
@@ -92,13 +94,13 @@ class Locator {
         std::optional<ResidualBlocks> residual;  ///< less that
         std::uint64_t revision = 0;              ///< of the fit then
     };
-    void search(SphereSearch& search, const DetectionOptions& detection,
-                const RefinementOptions& refinement, bool exactly, Settled& settled,
-                Located& found);
+    void find_all(SphereSearch& search, const DetectionOptions& detection,
+                  const RefinementOptions& refinement, bool exactly, Settled& settled,
+                  Located& found);
     Scene approached(const RefinementOptions& refinement, const std::vector<Vec2>& start,
                      Located& found);
     void place_all(const Scene& scene, std::optional<double> left);
-    double far() const;
+    double far(double noise) const;
     double least_drawn(double noise, const RefinementOptions& refinement) const;
     bool settle_once(SphereSearch& search, const RefinementOptions& refinement, bool exactly,
                      bool is_again, JointInformation& information, Located& found);

@@ -77,9 +77,8 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
     }
     const int lanes = static_cast<int>(std::min<std::int64_t>(kSideBySide, count));
     for (int lane = 0; lane < lanes; ++lane) {
-        lanes_.push_back({Locator(source.width(), source.height(), model().disc,
-                                  std::max(1, threads_ / lanes), model().meeting,
-                                  model().correction),
+        lanes_.push_back({Locator(source.width(), source.height(), model().disc, threads_,
+                                  model().meeting, model().correction),
                           IlluminationFollower(model(), options_.visible)});
         lanes_.back().locator.set_visible(options_.visible);
     }
@@ -116,13 +115,13 @@ TrajectoryInfo Tracker::info() const {
     return info;
 }
 
-/// The frames that are fitted next, side by side: the first one alone, for it says what the light of
-/// the others is compared with, then two at a time, wherever a run goes on.
+/// The frames that are fitted next, side by side; alone until one has said what the light of the
+/// others is compared with. A run that is taken up goes on where such a group begins.
 std::vector<Tracker::Job> Tracker::read(Run& run) {
     const auto begin = Clock::now();
     const std::int64_t first = run.next;
     const std::int64_t end =
-        first == 0 ? 1 : std::min(source_.count(), first + kSideBySide - (first - 1) % kSideBySide);
+        std::min(source_.count(), first + (light_.has_reference ? kSideBySide : 1));
     std::vector<Job> jobs;
     for (; run.next < end; ++run.next) {
         Job& job = jobs.emplace_back();
@@ -159,6 +158,8 @@ void Tracker::fit(std::vector<Job>& jobs) {
     }
     parallel_for(static_cast<std::int64_t>(fitted.size()), threads_, [&](std::int64_t i) {
         const auto lane = static_cast<std::size_t>(i);
+        lanes_[lane].locator.set_threads(
+            std::max(1, threads_ / static_cast<int>(fitted.size())));
         fit(jobs[fitted[lane]], lanes_[lane]);
     });
     if (!fitted.empty()) light_ = lanes_[fitted.size() - 1].illumination.state();
@@ -373,8 +374,8 @@ TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress, const EachFram
         restore(run, *resumption.from);
         progress.resume_at(run.next);
     }
-    const auto begin = Clock::now();
     while (run.next < source_.count() && caught_signal() == 0) {
+        const auto begin = Clock::now();
         std::vector<Job> jobs = read(run);
         fit(jobs);
         const bool is_new = std::ranges::any_of(
@@ -384,11 +385,11 @@ TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress, const EachFram
             progress.advance();
             finish(job, run, each_frame);
         }
+        summary.ms_per_frame.wall += milliseconds_since(begin);
         if (resumption.save && run.next < source_.count() && resumption.is_due()) {
             resumption.save(checkpoint(run));
         }
     }
-    summary.ms_per_frame.wall += milliseconds_since(begin);
     if (resumption.save && run.next < source_.count()) resumption.save(checkpoint(run));
     long_tracks.finish();
     progress.finish();

@@ -10,6 +10,7 @@
 #include "tests/support/layer_frames.h"
 #include "tracking/calibrate/calibration.h"
 #include "tracking/point_grid.h"
+#include "tracking/score/position_bounds.h"
 #include "tracking/score/position_score.h"
 
 namespace grainfield::tracking {
@@ -284,6 +285,56 @@ TEST(Locate, WhatASphereMustExplainFollowsFromWhatTheModelLeavesOver) {
     EXPECT_LE(ringed, 0.15);
     detection.evidence = 0.1;
     EXPECT_NEAR(evidence(c.frame), 0.1, 1e-6);
+}
+
+/// The darkness of a liquid as the model sees it, with noise and without rounding.
+Image exact_darkness(const LayerScene& scene, const DiscProfile& disc, double noise) {
+    RandomStream random(11, "noise");
+    Image image(scene.width, scene.height);
+    const double reach = disc.reach();
+    PointGrid grid(scene.width, scene.height, reach);
+    for (const Vec2 p : scene.position) grid.add(p, 0);
+    for (int y = 0; y < scene.height; ++y) {
+        for (int x = 0; x < scene.width; ++x) {
+            double t = 1;
+            const Vec2 pixel{static_cast<double>(x), static_cast<double>(y)};
+            grid.near(pixel, reach, [&](std::uint32_t, Vec2 p) {
+                t *= 1 - disc.darkness(norm(p - pixel));
+            });
+            image(x, y) = static_cast<float>(1 - t + noise * random.normal());
+        }
+    }
+    return image;
+}
+
+// Discs are drawn beside where they are to be (disc_templates.h); at low noise that must not show.
+TEST(Locate, AtLowNoiseErrorsStayAtTheBoundAndNobodyIsRejected) {
+    for (const DiscProfile disc : {DiscProfile{16, 1.2}, DiscProfile{40, 3}}) {
+        const int size = static_cast<int>(20 * disc.diameter);
+        const auto scene = testing::hard_disc_liquid(size, size, disc.diameter, 0.65, 3);
+        for (const double noise : {0.01, 0.002}) {
+            const Image image = exact_darkness(scene, disc, noise);
+            Locator locator(size, size, disc, 2);
+            std::vector<Vec2> start = scene.position;
+            for (Vec2& p : start) p += Vec2{0.4, -0.3};
+            // Cold, as of the frame before, and of a film that stands still.
+            for (const double step : {0.0, 0.5, 0.01}) {
+                const Located found =
+                    locator.locate(image, {}, {}, step > 0 ? start : std::vector<Vec2>(), step);
+                start = found.fitted;
+                EXPECT_EQ(found.rejected, 0) << disc.diameter << " px, " << noise;
+                const auto s = score_positions(found.position, scene.position, 4, size, size,
+                                               disc.diameter);
+                EXPECT_EQ(s.missed + s.spurious, 0);
+                const auto bound = position_bounds(scene.position, disc, size, size, noise, 2);
+                double squares = 0;
+                for (const Vec2 b : bound) squares += 0.5 * squared_norm(b);
+                const double expected = std::sqrt(squares / static_cast<double>(bound.size()));
+                EXPECT_LT(s.rms, 1.1 * expected) << disc.diameter << " px, " << noise << ", step "
+                                                 << step;
+            }
+        }
+    }
 }
 
 TEST(Locate, AnEmptyFrameGivesNoSpheres) {

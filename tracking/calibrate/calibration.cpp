@@ -271,9 +271,15 @@ OptionTable describe(CalibrationOptions& options) {
 }
 
 std::string blank_reason(const Image& counts, const VisiblePixels& visible) {
-    // Where spheres are many a few pixels show it.
+    // Where spheres are many a few pixels show it, beyond doubt.
     constexpr int kSparsely = 4;
-    if (blank_reason(levels_of(counts, visible, kSparsely)).empty()) return {};
+    constexpr std::size_t kEnough = std::size_t{1} << 19;  // pixels
+    constexpr double kClearly = 20;                        // times the noise
+    if (counts.size() >= kEnough && visible.are_all()) {
+        const Levels levels = levels_of(counts, visible, kSparsely);
+        const double contrast = levels.high - levels.low;
+        if (contrast > kClearly * levels.noise && blank_reason(levels).empty()) return {};
+    }
     return blank_reason(levels_of(counts, visible));
 }
 

@@ -115,12 +115,16 @@ Level level(const JointFit& fit, const ResidualBlocks& residual) {
             median + (spread > 0 ? std::min(kSpreads * spread, kMedians * median) : median)};
 }
 
-/// Discs near unusual places are drawn where they are. Whether there are any such places.
-bool draw_where_unusual(JointFit& fit, const ResidualBlocks& residual) {
-    const std::vector<PixelBlock> places = residual.holding(level(fit, residual).unusual);
-    if (places.empty()) return false;
-    // A block holds what lies in those around it, and these see discs within reach.
-    fit.draw_undrawn_near(residual.middles(places), 3 * residual.block());
+/// Whether there are places to try. If so, all discs are drawn where they are.
+bool has_candidates(JointFit& fit, DiscCorrelation& correlation, double least,
+                    const ResidualBlocks& residual) {
+    const double unusual = level(fit, residual).unusual;
+    const std::vector<PixelBlock> blocks = residual.holding(unusual);
+    if (blocks.empty()) return false;
+    // The gain in a block depends on discs within two reaches.
+    fit.draw_undrawn_near(residual.middles(blocks), 3 * residual.block());
+    if (candidates(fit, correlation, unusual, least, residual).empty()) return false;
+    fit.draw_undrawn();
     return true;
 }
 
@@ -128,11 +132,11 @@ bool draw_where_unusual(JointFit& fit, const ResidualBlocks& residual) {
 
 SecondLook look_again(JointFit& fit, DiscCorrelation& correlation, double separation, double noise,
                       double evidence, const RefinementOptions& refinement,
-                      const ResidualBlocks& at_first) {
+                      const ResidualBlocks& residual) {
     SecondLook look;
     if (fit.positions().empty() || noise <= 0) return look;
-    if (!draw_where_unusual(fit, at_first)) return look;
     const double least = kSignificance * kSignificance * noise * noise;
+    if (!has_candidates(fit, correlation, least, residual)) return look;
     const double poverty = std::max(1.0, evidence / kPoorModel);
     const double diameter = fit.disc().diameter;
     const int width = fit.darkness().width();
@@ -143,9 +147,9 @@ SecondLook look_again(JointFit& fit, DiscCorrelation& correlation, double separa
     look.steps += fit.refine(few).steps;
     PointGrid tried(width, height, kTried * diameter);
     for (int round = 0; round < kRounds; ++round) {
-        const ResidualBlocks residual = residual_of(fit);
-        const auto [median, unusual] = level(fit, residual);
-        const std::vector<Vec2> places = candidates(fit, correlation, unusual, least, residual);
+        const ResidualBlocks left = residual_of(fit);
+        const auto [median, unusual] = level(fit, left);
+        const std::vector<Vec2> places = candidates(fit, correlation, unusual, least, left);
         if (places.empty()) break;
         const PointGrid present = all_discs(fit, kNeighbours * diameter);
         PointGrid taken(width, height, kApart * diameter);
@@ -167,7 +171,7 @@ SecondLook look_again(JointFit& fit, DiscCorrelation& correlation, double separa
         }
         look.steps += fit.refine(few).steps;
         const std::int64_t kept = keep_the_better(
-            fit, trials, separation, std::max(least, poverty * (median - residual.white(noise))));
+            fit, trials, separation, std::max(least, poverty * (median - left.white(noise))));
         look.steps += fit.refine(few).steps;
         look.trials += static_cast<std::int64_t>(trials.size());
         look.kept += kept;

@@ -23,9 +23,10 @@ struct SecondLook {
 /// is less) a disc is added at the highest gain that has not been tried; it and its neighbours take
 /// a few sweeps; it stays if the misfit within 1.75 D falls by m less the camera's noise in it, and
 /// by 36 σ² at least. Else it goes and its neighbours go back. Trials 5 D apart are made at once,
-/// in six rounds at most.
+/// in eight rounds at most.
 ///
-/// A frame without such places in `residual` costs nothing. `separation`: none stays nearer to
+/// A frame without such places in `residual`, which is less what undrawn steps would gain, costs
+/// nothing; else all discs are drawn where they are. `separation`: none stays nearer to
 /// another disc [px]; `noise` σ [contrast]; `evidence`: share of an isolated disc's misfit that
 /// each must explain: where that is above 0.12 the model is poor, and the misfit must fall by more
 /// in proportion. `refinement`: tolerance of the sweeps, and their number if less than twelve. The

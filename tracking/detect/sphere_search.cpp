@@ -305,7 +305,7 @@ void SphereSearch::run(const RefinementOptions& rough) {
     while (summary_.passes < options_.max_passes && !summary_.settled_detection) {
         ++summary_.passes;
         auto begin = Clock::now();
-        summary_.steps += fit_.refine(rough).steps;
+        summary_.steps += fit_.refine(rough, Drawing::roughly).steps;
         summary_.refine_seconds += seconds_since(begin);
         begin = Clock::now();
         const std::int64_t removed = remove_unfounded();
@@ -327,10 +327,10 @@ bool SphereSearch::look_again(const RefinementOptions& refinement,
     return look.steps > 0;
 }
 
-void SphereSearch::finish(const RefinementOptions& refinement) {
+void SphereSearch::finish(const RefinementOptions& refinement, Drawing drawing) {
     for (int round = 0; round < kLastRounds; ++round) {
         const auto begin = Clock::now();
-        summary_.steps += fit_.refine(refinement).steps;
+        summary_.steps += fit_.refine(refinement, drawing).steps;
         summary_.refine_seconds += seconds_since(begin);
         if (remove_unfounded() == 0) break;
     }

@@ -60,7 +60,7 @@ class SphereSearch {
 
     /// Sweeps until nothing moves. Two discs that come together then are one: the weaker one goes
     /// and its neighbours settle.
-    void finish(const RefinementOptions& refinement);
+    void finish(const RefinementOptions& refinement, Drawing drawing);
 
     /// The image or the positions are not those that were judged last.
     void forget_judgement() { judged_at_ = -1; }

@@ -546,7 +546,7 @@ void fetch(const StencilView& view) {
             fetch_line(t + i);
         }
     }
-    if (view.shape != nullptr) return;
+    if (view.has_shape()) return;
     const auto* kept = reinterpret_cast<const char*>(view.own);
     for (std::size_t i = 0; i < view.stencil.size() * sizeof(HalfFloat); i += 64) {
         fetch_line(kept + i);
@@ -572,11 +572,11 @@ void draw(const StencilView& view, Vec2 centre) {
 }
 
 void draw_template(const StencilView& view) {
-    HWY_DYNAMIC_DISPATCH(draw_pieces)(pieces_of(view, *view.shape->pieces));
+    HWY_DYNAMIC_DISPATCH(draw_pieces)(pieces_of(view, *view.shape.pieces));
 }
 
 double place_template(const StencilView& view) {
-    return HWY_DYNAMIC_DISPATCH(place_pieces)(pieces_of(view, *view.shape->pieces));
+    return HWY_DYNAMIC_DISPATCH(place_pieces)(pieces_of(view, *view.shape.pieces));
 }
 
 double lift(const StencilView& view) {
@@ -591,8 +591,8 @@ NormalEquations linearise(const StencilView& view, Vec2 centre) {
     const FromAnchor at(centre, view);
     double sums[6] = {};
     const StencilPieces pieces = pieces_of(view, view.stencil.edge_pieces());
-    if (view.shape != nullptr) {
-        HWY_DYNAMIC_DISPATCH(linearise_template)(pieces, view.shape->x, view.shape->y, sums);
+    if (view.has_shape()) {
+        HWY_DYNAMIC_DISPATCH(linearise_template)(pieces, view.shape.x, view.shape.y, sums);
     } else {
         HWY_DYNAMIC_DISPATCH(linearise_stencil)
         (pieces, terms_of(view.stencil.disc()), at.x, at.y, sums);
@@ -617,11 +617,11 @@ CrossBlock coupling(const StencilView& a, Vec2 centre_a, const StencilView& b, V
     const int end = std::min(lines, lines - down);
     double sums[4] = {};
     if (end <= begin) return {};
-    if (a.shape != nullptr && b.shape != nullptr) {
+    if (a.has_shape() && b.has_shape()) {
         HWY_DYNAMIC_DISPATCH(couple_templates)
         ({spans.data() + begin, spans.data() + begin + down, end - begin, right,
-          a.transmission.row(a.anchor.y) + a.anchor.x, a.transmission.pitch(), a.shape->x,
-          a.shape->y, b.shape->x, b.shape->y},
+          a.transmission.row(a.anchor.y) + a.anchor.x, a.transmission.pitch(), a.shape.x,
+          a.shape.y, b.shape.x, b.shape.y},
          sums);
         return {sums[0], sums[1], sums[2], sums[3]};
     }

@@ -90,8 +90,10 @@ using HalfFloat = std::uint16_t;
 /// t of a disc somewhere in its window and −∂t/∂(x, y)/t, stencil.size() values each, in the order of
 /// the stencil, and the pieces in which t differs from 1.
 struct DiscTemplate {
-    const HalfFloat *t, *x, *y;
-    const std::vector<DiscStencil::Piece>* pieces;
+    const HalfFloat* t = nullptr;
+    const HalfFloat* x = nullptr;
+    const HalfFloat* y = nullptr;
+    const std::vector<DiscStencil::Piece>* pieces = nullptr;
 };
 
 /// Fills the tables of a template; centre seen from the anchor [px].
@@ -105,9 +107,10 @@ struct StencilView {
     PaddedImage& transmission;
     Anchor anchor;
     HalfFloat* own;              ///< stencil.size() values, where t is kept when it is computed
-    const DiscTemplate* shape{};  ///< what the disc is drawn from, if it is; then `own` is not read
+    DiscTemplate shape{};        ///< what the disc is drawn from, if it is; then `own` is not read
 
-    const HalfFloat* kept() const { return shape != nullptr ? shape->t : own; }
+    bool has_shape() const { return shape.t != nullptr; }
+    const HalfFloat* kept() const { return has_shape() ? shape.t : own; }
 };
 
 /// Asks for a disc's pixels ahead of their use.

@@ -115,7 +115,7 @@ void JointFit::set_visible(VisiblePixels visible) {
 StencilView JointFit::view(const Disc& disc) const {
     return {stencil_, darkness_, const_cast<PaddedImage&>(transmission_), disc.anchor,
             const_cast<HalfFloat*>(kept_.data()) + disc.slot * stencil_.size(),
-            disc.number != DiscTemplates::kNone ? &disc.shape : nullptr};
+            disc.number != DiscTemplates::kNone ? templates_[disc.number] : DiscTemplate{}};
 }
 
 std::uint32_t JointFit::free_slot() {
@@ -177,7 +177,6 @@ void JointFit::draw_new(std::size_t j) {
 void JointFit::use(Disc& disc, const DiscTemplates::Place& place) {
     disc.anchor = place.anchor;
     disc.placed = place.centre;
-    disc.shape = templates_[place.number];
     disc.number = place.number;
 }
 
@@ -199,12 +198,6 @@ double JointFit::move_to(std::size_t j, const DiscTemplates::Place& place) {
         change += place_template(view(disc));
     }
     return change;
-}
-
-/// Whether it is enough to draw discs at the nearest template.
-bool JointFit::is_rough(double tolerance) const {
-    return !templates_.is_empty() &&
-           tolerance >= 0.5 * DiscTemplates::kFarthest * profile_.edge_width;
 }
 
 void JointFit::add_all(const std::vector<Vec2>& positions, const std::vector<double>& explained,
@@ -315,7 +308,7 @@ std::pair<Redraw, float> JointFit::redraw_for(const Disc& disc, Vec2 to) const {
 
 /// One damped Gauss–Newton step of disc j; returns the length of the displacement done. Steps up to
 /// `lag` are not drawn.
-double JointFit::step(std::size_t j, double relaxation, double lag) {
+double JointFit::step(std::size_t j, double relaxation, double lag, Drawing drawing) {
     thread_local BeforeShift before;
     Disc& disc = discs_[j];
     const Vec2 start = positions_[j];
@@ -331,7 +324,7 @@ double JointFit::step(std::size_t j, double relaxation, double lag) {
         return norm(positions_[j] - start);
     }
     if (length > room) d *= room / length;
-    if (is_rough(lag)) return rough_step(j, d, n.misfit);
+    if (drawing == Drawing::roughly && !templates_.is_empty()) return rough_step(j, d, n.misfit);
 
     for (int attempt = 0; attempt < 4; ++attempt) {
         const Vec2 to = inside(from + d);
@@ -365,15 +358,12 @@ double JointFit::rough_step(std::size_t j, Vec2 d, double misfit) {
     const Vec2 from = disc.placed;
     const Disc before = disc;
     const DiscTemplates::Place back{from, before.anchor, before.number};
+    const double square = 0.999 / templates_.per_pixel();
     for (int attempt = 0; attempt < 4; ++attempt) {
         const Vec2 to = inside(from + d);
         const DiscTemplates::Place place = templates_.nearest(to);
-        if (is_at(disc, place)) {
-            positions_[j] = to;
-            return norm(to - start);
-        }
-        const double change = move_to(j, place);
-        if (change <= 1e-5 * (misfit + 1e-6)) {
+        const bool stays = is_at(disc, place);
+        if (stays || move_to(j, place) <= 1e-5 * (misfit + 1e-6)) {
             positions_[j] = to;
             return norm(to - start);
         }
@@ -382,15 +372,22 @@ double JointFit::rough_step(std::size_t j, Vec2 d, double misfit) {
         } else {
             move_to(j, from);
         }
+        // From one template to the next the misfit may rise though the step is right: as far as the
+        // edge of its square, then.
+        if (squared_norm(d) <= 2 * square * square) {
+            positions_[j] = from + Vec2{std::clamp(d.x, -square / 2, square / 2),
+                                        std::clamp(d.y, -square / 2, square / 2)};
+            return norm(positions_[j] - start);
+        }
         d *= 0.3;
     }
     positions_[j] = from;
     return 0;
 }
 
-void JointFit::take_step(std::size_t j, double relaxation, double lag) {
+void JointFit::take_step(std::size_t j, double relaxation, double lag, Drawing drawing) {
     Disc& disc = discs_[j];
-    const auto done = static_cast<float>(step(j, relaxation, lag));
+    const auto done = static_cast<float>(step(j, relaxation, lag, drawing));
     disc.is_disturbed = true;
     // Steps that shrink by q each leave s (q + q² + …); next to one another discs may shrink
     // slowly.
@@ -411,9 +408,10 @@ std::vector<char> JointFit::active_discs(double tolerance) const {
 
 void JointFit::in_tiles(const std::vector<std::uint32_t>& discs,
                         const std::function<void(const std::vector<std::uint32_t>&)>& body) {
-    // A disc writes at most reach + one step (and the rest of a vector) beyond its tile, so two
-    // tiles of one colour, one tile apart, never touch the same pixel.
-    const double furthest = profile_.reach() + std::max(1.0, longest_step(profile_)) + 1;
+    // A disc writes at most reach and its steps in one visit (and the rest of a vector) beyond its
+    // tile, so two tiles of one colour, one tile apart, never touch the same pixel.
+    const double farthest_step = (1 + kInnerSweeps) * longest_step(profile_);
+    const double furthest = profile_.reach() + std::max(1.0, farthest_step) + 1;
     const Grid tiles(darkness_.width(), height(),
                      std::max(kTile, 2 * furthest + PaddedImage::kMostLanes));
     std::vector<std::vector<std::uint32_t>> members(tiles.size());
@@ -430,7 +428,7 @@ void JointFit::in_tiles(const std::vector<std::uint32_t>& discs,
     }
 }
 
-JointFit::Summary JointFit::refine(const RefinementOptions& options) {
+JointFit::Summary JointFit::refine(const RefinementOptions& options, Drawing drawing) {
     Summary summary;
     std::vector<std::uint32_t> active;
     for (; summary.sweeps < options.max_sweeps; ++summary.sweeps) {
@@ -445,12 +443,11 @@ JointFit::Summary JointFit::refine(const RefinementOptions& options) {
         }
         if (active.empty()) return summary;
         ++revision_;
-        const bool roughly = is_rough(options.tolerance);
-        if (some_undrawn_ && (summary.sweeps == 0 || !roughly)) {
+        if (some_undrawn_) {
             // A disc is compared with the image of all that share pixels with it.
             std::vector<Vec2> places;
             for (const std::uint32_t j : active) places.push_back(positions_[j]);
-            draw_undrawn_near(places, 2 * profile_.reach(), roughly);
+            draw_undrawn_near(places, 2 * profile_.reach(), drawing);
         }
         std::atomic<std::int64_t> steps = 0;
         // A few discs at the edge of what can be resolved would step to and fro for ever.
@@ -458,19 +455,20 @@ JointFit::Summary JointFit::refine(const RefinementOptions& options) {
         in_tiles(active, [&](const std::vector<std::uint32_t>& tile) {
             for (std::size_t k = 0; k < tile.size(); ++k) {
                 if (k + 1 < tile.size()) fetch(tile[k + 1]);
-                take_step(tile[k], relaxation, kLag * options.tolerance);
+                take_step(tile[k], relaxation, kLag * options.tolerance, drawing);
             }
             auto done = static_cast<std::int64_t>(tile.size());
             // While the tile is in the cache.
             for (int again = 0; again < kInnerSweeps; ++again) {
                 for (const std::uint32_t j : tile) {
                     if (!discs_[j].is_restless(options.tolerance)) continue;
-                    take_step(j, relaxation, kLag * options.tolerance);
+                    take_step(j, relaxation, kLag * options.tolerance, drawing);
                     ++done;
                 }
             }
             steps += done;
         });
+        some_undrawn_ = some_undrawn_ || drawing == Drawing::roughly;
         summary.steps += steps;
     }
     summary.unsettled = std::count_if(discs_.begin(), discs_.end(), [&](const Disc& disc) {
@@ -532,11 +530,11 @@ bool JointFit::displace(const Displacement& all, double least_drawn, double far,
             some_undrawn_ = some_undrawn_ || length > 0;
         }
     }
-    // Twice the half diagonal of the squares about the templates.
+    // As far as a template can be from a disc, a step would not be drawn at all.
     const bool roughly =
-        is_rough(least_drawn / (2 * std::numbers::sqrt2)) && !drawn.empty();
+        least_drawn >= std::numbers::sqrt2 * DiscTemplates::kFarthest * profile_.edge_width;
     some_undrawn_ = some_undrawn_ || roughly;
-    redraw_all(drawn, roughly);
+    redraw_all(drawn, roughly ? Drawing::roughly : Drawing::exactly);
     return is_far;
 }
 
@@ -553,17 +551,20 @@ std::vector<char> JointFit::take_disturbed() {
     return disturbed;
 }
 
-void JointFit::draw_undrawn_near(const std::vector<Vec2>& places, double range, bool roughly) {
+void JointFit::draw_undrawn_near(const std::vector<Vec2>& places, double range, Drawing drawing) {
     if (!some_undrawn_) return;
-    PointGrid grid(darkness_.width(), height(), range);
-    for (const Vec2 p : places) grid.add(p, 0);
+    const bool roughly = drawing == Drawing::roughly && !templates_.is_empty();
     std::vector<std::uint32_t> waiting;
     for (std::uint32_t j = 0; j < discs_.size(); ++j) {
-        if (squared_norm(undrawn_step(j)) > 0 && grid.any(positions_[j], range)) {
-            waiting.push_back(j);
-        }
+        const bool is_drawn = roughly ? is_at(discs_[j], templates_.nearest(positions_[j]))
+                                      : !(squared_norm(undrawn_step(j)) > 0);
+        if (!is_drawn) waiting.push_back(j);
     }
-    redraw_all(waiting, roughly);
+    if (waiting.empty()) return;
+    PointGrid grid(darkness_.width(), height(), range);
+    for (const Vec2 p : places) grid.add(p, 0);
+    std::erase_if(waiting, [&](std::uint32_t j) { return !grid.any(positions_[j], range); });
+    redraw_all(waiting, drawing);
 }
 
 void JointFit::draw_undrawn() {
@@ -571,26 +572,26 @@ void JointFit::draw_undrawn() {
     for (std::uint32_t j = 0; j < discs_.size(); ++j) {
         if (squared_norm(undrawn_step(j)) > 0) waiting.push_back(j);
     }
-    redraw_all(waiting, false);
+    redraw_all(waiting, Drawing::exactly);
     some_undrawn_ = false;
 }
 
-void JointFit::redraw_all(const std::vector<std::uint32_t>& discs, bool roughly) {
+void JointFit::redraw_all(const std::vector<std::uint32_t>& discs, Drawing drawing) {
     if (discs.empty()) return;
     ++revision_;
     in_tiles(discs, [&](const std::vector<std::uint32_t>& tile) {
         for (std::size_t k = 0; k < tile.size(); ++k) {
             if (k + 1 < tile.size()) fetch(tile[k + 1]);
-            redraw(tile[k], roughly);
+            redraw(tile[k], drawing);
         }
     });
 }
 
 /// Draws a disc where it is now, or at the template nearest to that.
-void JointFit::redraw(std::size_t j, bool roughly) {
+void JointFit::redraw(std::size_t j, Drawing drawing) {
     Disc& disc = discs_[j];
     const Vec2 to = positions_[j];
-    if (roughly) {
+    if (drawing == Drawing::roughly && !templates_.is_empty()) {
         const DiscTemplates::Place place = templates_.nearest(to);
         if (!is_at(disc, place)) move_to(j, place);
         return;

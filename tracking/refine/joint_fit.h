@@ -26,6 +26,9 @@ struct RefinementOptions {
 
 OptionTable describe(RefinementOptions& options);
 
+/// Where a disc is drawn: where it is, or at the template nearest to that (disc_templates.h).
+enum class Drawing { exactly, roughly };
+
 /// All discs of one frame and the image that they make together.
 ///
 /// Least squares on the product of transmissions, M = 1 − Π_j (1 − P_j), over all positions at
@@ -93,7 +96,9 @@ class JointFit {
         std::int64_t skipped = 0;    ///< disc updates left out because the neighbourhood rested
         std::int64_t unsettled = 0;  ///< discs still moving when max_sweeps ended it
     };
-    Summary refine(const RefinementOptions& options);
+    /// Roughly: discs are drawn at the nearest template, and come to rest up to that much from where
+    /// they would; a joint step mends it.
+    Summary refine(const RefinementOptions& options, Drawing drawing = Drawing::exactly);
 
     const std::vector<Vec2>& positions() const { return positions_; }
     /// How far a disc would move in its next step, judged from the last two [px].
@@ -106,6 +111,8 @@ class JointFit {
     const PaddedImage& transmission() const { return transmission_; }
     const DiscProfile& disc() const { return profile_; }
     int threads() const { return threads_; }
+    /// Results do not depend on it.
+    void set_threads(int threads) { threads_ = threads; }
 
     /// Σ (I − M)² that each disc explains (disc_stencil.h, explained). Discs in whose neighbourhood
     /// nothing has moved by more than 0.2 px since the last call keep their value.
@@ -136,7 +143,8 @@ class JointFit {
     /// Draws all discs where they are …
     void draw_undrawn();
     /// … nearer than `range` to one of these places [px].
-    void draw_undrawn_near(const std::vector<Vec2>& places, double range, bool roughly = false);
+    void draw_undrawn_near(const std::vector<Vec2>& places, double range,
+                           Drawing drawing = Drawing::exactly);
 
     /// RMS of I − M within reach of each disc [contrast]; NaN without pixels. `gain`: by how much
     /// what is not drawn lowers the misfit about each disc [contrast²].
@@ -150,10 +158,9 @@ class JointFit {
     struct Disc {
         Anchor anchor;
         Vec2 placed;                ///< where it is in the image of all discs [px]
-        DiscTemplate shape{};       ///< what it is drawn from …
-        /// … if so; DiscTemplates::kNone: from computed transmissions.
+        std::uint32_t slot = 0;     ///< of its transmissions, if they are computed
+        /// Of the template that it is drawn from; DiscTemplates::kNone: they are computed.
         std::uint16_t number = DiscTemplates::kNone;
-        std::uint32_t slot = 0;     ///< of these
         float last_step = 0;        ///< [px]; large for discs that have not moved yet
         float left = 0;             ///< [px] expected of the next step; large likewise
         float stale = 0;            ///< [px] path since it was drawn as a whole
@@ -175,14 +182,13 @@ class JointFit {
     void use(Disc& disc, const DiscTemplates::Place& place);
     double move_to(std::size_t j, const DiscTemplates::Place& place);
     bool is_at(const Disc& disc, const DiscTemplates::Place& place) const;
-    bool is_rough(double tolerance) const;
     double move_to(std::size_t j, Vec2 to);
     std::pair<Redraw, float> redraw_for(const Disc& disc, Vec2 to) const;
-    void redraw(std::size_t j, bool roughly);
-    void redraw_all(const std::vector<std::uint32_t>& discs, bool roughly);
-    double step(std::size_t j, double relaxation, double lag);
+    void redraw(std::size_t j, Drawing drawing);
+    void redraw_all(const std::vector<std::uint32_t>& discs, Drawing drawing);
+    double step(std::size_t j, double relaxation, double lag, Drawing drawing);
     double rough_step(std::size_t j, Vec2 d, double misfit);
-    void take_step(std::size_t j, double relaxation, double lag);
+    void take_step(std::size_t j, double relaxation, double lag, Drawing drawing);
     void in_tiles(const std::vector<std::uint32_t>& discs,
                   const std::function<void(const std::vector<std::uint32_t>&)>& body);
     std::vector<char> active_discs(double tolerance) const;
@@ -200,7 +206,7 @@ class JointFit {
     std::uint32_t slots_ = 0;          ///< in use or given back
     std::vector<double> explained_;
     std::uint64_t revision_ = 0;
-    bool some_undrawn_ = false;
+    bool some_undrawn_ = false;  ///< by more than the lag of exact sweeps, perhaps
     VisiblePixels visible_;
     double pixels_;
 };

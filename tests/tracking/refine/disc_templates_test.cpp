@@ -46,7 +46,7 @@ struct Pair {
     }
     StencilView view(std::size_t j, bool from_template) {
         return {stencil, darkness, transmission, place[j].anchor, own[j].data(),
-                from_template ? &shape[j] : nullptr};
+                from_template ? shape[j] : DiscTemplate{}};
     }
 };
 
@@ -69,6 +69,16 @@ TEST(DiscTemplates, TheNearestPlaceIsWithinHalfASquareAndStaysItself) {
             EXPECT_EQ(again.number, place.number);
             EXPECT_EQ(again.anchor, place.anchor);
         }
+    }
+}
+
+TEST(DiscTemplates, TheCornersOfAnImageHavePlaces) {
+    const PaddedImage image = clear_transmission(40, 30, kDisc);
+    const DiscTemplates templates(DiscStencil(kDisc, image.pitch()));
+    for (const Vec2 p : {Vec2{-0.5, -0.5}, Vec2{39.5, 29.5}}) {
+        const auto place = templates.nearest(p);
+        EXPECT_NEAR(place.centre.x, p.x, DiscTemplates::kFarthest * kDisc.edge_width);
+        EXPECT_NEAR(place.centre.y, p.y, DiscTemplates::kFarthest * kDisc.edge_width);
     }
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <mutex>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -56,22 +55,38 @@ TEST(DrawingOrder, WhoIsVisitedSeesAllDiscsThatShareItsPixels) {
     }
 }
 
-TEST(DrawingOrder, PartsAreTheSameForAnyNumberOfThreads) {
-    const Frame frame(700, 300, {14, 1.2});
+// Strips are drawn side by side, then seams: threads must not meet.
+TEST(DrawingOrder, StripsShareNoPixelWithOneAnotherNorSeams) {
+    const Frame frame(900, 200, {14, 1.2});
     const DrawingOrder order(frame.image, frame.stencil, frame.anchors);
-    const int parts = DrawingOrder::parts(frame.image, frame.stencil);
-    const auto discs_of_parts = [&](int threads) {
-        std::vector<std::vector<std::uint32_t>> discs(static_cast<std::size_t>(parts));
-        std::mutex mutex;
-        order.visit(threads, [&](int part, const std::vector<std::uint32_t>& of_part) {
-            const std::lock_guard lock(mutex);
-            discs[static_cast<std::size_t>(part)] = of_part;
-        });
-        return discs;
+    // Before anybody is visited: which disc was drawn, by part; with one thread strips follow one
+    // another, and a new one begins at the top.
+    std::vector<std::vector<std::uint32_t>> groups(1);
+    int highest = -1;
+    order.draw_and_visit(
+        1, frame.image, frame.image,
+        [&](std::uint32_t j) {
+            const int height = static_cast<int>(frame.stencil.rows().size());
+            const int row = std::min(frame.anchors[j].y / height, (200 - 1) / height);
+            if (row < highest) groups.emplace_back();
+            highest = row;
+            groups.back().push_back(j);
+        },
+        [](int, const std::vector<std::uint32_t>&) {});
+    ASSERT_EQ(groups.size(), 7U) << "four strips and three seams";
+    const auto are_apart = [&](std::size_t a, std::size_t b) {
+        for (const std::uint32_t i : groups[a]) {
+            for (const std::uint32_t j : groups[b]) {
+                if (frame.share(i, j)) return false;
+            }
+        }
+        return true;
     };
-    const auto one = discs_of_parts(1);
-    EXPECT_GT(std::ranges::count_if(one, [](const auto& discs) { return !discs.empty(); }), 20);
-    EXPECT_EQ(discs_of_parts(5), one);
+    for (std::size_t a = 0; a < 7; ++a) {
+        const std::size_t end = a < 4 ? 4 : 7;
+        for (std::size_t b = a + 1; b < end; ++b) EXPECT_TRUE(are_apart(a, b)) << a << " " << b;
+    }
+    EXPECT_FALSE(are_apart(0, 4)) << "a seam lies beside its strip";
 }
 
 }  // namespace
