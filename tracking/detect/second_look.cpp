@@ -146,10 +146,16 @@ SecondLook look_again(JointFit& fit, DiscCorrelation& correlation, double separa
     // What moves by itself must not count for a trial.
     look.steps += fit.refine(few).steps;
     PointGrid tried(width, height, kTried * diameter);
+    std::vector<Vec2> places;
+    double enough = 0;
+    bool is_known = false;
     for (int round = 0; round < kRounds; ++round) {
-        const ResidualBlocks left = residual_of(fit);
-        const auto [median, unusual] = level(fit, left);
-        const std::vector<Vec2> places = candidates(fit, correlation, unusual, least, left);
+        if (!is_known) {
+            const ResidualBlocks left = residual_of(fit);
+            const auto [median, unusual] = level(fit, left);
+            places = candidates(fit, correlation, unusual, least, left);
+            enough = std::max(least, poverty * (median - left.white(noise)));
+        }
         if (places.empty()) break;
         const PointGrid present = all_discs(fit, kNeighbours * diameter);
         PointGrid taken(width, height, kApart * diameter);
@@ -170,8 +176,9 @@ SecondLook look_again(JointFit& fit, DiscCorrelation& correlation, double separa
             fit.add(trial.place);
         }
         look.steps += fit.refine(few).steps;
-        const std::int64_t kept = keep_the_better(
-            fit, trials, separation, std::max(least, poverty * (median - left.white(noise))));
+        const std::int64_t kept = keep_the_better(fit, trials, separation, enough);
+        // Where all have gone back the places are those of before.
+        is_known = kept == 0;
         look.steps += fit.refine(few).steps;
         look.trials += static_cast<std::int64_t>(trials.size());
         look.kept += kept;
