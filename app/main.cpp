@@ -11,8 +11,8 @@
 
 namespace {
 
-/// Frames come and go by the ten megabytes. Given back to the system each time, their memory would be
-/// cleared by it each time.
+/// Frames come and go by the ten megabytes. Given back to the system each time, their memory would
+/// be cleared by it each time.
 void keep_freed_memory() {
 #if defined(__GLIBC__)
     mallopt(M_MMAP_THRESHOLD, 1 << 25);  // [byte], the most that is accepted

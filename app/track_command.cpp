@@ -73,12 +73,8 @@ ordered_json facts(const Tracker& tracker, const TrackSummary& summary) {
         facts["edge_width_px"] = tracker.model().disc.edge_width;
     }
     const auto& ms = summary.ms_per_frame;
-    facts["ms_per_frame"] = {{"detect", ms.detect},
-                             {"refine", ms.refine},
-                             {"link", ms.link},
-                             {"read", ms.read},
-                             {"write", ms.write},
-                             {"wall", ms.wall}};
+    facts["ms_per_frame"] = {{"detect", ms.detect}, {"refine", ms.refine}, {"link", ms.link},
+                             {"read", ms.read},     {"write", ms.write},   {"wall", ms.wall}};
     facts["residual_rms"] = nullptr;
     if (has_residual(tracker, summary)) facts["residual_rms"] = summary.residual_rms;
     facts["layers"] = nullptr;

@@ -217,10 +217,11 @@ ValidationOutcome validate(const ValidationCase& scene, const ValidationSettings
     ScoringSink sink(scene.truth, outcome.scores, found, seen);
     PreviewChoice choice(settings.previews, scene.frames.count());
     std::vector<Preview> previews;
-    summary = tracker.run(sink, progress, [&](const Frame& frame, const Snapshot& snapshot,
-                                               std::int64_t) {
-        if (choice.takes(snapshot.frame)) previews.push_back({frame, snapshot, {}});
-    });
+    summary = tracker.run(sink, progress,
+                          [&](const Frame& frame, const Snapshot& snapshot, std::int64_t) {
+                              if (choice.takes(snapshot.frame))
+                                  previews.push_back({frame, snapshot, {}});
+                          });
     const bool interrupted = caught_signal() != 0;
     if (!interrupted) sink.skip_to(scene.frames.count());
     outcome.tracks = outcome.scores.tracks();

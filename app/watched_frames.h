@@ -11,8 +11,8 @@ namespace grainfield::app {
 
 enum class BadFrames { allow, refuse };
 
-/// Passes frames through and, if bad frames are refused, throws InputError for the first one that is
-/// corrupt or missing.
+/// Passes frames through and, if bad frames are refused, throws InputError for the first one that
+/// is corrupt or missing.
 class WatchedFrames : public FrameSource {
  public:
     WatchedFrames(std::unique_ptr<FrameSource> source, BadFrames bad_frames);

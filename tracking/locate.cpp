@@ -61,7 +61,7 @@ DiscProfile reduced(const DiscProfile& disc, int factor) {
 // error is of third order, for overlapping ones of second order in the step.
 constexpr double kNewton = 0.08;      // [w]
 constexpr double kLeastError = 1e-4;  // [px]
-constexpr double kSwept = 0.03;   // [w]
+constexpr double kSwept = 0.03;       // [w]
 constexpr int kMostSettling = 4;
 // A step of less than this many standard errors of an isolated sphere is not drawn.
 constexpr double kUndrawn = 8;
@@ -222,8 +222,8 @@ void Locator::place_all(const Scene& scene, std::optional<double> left) {
 /// the standard error of an isolated sphere.
 double Locator::far(double noise) const {
     const double error = std::max(kLeastError, noise / std::sqrt(disc_.information()));
-    return std::min({kNewton * disc_.edge_width, JointFit::kLongestStep,
-                     std::sqrt(disc_.edge_width * error)});
+    return std::min(
+        {kNewton * disc_.edge_width, JointFit::kLongestStep, std::sqrt(disc_.edge_width * error)});
 }
 
 /// Up to here a step need not be drawn [px].
@@ -232,8 +232,9 @@ double Locator::least_drawn(double noise, const RefinementOptions& refinement) c
     return std::max(refinement.tolerance, std::min(kUndrawn * error, far(noise)));
 }
 
-/// Sweeps, then a joint Newton step; small ones are not drawn, or `exactly`. With `information` of the discs as they were, that of
-/// neighbours of discs that went elsewhere is gathered anew; else all. Whether anybody went far.
+/// Sweeps, then a joint Newton step; small ones are not drawn, or `exactly`. With `information` of
+/// the discs as they were, that of neighbours of discs that went elsewhere is gathered anew; else
+/// all. Whether anybody went far.
 bool Locator::settle_once(SphereSearch& search, const RefinementOptions& refinement, bool exactly,
                           bool is_again, JointInformation& information, Located& found) {
     search.finish(swept(refinement, disc_), Drawing::roughly);
@@ -279,15 +280,14 @@ void Locator::settle_rest(SphereSearch& search, const RefinementOptions& refinem
 Located Locator::locate(const Image& darkness, const DetectionOptions& detection,
                         const RefinementOptions& refinement, const std::vector<Vec2>& start,
                         double step) {
-    return locate(
-        [&](int y, float* row) { std::copy_n(darkness.row(y), darkness.width(), row); }, detection,
-        refinement, start, step);
+    return locate([&](int y, float* row) { std::copy_n(darkness.row(y), darkness.width(), row); },
+                  detection, refinement, start, step);
 }
 
 /// Spheres are added and removed until nothing changes, and all of them settled.
 void Locator::find_all(SphereSearch& search, const DetectionOptions& detection,
-                     const RefinementOptions& refinement, bool exactly, Settled& settled,
-                     Located& found) {
+                       const RefinementOptions& refinement, bool exactly, Settled& settled,
+                       Located& found) {
     const auto settle_all = [&] {
         settled.is_settled = settle(search, refinement, exactly, settled.information, found);
         settled.gain = undrawn_gain(fit_, settled.information);
@@ -373,12 +373,13 @@ Located Locator::locate(const JointFit::WriteRow& darkness, const DetectionOptio
     const double border = detection.border * disc_.diameter;
     const std::vector<double> residuals = fit.residuals(settled.gain);
     const std::vector<double>& explained = fit.explained();
-    const std::vector<PositionCovariance> covariances = joint_covariance(settled.information, threads_);
+    const std::vector<PositionCovariance> covariances =
+        joint_covariance(settled.information, threads_);
     for (std::size_t j = 0; j < residuals.size(); ++j) {
         const Vec2 p = fit.positions()[j];
         found.unsettled += fit.is_restless(j, swept(refinement, disc_).tolerance) ? 1 : 0;
-        if (std::min({p.x, p.y, fit.darkness().width() - 1 - p.x,
-                      fit.darkness().height() - 1 - p.y, clearance(p)}) < border) {
+        if (std::min({p.x, p.y, fit.darkness().width() - 1 - p.x, fit.darkness().height() - 1 - p.y,
+                      clearance(p)}) < border) {
             continue;
         }
         const Vec2 error{std::sqrt(covariances[j].xx), std::sqrt(covariances[j].yy)};

@@ -108,8 +108,8 @@ class Locator {
                 JointInformation& information, Located& found);
     void settle_rest(SphereSearch& search, const RefinementOptions& refinement,
                      JointInformation& information);
-    void search_coarsely(const DetectionOptions& detection,
-                         const RefinementOptions& refinement, Located& found);
+    void search_coarsely(const DetectionOptions& detection, const RefinementOptions& refinement,
+                         Located& found);
 
     DiscProfile disc_;
     EdgeMeeting meeting_;

@@ -105,7 +105,8 @@ void transfer(NumberArchive& archive, TrackSummary& summary) {
     archive(summary.dimmest);
     archive(summary.brightest);
     FrameTimes& ms = summary.ms_per_frame;
-    for (double* time : {&ms.read, &ms.detect, &ms.refine, &ms.link, &ms.write, &ms.wall}) archive(*time);
+    for (double* time : {&ms.read, &ms.detect, &ms.refine, &ms.link, &ms.write, &ms.wall})
+        archive(*time);
 }
 
 void Tracker::transfer(NumberArchive& archive, Run& run) {

@@ -158,8 +158,7 @@ void Tracker::fit(std::vector<Job>& jobs) {
     }
     parallel_for(static_cast<std::int64_t>(fitted.size()), threads_, [&](std::int64_t i) {
         const auto lane = static_cast<std::size_t>(i);
-        lanes_[lane].locator.set_threads(
-            std::max(1, threads_ / static_cast<int>(fitted.size())));
+        lanes_[lane].locator.set_threads(std::max(1, threads_ / static_cast<int>(fitted.size())));
         fit(jobs[fitted[lane]], lanes_[lane]);
     });
     if (!fitted.empty()) light_ = lanes_[fitted.size() - 1].illumination.state();
@@ -329,8 +328,8 @@ void Tracker::finish(Job& job, Run& run, const EachFrame& each_frame) {
     if (job.frame.status != FrameStatus::ok) {
         ++(job.frame.status == FrameStatus::corrupt ? summary.frames_corrupt
                                                     : summary.frames_missing);
-        plan_.warn(fmt::format("{}, frame {}: {}", source_.name(), job.frame.index,
-                               job.frame.message));
+        plan_.warn(
+            fmt::format("{}, frame {}: {}", source_.name(), job.frame.index, job.frame.message));
         return;
     }
     const Snapshot snapshot = snapshot_of(job, run);

@@ -75,17 +75,18 @@ struct TrackResumption {
 /// Frames in, linked snapshots out: calibrates the image model on the first usable frame, then
 /// locates every sphere of every frame and gives it its identity through time.
 ///
-/// The first frame is fitted alone, then two at a time, side by side: both start from the spheres of
-/// the frame before the two (warm), one or two frames ago, unless these are expected to have moved
-/// by more than D/4 since or more frames are missing between them. Refinement goes on from there,
-/// and the search for spheres that came or went looks only where the residual asks for it. A frame
-/// that repeats the one before costs nothing. The light of each frame is followed (IlluminationFollower).
+/// The first frame is fitted alone, then two at a time, side by side: both start from the spheres
+/// of the frame before the two (warm), one or two frames ago, unless these are expected to have
+/// moved by more than D/4 since or more frames are missing between them. Refinement goes on from
+/// there, and the search for spheres that came or went looks only where the residual asks for it. A
+/// frame that repeats the one before costs nothing. The light of each frame is followed
+/// (IlluminationFollower).
 ///
 /// Where the height of the cell is given, spheres without room between the plates are left out and
 /// the others get the layer that their overlaps tell (Bilayer), up to turning a cluster over.
 ///
-/// Positions are in pixels of the source. Three frames are in memory at a time. Results do not depend
-/// on the number of threads: frames are fitted in twos on one thread as well.
+/// Positions are in pixels of the source. Three frames are in memory at a time. Results do not
+/// depend on the number of threads: frames are fitted in twos on one thread as well.
 class Tracker {
  public:
     /// Calibrates; what was decided goes into `plan`. The source must outlive the tracker. A source
@@ -102,14 +103,12 @@ class Tracker {
     TrajectoryInfo info() const;
 
     /// Told of each frame that was tracked, in order, and its position among those selected.
-    using EachFrame =
-        std::function<void(const Frame&, const Snapshot&, std::int64_t position)>;
+    using EachFrame = std::function<void(const Frame&, const Snapshot&, std::int64_t position)>;
 
     /// Tracks all frames. Corrupt and missing frames leave a gap. Stops early, keeping what was
     /// done, when an interrupt was caught (core/interrupt.h). A run that was saved, and a new
     /// tracker that goes on from there, give the same snapshots as one that was not.
-    TrackSummary run(SnapshotSink& sink, Progress& progress,
-                     const EachFrame& each_frame = {},
+    TrackSummary run(SnapshotSink& sink, Progress& progress, const EachFrame& each_frame = {},
                      const TrackResumption& resumption = {});
 
  private:

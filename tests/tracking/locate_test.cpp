@@ -298,9 +298,8 @@ Image exact_darkness(const LayerScene& scene, const DiscProfile& disc, double no
         for (int x = 0; x < scene.width; ++x) {
             double t = 1;
             const Vec2 pixel{static_cast<double>(x), static_cast<double>(y)};
-            grid.near(pixel, reach, [&](std::uint32_t, Vec2 p) {
-                t *= 1 - disc.darkness(norm(p - pixel));
-            });
+            grid.near(pixel, reach,
+                      [&](std::uint32_t, Vec2 p) { t *= 1 - disc.darkness(norm(p - pixel)); });
             image(x, y) = static_cast<float>(1 - t + noise * random.normal());
         }
     }
@@ -323,15 +322,15 @@ TEST(Locate, AtLowNoiseErrorsStayAtTheBoundAndNobodyIsRejected) {
                     locator.locate(image, {}, {}, step > 0 ? start : std::vector<Vec2>(), step);
                 start = found.fitted;
                 EXPECT_EQ(found.rejected, 0) << disc.diameter << " px, " << noise;
-                const auto s = score_positions(found.position, scene.position, 4, size, size,
-                                               disc.diameter);
+                const auto s =
+                    score_positions(found.position, scene.position, 4, size, size, disc.diameter);
                 EXPECT_EQ(s.missed + s.spurious, 0);
                 const auto bound = position_bounds(scene.position, disc, size, size, noise, 2);
                 double squares = 0;
                 for (const Vec2 b : bound) squares += 0.5 * squared_norm(b);
                 const double expected = std::sqrt(squares / static_cast<double>(bound.size()));
-                EXPECT_LT(s.rms, 1.1 * expected) << disc.diameter << " px, " << noise << ", step "
-                                                 << step;
+                EXPECT_LT(s.rms, 1.1 * expected)
+                    << disc.diameter << " px, " << noise << ", step " << step;
             }
         }
     }

@@ -245,9 +245,9 @@ Image SphereSearch::gain_above(const ResidualBlocks& residual, double least) {
     return correlation_.gain_in(places, darkness, fit_.transmission());
 }
 
-/// Where the model is not perfect, as on every real image, small gains are to be had anywhere. Where
-/// most spheres are missing the residual is large everywhere, and a gain of half a sphere is a
-/// candidate all the same.
+/// Where the model is not perfect, as on every real image, small gains are to be had anywhere.
+/// Where most spheres are missing the residual is large everywhere, and a gain of half a sphere is
+/// a candidate all the same.
 double SphereSearch::least_gain(const ResidualBlocks& residual) const {
     const double per_pixel = residual.total() / std::max(1.0, fit_.pixels());
     const double usual = per_pixel * std::numbers::pi * disc_.reach() * disc_.reach();
@@ -280,8 +280,8 @@ std::int64_t SphereSearch::add_missing() {
     std::int64_t added = 0;
     // Neighbours have moved to cover for a missing sphere, so its gain before they move back is
     // only part of what it will explain; whoever disappoints is removed again, for good.
-    for (const Peak& peak :
-         local_maxima(gain, static_cast<float>(least), 0.8 * disc_.diameter / correlation_.factor())) {
+    for (const Peak& peak : local_maxima(gain, static_cast<float>(least),
+                                         0.8 * disc_.diameter / correlation_.factor())) {
         const Vec2 place = correlation_.in_frame(peak.position);
         if (rejected_.any(place, kSameAgain * disc_.diameter)) continue;
         const std::optional<std::uint32_t> blocker = nearest(present, place, separation_);
@@ -314,8 +314,7 @@ void SphereSearch::run(const RefinementOptions& rough) {
     }
 }
 
-bool SphereSearch::look_again(const RefinementOptions& refinement,
-                              const ResidualBlocks& residual) {
+bool SphereSearch::look_again(const RefinementOptions& refinement, const ResidualBlocks& residual) {
     const auto begin = Clock::now();
     const SecondLook look = tracking::look_again(fit_, correlation_, separation_, summary_.noise,
                                                  summary_.evidence, refinement, residual);

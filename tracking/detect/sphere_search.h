@@ -54,8 +54,8 @@ class SphereSearch {
     /// took a step.
     bool look_again(const RefinementOptions& refinement, const ResidualBlocks& residual);
 
-    /// Whether a sphere might be missing, judged from what is left of the image. Counts as a pass if
-    /// none can be.
+    /// Whether a sphere might be missing, judged from what is left of the image. Counts as a pass
+    /// if none can be.
     bool misses_any(const ResidualBlocks& residual);
 
     /// Sweeps until nothing moves. Two discs that come together then are one: the weaker one goes

@@ -39,7 +39,7 @@ struct SharedTemplates {
     const DiscStencil::Row* a;  ///< first shared row of the edge, in the window of each
     const DiscStencil::Row* b;
     int rows;
-    int right;  ///< from the anchor of b to that of a
+    int right;                  ///< from the anchor of b to that of a
     const float* transmission;  ///< at the anchor of a
     std::ptrdiff_t pitch;
     const HalfFloat *ax, *ay, *bx, *by;
@@ -155,12 +155,11 @@ void tabulate_stencil(const DiscStencil::Piece* pieces, std::size_t n, const Dis
         for (int i = 0; i < DiscStencil::kLanes; i += lanes) {
             const Vector dx = hn::Iota(kTag, piece.dx - x + static_cast<float>(i));
             const std::ptrdiff_t at = piece.at + i;
-            const Vector kept =
-                store_half(rough_transmission(dx, hn::Mul(dy, dy), disc), t + at);
+            const Vector kept = store_half(rough_transmission(dx, hn::Mul(dy, dy), disc), t + at);
             const Vector r2 = hn::MulAdd(dx, dx, hn::Mul(dy, dy));
-            const Vector slope = hn::Div(hn::Mul(hn::Set(kTag, disc.two_over_width),
-                                                 hn::Sub(one, kept)),
-                                         hn::Sqrt(hn::Add(r2, hn::Set(kTag, 1e-12F))));
+            const Vector slope =
+                hn::Div(hn::Mul(hn::Set(kTag, disc.two_over_width), hn::Sub(one, kept)),
+                        hn::Sqrt(hn::Add(r2, hn::Set(kTag, 1e-12F))));
             store_half(hn::Mul(slope, dx), along + at);
             store_half(hn::Mul(slope, dy), down + at);
         }
@@ -271,8 +270,8 @@ void local_misfit_stencil(const StencilPieces& s, const DiscTerms& disc, float x
         // Where nothing is looked at, it is 0 and there is no residual.
         const auto is_visible = hn::Gt(transmission, hn::Zero(kTag));
         const auto is_near = hn::Le(hn::MulAdd(dx, dx, hn::Mul(dy, dy)), reach2);
-        const Vector residual = hn::IfThenElseZero(
-            is_near, residual_of(hn::LoadU(kTag, spot.darkness), transmission));
+        const Vector residual =
+            hn::IfThenElseZero(is_near, residual_of(hn::LoadU(kTag, spot.darkness), transmission));
         misfit = hn::MulAdd(residual, residual, misfit);
         pixels = hn::Add(pixels, hn::IfThenElseZero(hn::And(is_near, is_visible), one));
     });
@@ -416,8 +415,8 @@ double shift_template(const StencilPieces& s, const HalfFloat* to) {
         for (std::ptrdiff_t i = 0; i < DiscStencil::kLanes; i += lanes) {
             float* transmission = s.transmission + piece.offset + i;
             const Vector old = hn::LoadU(kTag, transmission);
-            const Vector ratio = hn::Mul(load_half(to + piece.at + i),
-                                         reciprocal(load_half(s.kept + piece.at + i)));
+            const Vector ratio =
+                hn::Mul(load_half(to + piece.at + i), reciprocal(load_half(s.kept + piece.at + i)));
             const Vector now = hn::Mul(old, ratio);
             hn::StoreU(now, kTag, transmission);
             change = hn::Add(change,
@@ -462,8 +461,12 @@ namespace {
 
 StencilPieces pieces_of(const StencilView& view, const std::vector<DiscStencil::Piece>& pieces) {
     const Anchor a = view.anchor;
-    return {pieces.data(), pieces.size(), view.darkness.row(a.y) + a.x,
-            view.transmission.row(a.y) + a.x, view.kept(), view.own};
+    return {pieces.data(),
+            pieces.size(),
+            view.darkness.row(a.y) + a.x,
+            view.transmission.row(a.y) + a.x,
+            view.kept(),
+            view.own};
 }
 
 StencilPieces pieces_of(const StencilView& view) {
@@ -620,8 +623,8 @@ CrossBlock coupling(const StencilView& a, Vec2 centre_a, const StencilView& b, V
     if (a.has_shape() && b.has_shape()) {
         HWY_DYNAMIC_DISPATCH(couple_templates)
         ({spans.data() + begin, spans.data() + begin + down, end - begin, right,
-          a.transmission.row(a.anchor.y) + a.anchor.x, a.transmission.pitch(), a.shape.x,
-          a.shape.y, b.shape.x, b.shape.y},
+          a.transmission.row(a.anchor.y) + a.anchor.x, a.transmission.pitch(), a.shape.x, a.shape.y,
+          b.shape.x, b.shape.y},
          sums);
         return {sums[0], sums[1], sums[2], sums[3]};
     }

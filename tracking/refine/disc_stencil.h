@@ -87,8 +87,8 @@ struct Anchor {
 /// value. What is stored is what multiplies the image, so that it divides out again.
 using HalfFloat = std::uint16_t;
 
-/// t of a disc somewhere in its window and −∂t/∂(x, y)/t, stencil.size() values each, in the order of
-/// the stencil, and the pieces in which t differs from 1.
+/// t of a disc somewhere in its window and −∂t/∂(x, y)/t, stencil.size() values each, in the order
+/// of the stencil, and the pieces in which t differs from 1.
 struct DiscTemplate {
     const HalfFloat* t = nullptr;
     const HalfFloat* x = nullptr;
@@ -106,8 +106,8 @@ struct StencilView {
     const PaddedImage& darkness;
     PaddedImage& transmission;
     Anchor anchor;
-    HalfFloat* own;              ///< stencil.size() values, where t is kept when it is computed
-    DiscTemplate shape{};        ///< what the disc is drawn from, if it is; then `own` is not read
+    HalfFloat* own;        ///< stencil.size() values, where t is kept when it is computed
+    DiscTemplate shape{};  ///< what the disc is drawn from, if it is; then `own` is not read
 
     bool has_shape() const { return shape.t != nullptr; }
     const HalfFloat* kept() const { return has_shape() ? shape.t : own; }
@@ -172,8 +172,8 @@ double shift(const StencilView& view, Vec2 to, Redraw redraw, BeforeShift& befor
 /// The same without the answer and the way back.
 void redraw(const StencilView& view, Vec2 to, Redraw redraw);
 
-/// T ← T · t_to / t with both from tables; the view stays that of before. Returns the change of Σ (I −
-/// M)². The way back is the same with the templates exchanged.
+/// T ← T · t_to / t with both from tables; the view stays that of before. Returns the change of Σ
+/// (I − M)². The way back is the same with the templates exchanged.
 double shift(const StencilView& view, const DiscTemplate& to);
 
 /// Undoes the last shift.

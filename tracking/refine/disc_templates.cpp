@@ -44,14 +44,12 @@ DiscTemplates::Place DiscTemplates::nearest(Vec2 p) const {
     place.anchor = Anchor::of(p, spacing_);
     const double x = p.x - place.anchor.x;
     const double y = p.y - static_cast<double>(place.anchor.y) * spacing_;
-    const int column =
-        std::clamp(static_cast<int>((x + 0.5) * per_pixel_), 0, columns_ - 1);
-    const int row =
-        std::clamp(static_cast<int>((y + 0.5 * spacing_) * per_pixel_), 0, rows_ - 1);
+    const int column = std::clamp(static_cast<int>((x + 0.5) * per_pixel_), 0, columns_ - 1);
+    const int row = std::clamp(static_cast<int>((y + 0.5 * spacing_) * per_pixel_), 0, rows_ - 1);
     place.number = static_cast<std::uint16_t>(row * columns_ + column);
-    place.centre = {place.anchor.x + (column + 0.5) / per_pixel_ - 0.5,
-                    static_cast<double>(place.anchor.y) * spacing_ + (row + 0.5) / per_pixel_ -
-                        0.5 * spacing_};
+    place.centre = {
+        place.anchor.x + (column + 0.5) / per_pixel_ - 0.5,
+        static_cast<double>(place.anchor.y) * spacing_ + (row + 0.5) / per_pixel_ - 0.5 * spacing_};
     return place;
 }
 

@@ -13,9 +13,10 @@ namespace grainfield::tracking {
 ///
 /// A fit that ends in a Newton step may begin with each disc up to 0.03 w per axis beside the place
 /// wanted: the step goes from where the disc is drawn. There t and ∂t/∂(x, y) are read instead of
-/// computed, from tables that stay in the second-level cache, and no t is kept: a third of the time.
-/// Places are a square grid, the same for rows that are `spacing` pixels apart. Tables of more than
-/// 3 MB (large discs with sharp edges) are not made: is_empty(), and everything is computed.
+/// computed, from tables that stay in the second-level cache, and no t is kept: a third of the
+/// time. Places are a square grid, the same for rows that are `spacing` pixels apart. Tables of
+/// more than 3 MB (large discs with sharp edges) are not made: is_empty(), and everything is
+/// computed.
 class DiscTemplates {
  public:
     explicit DiscTemplates(const DiscStencil& stencil);

@@ -28,7 +28,7 @@ int DrawingOrder::parts(const PaddedImage& image, const DiscStencil& stencil) {
 DrawingOrder::DrawingOrder(const PaddedImage& image, const DiscStencil& stencil,
                            const std::vector<Anchor>& anchors)
     : DrawingOrder(image, stencil) {
-    drawn_.resize(static_cast<std::size_t>(rows_ * 2 * strips_));
+    drawn_.resize(static_cast<std::size_t>(parts(image, stencil)));
     visited_.resize(drawn_.size());
     const auto column_of = [&](std::uint32_t j) {
         return std::clamp(anchors[j].x / cell_width_, 0, columns_ - 1);

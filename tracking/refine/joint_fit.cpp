@@ -113,7 +113,10 @@ void JointFit::set_visible(VisiblePixels visible) {
 }
 
 StencilView JointFit::view(const Disc& disc) const {
-    return {stencil_, darkness_, const_cast<PaddedImage&>(transmission_), disc.anchor,
+    return {stencil_,
+            darkness_,
+            const_cast<PaddedImage&>(transmission_),
+            disc.anchor,
             const_cast<HalfFloat*>(kept_.data()) + disc.slot * stencil_.size(),
             disc.number != DiscTemplates::kNone ? templates_[disc.number] : DiscTemplate{}};
 }

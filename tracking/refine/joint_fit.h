@@ -68,9 +68,9 @@ class JointFit {
     /// (disc_templates.h).
     Vec2 roughly(Vec2 p) const;
     void add(Vec2 position);
-    /// Many at once, in parallel, each roughly where it is to be. `explained`: what each disc is known to explain,
-    /// until something near it moves; empty: unknown. `left`: how far they are expected to be from
-    /// where they belong [px]; those nearer than the tolerance take no step.
+    /// Many at once, in parallel, each roughly where it is to be. `explained`: what each disc is
+    /// known to explain, until something near it moves; empty: unknown. `left`: how far they are
+    /// expected to be from where they belong [px]; those nearer than the tolerance take no step.
     void add_all(const std::vector<Vec2>& positions, const std::vector<double>& explained = {},
                  std::optional<double> left = {});
 
@@ -96,8 +96,8 @@ class JointFit {
         std::int64_t skipped = 0;    ///< disc updates left out because the neighbourhood rested
         std::int64_t unsettled = 0;  ///< discs still moving when max_sweeps ended it
     };
-    /// Roughly: discs are drawn at the nearest template, and come to rest up to that much from where
-    /// they would; a joint step mends it.
+    /// Roughly: discs are drawn at the nearest template, and come to rest up to that much from
+    /// where they would; a joint step mends it.
     Summary refine(const RefinementOptions& options, Drawing drawing = Drawing::exactly);
 
     const std::vector<Vec2>& positions() const { return positions_; }
@@ -157,8 +157,8 @@ class JointFit {
     /// One disc: where it is and what is known of it.
     struct Disc {
         Anchor anchor;
-        Vec2 placed;                ///< where it is in the image of all discs [px]
-        std::uint32_t slot = 0;     ///< of its transmissions, if they are computed
+        Vec2 placed;             ///< where it is in the image of all discs [px]
+        std::uint32_t slot = 0;  ///< of its transmissions, if they are computed
         /// Of the template that it is drawn from; DiscTemplates::kNone: they are computed.
         std::uint16_t number = DiscTemplates::kNone;
         float last_step = 0;        ///< [px]; large for discs that have not moved yet
@@ -211,8 +211,8 @@ class JointFit {
     double pixels_;
 };
 
-/// (A + λ)⁻¹ of one disc, λ = 1e-3 (tr A + 1): a Gauss–Newton step is its product with b. One that is
-/// fully hidden has no information and stays where it is.
+/// (A + λ)⁻¹ of one disc, λ = 1e-3 (tr A + 1): a Gauss–Newton step is its product with b. One that
+/// is fully hidden has no information and stays where it is.
 struct DampedInverse {
     double xx, xy, yy;  ///< [px²]
 

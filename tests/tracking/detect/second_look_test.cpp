@@ -55,8 +55,8 @@ Look looked(const Image& darkness, const std::vector<Vec2>& discs, int threads =
     Look look;
     look.before = fit.positions();
     look.misfit_before = fit.residual_rms();
-    look.summary = look_again(fit, correlation, 0.34 * kDisc.diameter, kNoise, 0.04, kRough,
-                              residual_of(fit));
+    look.summary =
+        look_again(fit, correlation, 0.34 * kDisc.diameter, kNoise, 0.04, kRough, residual_of(fit));
     look.after = fit.positions();
     look.misfit_after = fit.residual_rms();
     return look;

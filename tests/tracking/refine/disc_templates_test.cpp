@@ -45,8 +45,8 @@ struct Pair {
         return padded_darkness(d, kDisc);
     }
     StencilView view(std::size_t j, bool from_template) {
-        return {stencil, darkness, transmission, place[j].anchor, own[j].data(),
-                from_template ? shape[j] : DiscTemplate{}};
+        return {stencil,         darkness,      transmission,
+                place[j].anchor, own[j].data(), from_template ? shape[j] : DiscTemplate{}};
     }
 };
 
@@ -127,9 +127,8 @@ double misfit(const Pair& pair) {
     double sum = 0;
     for (int y = 0; y < 33; ++y) {
         for (int x = 0; x < 33; ++x) {
-            const double r =
-                static_cast<double>(pair.darkness(x, y)) - 1 +
-                static_cast<double>(pair.transmission(x, y));
+            const double r = static_cast<double>(pair.darkness(x, y)) - 1 +
+                             static_cast<double>(pair.transmission(x, y));
             sum += r * r;
         }
     }

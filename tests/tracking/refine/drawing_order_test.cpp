@@ -21,8 +21,8 @@ struct Frame {
         : image(clear_transmission(width, height, disc)), stencil(disc, image.pitch()) {
         RandomStream random(7, "anchors");
         for (int i = 0; i < width * height / 150; ++i) {
-            anchors.push_back(
-                Anchor::of({random.uniform(-0.5, width - 0.5), random.uniform(-0.5, height - 0.5)}));
+            anchors.push_back(Anchor::of(
+                {random.uniform(-0.5, width - 0.5), random.uniform(-0.5, height - 0.5)}));
         }
     }
 
