@@ -63,6 +63,9 @@ constexpr double kNewton = 0.08;      // [w]
 constexpr double kLeastError = 1e-4;  // [px]
 constexpr double kSwept = 0.03;       // [w]
 constexpr int kMostSettling = 4;
+// What is updated after a round keeps the couplings of before. Where many have gone far in a
+// crystal the matrix is then no longer positive, and joint steps diverge.
+constexpr double kMostFar = 0.28;  // of all discs
 // A step of less than this many standard errors of an isolated sphere is not drawn.
 constexpr double kUndrawn = 8;
 // The image that the product should see is made for the positions of the fit before; in crystals
@@ -232,39 +235,35 @@ double Locator::least_drawn(double noise, const RefinementOptions& refinement) c
     return std::max(refinement.tolerance, std::min(kUndrawn * error, far(noise)));
 }
 
-/// Sweeps, then a joint Newton step; small ones are not drawn, or `exactly`. With `information` of
-/// the discs as they were, that of neighbours of discs that went elsewhere is gathered anew; else
-/// all. Whether anybody went far.
-bool Locator::settle_once(SphereSearch& search, const RefinementOptions& refinement, bool exactly,
-                          bool is_again, JointInformation& information, Located& found) {
-    search.finish(swept(refinement, disc_), Drawing::roughly);
-    const double noise = search.summary().noise;
-    const double lag = exactly ? refinement.tolerance : least_drawn(noise, refinement);
-    const auto begin = Clock::now();
-    const std::vector<char> disturbed = fit_.take_disturbed();
-    if (is_again && information.own.size() == fit_.positions().size()) {
-        update_information(fit_, disturbed, information);
-        found.steps += std::count(disturbed.begin(), disturbed.end(), 1);
-    } else {
-        const bool is_known = early_ && early_revision_ == fit_.revision();
-        information = is_known ? *std::exchange(early_, {}) : joint_information(fit_);
-        found.steps += static_cast<std::int64_t>(information.own.size());
-    }
-    const auto joint = joint_step(information, 0.1 * refinement.tolerance);
-    const bool is_far = fit_.displace(joint, lag, far(noise), is_again);
-    found.refine_seconds += seconds_since(begin);
-    return is_far;
-}
-
-/// Rounds of it until nobody goes far. Who goes very far, or far more than once, is swept in
-/// between, where each step is checked: discs hardly wider than a pixel may step to and fro.
-/// Whether all are settled.
+/// Rounds of sweeps and a joint Newton step until nobody goes far; small steps are not drawn, or
+/// `exactly`. Who goes very far, or far more than once, is swept in between, where each step is
+/// checked: discs hardly wider than a pixel may step to and fro. From the second round on, that is
+/// known anew of the neighbours of discs that went elsewhere only. Whether all are settled.
 bool Locator::settle(SphereSearch& search, const RefinementOptions& refinement, bool exactly,
                      JointInformation& information, Located& found) {
+    std::int64_t went_far = 0;
     for (int round = 0; round < kMostSettling; ++round) {
-        if (!settle_once(search, refinement, exactly, round > 0, information, found)) {
-            return true;
+        search.finish(swept(refinement, disc_), Drawing::roughly);
+        const double noise = search.summary().noise;
+        const double lag = exactly ? refinement.tolerance : least_drawn(noise, refinement);
+        const auto begin = Clock::now();
+        const std::vector<char> disturbed = fit_.take_disturbed();
+        const auto discs = static_cast<std::int64_t>(disturbed.size());
+        const bool is_update =
+            round > 0 && static_cast<std::int64_t>(information.own.size()) == discs &&
+            static_cast<double>(went_far) <= kMostFar * static_cast<double>(discs);
+        if (is_update) {
+            update_information(fit_, disturbed, information);
+            found.steps += std::count(disturbed.begin(), disturbed.end(), 1);
+        } else {
+            const bool is_known = early_ && early_revision_ == fit_.revision();
+            information = is_known ? *std::exchange(early_, {}) : joint_information(fit_);
+            found.steps += discs;
         }
+        const auto joint = joint_step(information, 0.1 * refinement.tolerance);
+        went_far = fit_.displace(joint, lag, far(noise), round > 0);
+        found.refine_seconds += seconds_since(begin);
+        if (went_far == 0) return true;
     }
     return false;
 }
@@ -289,7 +288,9 @@ void Locator::find_all(SphereSearch& search, const DetectionOptions& detection,
                        const RefinementOptions& refinement, bool exactly, Settled& settled,
                        Located& found) {
     const auto settle_all = [&] {
-        settled.is_settled = settle(search, refinement, exactly, settled.information, found);
+        if (!settle(search, refinement, exactly, settled.information, found)) {
+            settle_rest(search, refinement, settled.information);
+        }
         settled.gain = undrawn_gain(fit_, settled.information);
         settled.residual.emplace(residual_of(fit_, settled.gain));
         settled.revision = fit_.revision();
@@ -305,7 +306,6 @@ void Locator::find_all(SphereSearch& search, const DetectionOptions& detection,
         search.look_again(swept(refinement, disc_), *settled.residual)) {
         settle_all();
     }
-    if (!settled.is_settled) settle_rest(search, refinement, settled.information);
 }
 
 Located Locator::locate(const JointFit::WriteRow& darkness, const DetectionOptions& detection,

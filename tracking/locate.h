@@ -88,7 +88,6 @@ class Locator {
     double clearance(Vec2 p) const;
     /// What is known when nobody moves any more.
     struct Settled {
-        bool is_settled = false;
         JointInformation information;
         std::vector<double> gain;                ///< undrawn
         std::optional<ResidualBlocks> residual;  ///< less that
@@ -102,8 +101,6 @@ class Locator {
     void place_all(const Scene& scene, std::optional<double> left);
     double far(double noise) const;
     double least_drawn(double noise, const RefinementOptions& refinement) const;
-    bool settle_once(SphereSearch& search, const RefinementOptions& refinement, bool exactly,
-                     bool is_again, JointInformation& information, Located& found);
     bool settle(SphereSearch& search, const RefinementOptions& refinement, bool exactly,
                 JointInformation& information, Located& found);
     void settle_rest(SphereSearch& search, const RefinementOptions& refinement,

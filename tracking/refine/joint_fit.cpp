@@ -511,14 +511,18 @@ void JointFit::fetch(std::size_t j) const {
     tracking::fetch(view(discs_[j]));
 }
 
-bool JointFit::displace(const Displacement& all, double least_drawn, double far, bool check_far) {
+std::int64_t JointFit::displace(const Displacement& all, double least_drawn, double far,
+                                bool check_far) {
     std::vector<std::uint32_t> drawn;
-    bool is_far = false;
+    std::int64_t went_far = 0;
     for (std::uint32_t j = 0; j < discs_.size(); ++j) {
         Disc& disc = discs_[j];
         const Vec2 step = all.step[j];
         const double length = std::sqrt(squared_norm(step));
-        if (!(length <= far)) disc.is_disturbed = is_far = true;
+        if (!(length <= far)) {
+            disc.is_disturbed = true;
+            ++went_far;
+        }
         disc.last_step = static_cast<float>(std::min(length, kLongestStep));
         // What is neglected is of second order in the step.
         const auto neglected = static_cast<float>(length * length / profile_.edge_width);
@@ -538,7 +542,7 @@ bool JointFit::displace(const Displacement& all, double least_drawn, double far,
         least_drawn >= std::numbers::sqrt2 * DiscTemplates::kFarthest * profile_.edge_width;
     some_undrawn_ = some_undrawn_ || roughly;
     redraw_all(drawn, roughly ? Drawing::roughly : Drawing::exactly);
-    return is_far;
+    return went_far;
 }
 
 std::vector<char> JointFit::take_disturbed() {

@@ -132,8 +132,9 @@ class JointFit {
     static constexpr double kLongestStep = 0.25;  ///< [px]
     /// Moves every disc, by kLongestStep at most: who would go farther steps again in the next
     /// refine(), and with `check_far` who goes by more than `far`. Steps shorter than `least_drawn`
-    /// [px] are not drawn. Whether anybody went by more than `far` [px].
-    bool displace(const Displacement& all, double least_drawn, double far, bool check_far = false);
+    /// [px] are not drawn. How many went by more than `far` [px].
+    std::int64_t displace(const Displacement& all, double least_drawn, double far,
+                          bool check_far = false);
     /// Discs near those that have gone, since this was asked last, where no Displacement or a far
     /// one led them: who shares edge pixels with one of these, and they themselves.
     std::vector<char> take_disturbed();
