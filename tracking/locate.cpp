@@ -287,9 +287,12 @@ Located Locator::locate(const Image& darkness, const DetectionOptions& detection
 void Locator::find_all(SphereSearch& search, const DetectionOptions& detection,
                        const RefinementOptions& refinement, bool exactly, Settled& settled,
                        Located& found) {
+    bool is_settled = true;
     const auto settle_all = [&] {
-        if (!settle(search, refinement, exactly, settled.information, found)) {
-            settle_rest(search, refinement, settled.information);
+        is_settled = settle(search, refinement, exactly, settled.information, found);
+        if (!is_settled) {
+            fit_.draw_undrawn();
+            search.finish(swept(refinement, disc_), Drawing::exactly);
         }
         settled.gain = undrawn_gain(fit_, settled.information);
         settled.residual.emplace(residual_of(fit_, settled.gain));
@@ -306,6 +309,7 @@ void Locator::find_all(SphereSearch& search, const DetectionOptions& detection,
         search.look_again(swept(refinement, disc_), *settled.residual)) {
         settle_all();
     }
+    if (!is_settled) settle_rest(search, refinement, settled.information);
 }
 
 Located Locator::locate(const JointFit::WriteRow& darkness, const DetectionOptions& detection,
