@@ -50,10 +50,10 @@ std::string words(const Session& session, const Tracker& tracker, const TrackSum
     }
     const auto& ms = summary.ms_per_frame;
     text += fmt::format(
-        "  time       {:.1f} ms a frame, two side by side; each read {:.1f}, detect {:.1f}, refine "
-        "{:.1f}, link {:.1f}, write {:.1f}; {} in all\n",
-        ms.wall, ms.read, ms.detect, ms.refine, ms.link, ms.write,
-        format_duration(session.seconds()));
+        "  time       {:.1f} ms a frame{} read {:.1f}, detect {:.1f}, refine {:.1f}, link {:.1f}, "
+        "write {:.1f}; {} in all\n",
+        ms.wall, summary.frames > 1 ? ", two side by side; of each" : ":", ms.read, ms.detect,
+        ms.refine, ms.link, ms.write, format_duration(session.seconds()));
     for (const PlannedStage& stage : session.plan.skipped()) {
         text += fmt::format("  skipped    {}: {}\n", stage.stage, stage.reason);
     }

@@ -191,12 +191,14 @@ void Tracker::fit(Job& job, Lane& lane) const {
                       ? static_cast<double>(job.position - previous_.position) * previous_.step_rms
                       : kWarmStep * model().disc.diameter;
     for (int attempt = 0; attempt < 2; ++attempt) {
+        begin = Clock::now();
         job.found = lane.locator.locate(
             [&](int y, float* row) { model().darkness_row(frame.image, light, y, row); },
             options_.detection, options_.refinement, places, step);
         if (attempt == 0) job.is_warm = job.found.warm && frame.index != calibration_frame_;
+        // Drawing and what every frame needs besides count as refinement.
         job.ms.detect += 1e3 * job.found.detect_seconds;
-        job.ms.refine += 1e3 * job.found.refine_seconds;
+        job.ms.refine += milliseconds_since(begin) - 1e3 * job.found.detect_seconds;
         begin = Clock::now();
         const Illumination settled =
             lane.illumination.settled(frame.image, light, lane.locator.transmission());
