@@ -32,11 +32,13 @@ class RecordLog {
 
  private:
     void find_records();
+    void begin_sync();
     std::vector<char> bytes_at(std::int64_t start, std::size_t count) const;
 
     std::filesystem::path path_;
     int descriptor_ = -1;
     std::int64_t bytes_ = 0;
+    std::int64_t begun_ = 0;  ///< those before are on their way to the disk
     std::vector<std::int64_t> starts_;
 };
 
