@@ -227,14 +227,55 @@ double explained_stencil(const StencilPieces& s) {
     return sum(change);
 }
 
+/// What becomes NormalEquations.
+struct NormalSums {
+    Vector xx, xy, yy, bx, by, misfit;
+
+    static HWY_INLINE NormalSums none() {
+        const Vector zero = hn::Zero(kTag);
+        return {zero, zero, zero, zero, zero, zero};
+    }
+
+    HWY_INLINE void add(Vector jx, Vector jy, Vector residual) {
+        xx = hn::MulAdd(jx, jx, xx);
+        xy = hn::MulAdd(jx, jy, xy);
+        yy = hn::MulAdd(jy, jy, yy);
+        bx = hn::MulAdd(jx, residual, bx);
+        by = hn::MulAdd(jy, residual, by);
+        misfit = hn::MulAdd(residual, residual, misfit);
+    }
+    HWY_INLINE void store(double* sums) const {
+        const Vector all[] = {xx, xy, yy, bx, by, misfit};
+        for (int i = 0; i < 6; ++i) sums[i] = sum(all[i]);
+    }
+};
+
+/// What becomes a CrossBlock.
+struct CrossSums {
+    Vector xx, xy, yx, yy;
+
+    static HWY_INLINE CrossSums none() {
+        const Vector zero = hn::Zero(kTag);
+        return {zero, zero, zero, zero};
+    }
+
+    HWY_INLINE void add(Vector from_a, Vector down_a, Vector from_b, Vector down_b) {
+        xx = hn::MulAdd(from_a, from_b, xx);
+        xy = hn::MulAdd(from_a, down_b, xy);
+        yx = hn::MulAdd(down_a, from_b, yx);
+        yy = hn::MulAdd(down_a, down_b, yy);
+    }
+    HWY_INLINE void store(double* sums) const {
+        sums[0] = sum(xx);
+        sums[1] = sum(xy);
+        sums[2] = sum(yx);
+        sums[3] = sum(yy);
+    }
+};
+
 void linearise_stencil(const StencilPieces& s, const DiscTerms& disc, float x, float y,
                        double* sums) {
-    Vector xx = hn::Zero(kTag);
-    Vector xy = xx;
-    Vector yy = xx;
-    Vector bx = xx;
-    Vector by = xx;
-    Vector misfit = xx;
+    NormalSums n = NormalSums::none();
     const Vector one = hn::Set(kTag, 1.0F);
     const Vector slope = hn::Set(kTag, disc.two_over_width);
     for_each_spot(s, x, y, [&](Vector dx, Vector dy, Spot spot) HWY_ATTR {
@@ -248,15 +289,9 @@ void linearise_stencil(const StencilPieces& s, const DiscTerms& disc, float x, f
         const Vector g = hn::Mul(hn::Mul(transmission, slope), hn::Mul(p, r_inv));
         const Vector jx = hn::Mul(g, dx);
         const Vector jy = hn::Mul(g, dy);
-        xx = hn::MulAdd(jx, jx, xx);
-        xy = hn::MulAdd(jx, jy, xy);
-        yy = hn::MulAdd(jy, jy, yy);
-        bx = hn::MulAdd(jx, residual, bx);
-        by = hn::MulAdd(jy, residual, by);
-        misfit = hn::MulAdd(residual, residual, misfit);
+        n.add(jx, jy, residual);
     });
-    const Vector all[] = {xx, xy, yy, bx, by, misfit};
-    for (int i = 0; i < 6; ++i) sums[i] = sum(all[i]);
+    n.store(sums);
 }
 
 void local_misfit_stencil(const StencilPieces& s, const DiscTerms& disc, float x, float y,
@@ -282,12 +317,7 @@ void local_misfit_stencil(const StencilPieces& s, const DiscTerms& disc, float x
 void linearise_template(const StencilPieces& s, const HalfFloat* along, const HalfFloat* down,
                         double* sums) {
     const std::ptrdiff_t lanes = static_cast<std::ptrdiff_t>(hn::Lanes(kTag));
-    Vector xx = hn::Zero(kTag);
-    Vector xy = xx;
-    Vector yy = xx;
-    Vector bx = xx;
-    Vector by = xx;
-    Vector misfit = xx;
+    NormalSums n = NormalSums::none();
     for (std::size_t j = 0; j < s.n; ++j) {
         const DiscStencil::Piece& piece = s.pieces[j];
         for (std::ptrdiff_t i = 0; i < DiscStencil::kLanes; i += lanes) {
@@ -296,24 +326,15 @@ void linearise_template(const StencilPieces& s, const HalfFloat* along, const Ha
                 residual_of(hn::LoadU(kTag, s.darkness + piece.offset + i), transmission);
             const Vector jx = hn::Mul(transmission, load_half(along + piece.at + i));
             const Vector jy = hn::Mul(transmission, load_half(down + piece.at + i));
-            xx = hn::MulAdd(jx, jx, xx);
-            xy = hn::MulAdd(jx, jy, xy);
-            yy = hn::MulAdd(jy, jy, yy);
-            bx = hn::MulAdd(jx, residual, bx);
-            by = hn::MulAdd(jy, residual, by);
-            misfit = hn::MulAdd(residual, residual, misfit);
+            n.add(jx, jy, residual);
         }
     }
-    const Vector all[] = {xx, xy, yy, bx, by, misfit};
-    for (int i = 0; i < 6; ++i) sums[i] = sum(all[i]);
+    n.store(sums);
 }
 
 void couple_templates(const SharedTemplates& s, double* sums) {
     const int lanes = static_cast<int>(hn::Lanes(kTag));
-    Vector xx = hn::Zero(kTag);
-    Vector xy = xx;
-    Vector yx = xx;
-    Vector yy = xx;
+    CrossSums block = CrossSums::none();
     for (int j = 0; j < s.rows; ++j) {
         const DiscStencil::Row& in_a = s.a[j];
         const DiscStencil::Row& in_b = s.b[j];
@@ -330,16 +351,10 @@ void couple_templates(const SharedTemplates& s, double* sums) {
             const Vector down_a = hn::Mul(both, load_half(s.ay + at_a + x));
             const Vector from_b = load_half(s.bx + at_b + x);
             const Vector down_b = load_half(s.by + at_b + x);
-            xx = hn::MulAdd(from_a, from_b, xx);
-            xy = hn::MulAdd(from_a, down_b, xy);
-            yx = hn::MulAdd(down_a, from_b, yx);
-            yy = hn::MulAdd(down_a, down_b, yy);
+            block.add(from_a, down_a, from_b, down_b);
         }
     }
-    sums[0] = sum(xx);
-    sums[1] = sum(xy);
-    sums[2] = sum(yx);
-    sums[3] = sum(yy);
+    block.store(sums);
 }
 
 void couple_rows(const SharedRow* rows, int n, const DiscTerms& disc, double* sums) {
@@ -347,10 +362,7 @@ void couple_rows(const SharedRow* rows, int n, const DiscTerms& disc, double* su
     const Vector iota = hn::Iota(kTag, 0.0F);
     const Vector one = hn::Set(kTag, 1.0F);
     const Vector floor = hn::Set(kTag, 1e-12F);
-    Vector xx = hn::Zero(kTag);
-    Vector xy = xx;
-    Vector yx = xx;
-    Vector yy = xx;
+    CrossSums block = CrossSums::none();
     for (int j = 0; j < n; ++j) {
         const SharedRow& row = rows[j];
         const Vector ay = hn::Set(kTag, row.ay);
@@ -372,16 +384,10 @@ void couple_rows(const SharedRow* rows, int n, const DiscTerms& disc, double* su
             const Vector both = hn::IfThenElseZero(inside, all);
             const Vector from_a = hn::Mul(both, ax);
             const Vector down_a = hn::Mul(both, ay);
-            xx = hn::MulAdd(from_a, bx, xx);
-            xy = hn::MulAdd(from_a, by, xy);
-            yx = hn::MulAdd(down_a, bx, yx);
-            yy = hn::MulAdd(down_a, by, yy);
+            block.add(from_a, down_a, bx, by);
         }
     }
-    sums[0] = sum(xx);
-    sums[1] = sum(xy);
-    sums[2] = sum(yx);
-    sums[3] = sum(yy);
+    block.store(sums);
 }
 
 /// T ← T · t / t_before. Without a way back (null) the change is not asked for either.

@@ -359,8 +359,7 @@ double JointFit::rough_step(std::size_t j, Vec2 d, double misfit) {
     Disc& disc = discs_[j];
     const Vec2 start = positions_[j];
     const Vec2 from = disc.placed;
-    const Disc before = disc;
-    const DiscTemplates::Place back{from, before.anchor, before.number};
+    const DiscTemplates::Place back{from, disc.anchor, disc.number};
     const double square = 0.999 / templates_.per_pixel();
     for (int attempt = 0; attempt < 4; ++attempt) {
         const Vec2 to = inside(from + d);
@@ -370,7 +369,7 @@ double JointFit::rough_step(std::size_t j, Vec2 d, double misfit) {
             positions_[j] = to;
             return norm(to - start);
         }
-        if (before.number != DiscTemplates::kNone) {
+        if (back.number != DiscTemplates::kNone) {
             move_to(j, back);
         } else {
             move_to(j, from);
