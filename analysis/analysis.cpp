@@ -9,15 +9,15 @@
 
 #include <fmt/format.h>
 
-#include "analysis/bond_statistics.h"
-#include "analysis/listed_modes.h"
+#include "analysis/order/bond_statistics.h"
+#include "analysis/spectra/listed_modes.h"
 #include "analysis/observable_set.h"
-#include "analysis/order_correlation.h"
-#include "analysis/order_examples.h"
-#include "analysis/solid_clusters.h"
+#include "analysis/order/order_correlation.h"
+#include "analysis/order/order_examples.h"
+#include "analysis/order/solid_clusters.h"
 #include "core/errors.h"
-#include "core/interrupt.h"
-#include "core/parallel.h"
+#include "core/support/interrupt.h"
+#include "core/support/parallel.h"
 
 namespace grainfield::analysis {
 namespace {

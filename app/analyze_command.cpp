@@ -2,21 +2,21 @@
 
 #include <fmt/format.h>
 
-#include "analysis/run_series.h"
-#include "app/field_results.h"
+#include "analysis/statistics/run_series.h"
 #include "app/interrupt_deadline.h"
-#include "app/lengths.h"
 #include "core/errors.h"
-#include "core/interrupt.h"
+#include "core/support/interrupt.h"
 #include "io/file_kind.h"
+#include "io/h5/results_file.h"
+#include "io/h5/trajectory_file.h"
 #include "io/open_snapshots.h"
 #include "io/output_file.h"
-#include "io/points_csv.h"
-#include "io/results_file.h"
-#include "io/trajectory_file.h"
-#include "io/wavevector_csv.h"
+#include "io/text/points_csv.h"
+#include "io/text/wavevector_csv.h"
+#include "pipelines/analyze/lengths.h"
+#include "pipelines/field/field_results.h"
+#include "report/page/text.h"
 #include "report/run_identity.h"
-#include "report/text.h"
 
 namespace grainfield::app {
 
@@ -87,7 +87,7 @@ ordered_json facts(const Results& results) {
 }
 
 // The frames that the tracker kept; where there are none, the last snapshot alone.
-std::vector<Preview> previews(SnapshotSource& file, AdjustedSnapshots& snapshots) {
+std::vector<Preview> previews(SnapshotSource& file, pipelines::AdjustedSnapshots& snapshots) {
     if (const auto* trajectory = dynamic_cast<const io::TrajectoryFile*>(&file)) {
         if (!trajectory->previews().empty()) return trajectory->previews();
     }
@@ -145,9 +145,9 @@ std::string AnalyzeCommand::label_of(const Results& results,
     return identity.value ? report::legend_of(identity) : input.stem().string();
 }
 
-Adjustment AnalyzeCommand::adjustment() const {
-    Adjustment adjustment;
-    if (!box_.empty()) adjustment.box_length = parse_box_length(box_);
+pipelines::Adjustment AnalyzeCommand::adjustment() const {
+    pipelines::Adjustment adjustment;
+    if (!box_.empty()) adjustment.box_length = pipelines::parse_box_length(box_);
     if (boundary_ == BoundaryChoice::periodic) adjustment.boundary = Boundary::periodic;
     if (boundary_ == BoundaryChoice::walls) adjustment.boundary = Boundary::walls;
     adjustment.frame_rate = fps_;
@@ -160,8 +160,8 @@ Summary AnalyzeCommand::run_fields(Session& session) const {
     const std::filesystem::path& input = session.inputs.front();
     std::optional<io::OutputFile> output;
     if (!session.common.explain) output.emplace(output_, overwrite);
-    Results results = field_results(input, from_fields_,
-                                    {analysis_.sk, analysis_.fit, analysis_.synthetic}, session);
+    Results results = pipelines::field_results(
+        input, from_fields_, {analysis_.sk, analysis_.fit, analysis_.synthetic}, session);
     if (session.common.explain) return explanation(session.plan);
     results.record = session.record();
     results.label = label_of(results, input);
@@ -204,18 +204,19 @@ Summary AnalyzeCommand::work(Session& session) const {
     }
     std::optional<io::OutputFile> output;
     if (!session.common.explain) output.emplace(output_, overwrite);
-    const Adjustment adjustment = this->adjustment();
+    const pipelines::Adjustment adjustment = this->adjustment();
     TrajectoryInfo hints;
     adjustment.apply_to(hints);
     std::optional<Box> box;
     if (adjustment.box_length) box = Box{.origin = {}, .length = *adjustment.box_length};
     if (box && adjustment.boundary) box->boundary = {*adjustment.boundary, *adjustment.boundary};
     const auto file = io::open_snapshots(input, box, hints);
-    AdjustedSnapshots snapshots(*file, adjustment);
+    pipelines::AdjustedSnapshots snapshots(*file, adjustment);
     if (const auto* tracks = dynamic_cast<const io::TrajectoryFile*>(file.get());
         tracks != nullptr) {
         for (const std::string& warning : tracks->record().warnings) {
-            const bool is_apparent = warning.starts_with(apparent_diameter_warning) && !diameter_;
+            const bool is_apparent =
+                warning.starts_with(pipelines::apparent_diameter_warning) && !diameter_;
             if (is_apparent || warning.starts_with("incomplete")) session.plan.warn(warning);
         }
     }
@@ -231,7 +232,7 @@ Summary AnalyzeCommand::work(Session& session) const {
     progress.finish();
     results.source = snapshots.info();
     results.observables.insert(results.observables.begin(),
-                               lengths_of(*file, results.source, adjustment));
+                               pipelines::lengths_of(*file, results.source, adjustment));
     if (const auto* tracks = dynamic_cast<const io::TrajectoryFile*>(file.get())) {
         if (!tracks->record().command.empty()) results.sources = {tracks->record()};
         if (!tracks->curves().empty()) {

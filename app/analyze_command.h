@@ -5,8 +5,8 @@
 #include <string>
 
 #include "analysis/analysis.h"
-#include "app/adjusted_snapshots.h"
 #include "app/command.h"
+#include "pipelines/analyze/adjusted_snapshots.h"
 
 namespace grainfield::app {
 
@@ -24,7 +24,7 @@ class AnalyzeCommand : public Command {
     Summary run_fields(Session& session) const;
     enum class BoundaryChoice { as_in_file, periodic, walls };
 
-    Adjustment adjustment() const;
+    pipelines::Adjustment adjustment() const;
     std::string label_of(const Results& results, const std::filesystem::path& input) const;
 
     std::string output_;

@@ -6,37 +6,11 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
-#include "core/parallel.h"
 #include "core/version.h"
-#include "io/input_record.h"
 
 namespace grainfield::app {
 
 using nlohmann::ordered_json;
-
-int Session::threads() const {
-    return thread_count(common.threads);
-}
-
-double Session::seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-RunRecord Session::record() const {
-    RunRecord record;
-    record.command = command;
-    record.version = kVersion;
-    record.seed = static_cast<std::uint64_t>(common.seed);
-    record.threads = threads();
-    record.seconds = seconds();
-    record.configuration = configuration;
-    for (const auto& input : inputs) record.inputs.push_back(io::describe_input(input));
-    for (const PlannedStage& stage : plan.skipped()) {
-        record.skipped.push_back(stage.stage + ": " + stage.reason);
-    }
-    record.warnings = plan.warnings();
-    return record;
-}
 
 ordered_json json_summary(const Session& session, const Summary& summary) {
     ordered_json object;
@@ -98,10 +72,6 @@ void require_hdf5_name(const std::string& output) {
          .suggestion =
              fmt::format("for example -o {}",
                          std::filesystem::path(output).replace_extension(".h5").string())});
-}
-
-std::string counted(std::int64_t count, const std::string& noun) {
-    return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
 }  // namespace grainfield::app

@@ -10,28 +10,15 @@
 
 #include <nlohmann/json.hpp>
 
-#include "app/common_options.h"
 #include "core/option_table.h"
 #include "core/results.h"
 #include "core/run_plan.h"
+#include "pipelines/session.h"
 
 namespace grainfield::app {
 
-/// One invocation of a command: what it was asked for and what it gathers on the way.
-struct Session {
-    std::string command;
-    CommonOptions common;
-    std::vector<std::filesystem::path> inputs;
-    std::vector<std::pair<std::string, std::string>> configuration;
-    RunPlan plan;
-    std::vector<std::filesystem::path> outputs;
-    std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
-
-    int threads() const;
-    double seconds() const;
-    /// How this run came to be, with the inputs and what was skipped so far.
-    RunRecord record() const;
-};
+using pipelines::counted;
+using pipelines::Session;
 
 /// What a command reports when it is done. Commands print nothing themselves.
 struct Summary {
@@ -76,12 +63,5 @@ void require_output(const Session& session, const std::string& output);
 
 /// Throws OptionError unless the name ends in .h5 or .hdf5.
 void require_hdf5_name(const std::string& output);
-
-/// How the warning begins that lengths are in a unit that may not be the one wanted; stored with
-/// the trajectory and passed on by the analysis.
-inline constexpr const char* apparent_diameter_warning = "lengths are in apparent disc diameters D";
-
-/// "1 frame", "2 frames".
-std::string counted(std::int64_t count, const std::string& noun);
 
 }  // namespace grainfield::app

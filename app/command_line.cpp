@@ -176,7 +176,7 @@ class BoundCommand {
     }
 
     std::unique_ptr<Command> command_;
-    CommonOptions common_;
+    pipelines::CommonOptions common_;
     OptionSet options_;
     CLI::App* parser_ = nullptr;
     std::vector<CLI::Option*> given_;  // parallel to the entries of options_

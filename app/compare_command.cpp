@@ -8,9 +8,9 @@
 #include "app/figures_folder.h"
 #include "app/interrupt_deadline.h"
 #include "core/errors.h"
-#include "core/interrupt.h"
+#include "core/support/interrupt.h"
+#include "io/h5/results_file.h"
 #include "io/output_file.h"
-#include "io/results_file.h"
 
 namespace grainfield::app {
 

@@ -7,12 +7,12 @@
 
 #include <fmt/format.h>
 
-#include "analysis/fit_result.h"
+#include "analysis/statistics/fit_result.h"
 #include "app/interrupt_deadline.h"
 #include "core/errors.h"
-#include "core/interrupt.h"
-#include "io/results_file.h"
-#include "report/text.h"
+#include "core/support/interrupt.h"
+#include "io/h5/results_file.h"
+#include "report/page/text.h"
 
 namespace grainfield::app {
 

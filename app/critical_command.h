@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/critical.h"
+#include "analysis/statistics/critical.h"
 #include "app/command.h"
 
 namespace grainfield::app {

@@ -4,13 +4,13 @@
 
 #include "app/interrupt_deadline.h"
 #include "core/errors.h"
-#include "io/colour_video.h"
-#include "io/export_files.h"
 #include "io/file_kind.h"
+#include "io/h5/results_file.h"
+#include "io/h5/trajectory_file.h"
 #include "io/open_snapshots.h"
 #include "io/output_file.h"
-#include "io/results_file.h"
-#include "io/trajectory_file.h"
+#include "io/text/export_files.h"
+#include "io/video/colour_video.h"
 
 namespace grainfield::app {
 

@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include "io/field_file.h"
 #include "io/file_kind.h"
 #include "io/frame_files.h"
+#include "io/h5/field_file.h"
+#include "io/h5/results_file.h"
+#include "io/h5/trajectory_file.h"
 #include "io/open_snapshots.h"
-#include "io/results_file.h"
-#include "io/trajectory_file.h"
-#include "report/text.h"
+#include "report/page/text.h"
 
 namespace grainfield::app {
 

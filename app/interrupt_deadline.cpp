@@ -11,8 +11,8 @@
 #include <unistd.h>
 
 #include "core/errors.h"
-#include "core/interrupt.h"
-#include "core/output_file.h"
+#include "core/support/interrupt.h"
+#include "core/support/output_file.h"
 
 namespace grainfield::app {
 

@@ -7,7 +7,7 @@
 
 #include "app/command_line.h"
 #include "app/exit_code.h"
-#include "core/interrupt.h"
+#include "core/support/interrupt.h"
 
 namespace {
 

@@ -10,11 +10,11 @@
 #include "analysis/analysis.h"
 #include "core/errors.h"
 #include "core/frame_source.h"
-#include "core/interrupt.h"
-#include "core/progress.h"
-#include "io/colour_video.h"
+#include "core/support/interrupt.h"
+#include "core/support/progress.h"
 #include "io/frame_files.h"
-#include "report/overlay.h"
+#include "io/video/colour_video.h"
+#include "report/maps/overlay.h"
 
 namespace grainfield::app {
 

@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 
 #include "app/optics_summary.h"
-#include "app/snapshot_window.h"
 #include "core/errors.h"
-#include "core/interrupt.h"
-#include "core/progress.h"
+#include "core/support/interrupt.h"
+#include "core/support/progress.h"
 #include "io/open_snapshots.h"
+#include "pipelines/render/snapshot_window.h"
 #include "simulate/render/grain_motion.h"
 #include "simulate/render/lasting_ids.h"
 
@@ -95,7 +95,7 @@ RenderCommand::Tally RenderCommand::render_all(Session& session, SnapshotSource&
                                                io::TrajectoryWriter* truth) const {
     const bool video = io::is_video_name(output_);
     Tally tally;
-    SnapshotWindow window(source);
+    pipelines::SnapshotWindow window(source);
     simulate::LastingIds ids(renderer.crossing_span(source.read(0).box));
     Progress progress("rendering", static_cast<std::int64_t>(chosen.size()), "frames",
                       session.common.verbosity());
@@ -161,7 +161,7 @@ Summary RenderCommand::run(Session& session) {
         session.plan.run("truth", fmt::format("positions in pixels to '{}'", truth_));
     }
     if (session.common.explain) {
-        SnapshotWindow window(*source);
+        pipelines::SnapshotWindow window(*source);
         explain_rays(simulate::check_sampling(
                          options, renderer.view(), source->info(),
                          window.around(chosen.front(), renderer.half_exposure()),

@@ -8,8 +8,8 @@
 
 #include "app/command.h"
 #include "core/trajectory.h"
-#include "io/frame_writer.h"
-#include "io/trajectory_file.h"
+#include "io/h5/trajectory_file.h"
+#include "io/images/frame_writer.h"
 #include "simulate/render/renderer.h"
 #include "simulate/render/sampling_check.h"
 

@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "app/field_job.h"
 #include "core/errors.h"
-#include "core/progress.h"
+#include "core/support/progress.h"
+#include "pipelines/field/field_job.h"
 
 namespace grainfield::app {
 
@@ -39,7 +39,7 @@ std::filesystem::path name_for(const std::filesystem::path& output, double nu) {
            fmt::format("{}-nu{:g}{}", output.stem().string(), nu, output.extension().string());
 }
 
-std::string words(const std::filesystem::path& output, const FieldJobResult& result) {
+std::string words(const std::filesystem::path& output, const pipelines::FieldJobResult& result) {
     std::string text = fmt::format("{}: {} steps, {:.3f} ms each, scheme {}\n", output.string(),
                                    result.steps, result.ms_per_step, result.scheme);
     for (const ObservableResult& observable : result.statistics) {
@@ -54,7 +54,7 @@ std::string words(const std::filesystem::path& output, const FieldJobResult& res
                               result.mass_drift);
 }
 
-ordered_json facts(const FieldJobResult& result) {
+ordered_json facts(const pipelines::FieldJobResult& result) {
     ordered_json facts;
     facts["steps"] = result.steps;
     facts["ms_per_step"] = result.ms_per_step;
@@ -90,12 +90,12 @@ Summary SimulateFieldCommand::run(Session& session) {
     field_.seed = static_cast<std::uint64_t>(session.common.seed);
     field_.threads = session.threads();
     const std::vector<double> list = parse_list(nu_list_);
-    std::vector<FieldJobOptions> jobs;
+    std::vector<pipelines::FieldJobOptions> jobs;
     for (const double nu : list.empty() ? std::vector<double>{field_.model.nu} : list) {
-        FieldJobOptions job{output_, resume_, checkpoint_every_, field_, sk_};
+        pipelines::FieldJobOptions job{output_, resume_, checkpoint_every_, field_, sk_};
         job.field.model.nu = nu;
         if (!list.empty()) job.output = name_for(output_, nu);
-        for (const FieldJobOptions& other : jobs) {
+        for (const pipelines::FieldJobOptions& other : jobs) {
             if (other.output != job.output) continue;
             throw OptionError({.problem = "option 'nu-list' has two values with one output",
                                .actual = fmt::format("{:g} and {:g}, both '{}'",
@@ -118,7 +118,7 @@ Summary SimulateFieldCommand::run(Session& session) {
         for (auto& [name, text] : session.configuration) {
             if (name == "model.nu") text = to_text(OptionValue(jobs[i].field.model.nu));
         }
-        const FieldJobResult result = run_field_job(jobs[i], field, session);
+        const pipelines::FieldJobResult result = pipelines::run_field_job(jobs[i], field, session);
         summary.text += words(jobs[i].output, result);
         if (jobs.size() == 1) {
             summary.facts = facts(result);

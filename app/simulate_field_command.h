@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "analysis/structure_factor.h"
+#include "analysis/spectra/structure_factor.h"
 #include "app/command.h"
 #include "simulate/field/field_options.h"
 

@@ -7,15 +7,15 @@
 
 #include <fmt/format.h>
 
-#include "app/order_series.h"
-#include "app/snapshot_segments.h"
 #include "core/errors.h"
-#include "core/interrupt.h"
-#include "core/progress.h"
-#include "io/checkpoint_file.h"
+#include "core/support/interrupt.h"
+#include "core/support/progress.h"
+#include "io/h5/checkpoint_file.h"
+#include "io/h5/trajectory_file.h"
 #include "io/open_snapshots.h"
 #include "io/output_file.h"
-#include "io/trajectory_file.h"
+#include "pipelines/md/order_series.h"
+#include "pipelines/md/snapshot_segments.h"
 #include "simulate/md/initial_state.h"
 #include "simulate/md/md_simulation.h"
 
@@ -132,7 +132,7 @@ std::vector<std::pair<std::string, std::string>> SimulateMdCommand::physics(
 }
 
 void SimulateMdCommand::save(const Session& session, const MdSimulation& simulation,
-                             SnapshotSegments& segments) const {
+                             pipelines::SnapshotSegments& segments) const {
     segments.close();
     Checkpoint checkpoint = simulation.checkpoint();
     checkpoint.configuration = physics(session);
@@ -141,7 +141,7 @@ void SimulateMdCommand::save(const Session& session, const MdSimulation& simulat
 }
 
 void SimulateMdCommand::run_to_end(Session& session, MdSimulation& simulation,
-                                   SnapshotSegments& segments) const {
+                                   pipelines::SnapshotSegments& segments) const {
     Progress progress("simulating", static_cast<std::int64_t>(md_.run.periods), "periods",
                       session.common.verbosity());
     progress.resume_at(static_cast<std::int64_t>(simulation.periods_done()));
@@ -186,9 +186,10 @@ std::int64_t SimulateMdCommand::segments_of(const Checkpoint& checkpoint) const 
 }
 
 void SimulateMdCommand::finish(Session& session, const MdSimulation& simulation,
-                               SnapshotSegments& segments, io::TrajectoryWriter& writer) const {
+                               pipelines::SnapshotSegments& segments,
+                               io::TrajectoryWriter& writer) const {
     if (order_) {
-        OrderSeries order(writer, simulation.period(), simulation.info().diameter);
+        pipelines::OrderSeries order(writer, simulation.period(), simulation.info().diameter);
         segments.merge_into(order);
         writer.add_curve(order.curve());
     } else {
@@ -256,8 +257,8 @@ Summary SimulateMdCommand::run(Session& session) {
 
     const auto overwrite = session.common.force ? io::Overwrite::force : io::Overwrite::refuse;
     io::TrajectoryWriter writer(output_, simulation.info(), overwrite);
-    SnapshotSegments segments(output_, simulation.info(),
-                              checkpoint ? segments_of(*checkpoint) : 0);
+    pipelines::SnapshotSegments segments(output_, simulation.info(),
+                                         checkpoint ? segments_of(*checkpoint) : 0);
     const auto start = Clock::now();
     const std::int64_t events_before = simulation.events();
     std::string failure;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "app/command.h"
-#include "core/checkpoint.h"
+#include "core/support/checkpoint.h"
 #include "simulate/md/grain_state.h"
 #include "simulate/md/md_options.h"
 
@@ -38,17 +38,17 @@ class SimulateMdCommand : public Command {
     /// What a resumed run must have in common with the one before.
     std::vector<std::pair<std::string, std::string>> physics(const Session& session) const;
     void run_to_end(Session& session, simulate::MdSimulation& simulation,
-                    SnapshotSegments& segments) const;
+                    pipelines::SnapshotSegments& segments) const;
     void plan_snapshots(RunPlan& plan) const;
     void save(const Session& session, const simulate::MdSimulation& simulation,
-              SnapshotSegments& segments) const;
+              pipelines::SnapshotSegments& segments) const;
     /// The checkpoint of this very run; nothing without --resume.
     std::optional<Checkpoint> load_checkpoint(const Session& session) const;
     std::int64_t segments_of(const Checkpoint& checkpoint) const;
     /// Joins snapshots and time series to the output file; throws Interrupted, leaving the
     /// segments.
     void finish(Session& session, const simulate::MdSimulation& simulation,
-                SnapshotSegments& segments, io::TrajectoryWriter& writer) const;
+                pipelines::SnapshotSegments& segments, io::TrajectoryWriter& writer) const;
     std::filesystem::path checkpoint_path() const { return output_ + ".checkpoint"; }
 
     std::string output_;

@@ -7,10 +7,10 @@
 #include <fmt/format.h>
 
 #include "app/interrupt_deadline.h"
-#include "app/kept_tracks.h"
-#include "app/lengths.h"
-#include "core/interrupt.h"
+#include "core/support/interrupt.h"
 #include "io/output_file.h"
+#include "pipelines/analyze/lengths.h"
+#include "pipelines/track/kept_tracks.h"
 
 namespace grainfield::app {
 
@@ -100,7 +100,7 @@ void TrackCommand::warn_of_unit(const Tracker& tracker, RunPlan& plan) const {
     if (tracking_.sphere_diameter || !tracker.is_calibrated()) return;
     plan.warn(
         fmt::format("{} = {:.3f} px; steel spheres: D is about 0.88 a; give --sphere-diameter",
-                    apparent_diameter_warning, tracker.model().disc.diameter));
+                    pipelines::apparent_diameter_warning, tracker.model().disc.diameter));
 }
 
 std::string TrackCommand::purpose() const {
@@ -125,7 +125,7 @@ std::vector<OptionTable> TrackCommand::options() {
     return tables;
 }
 
-void TrackCommand::plan_checkpoints(const TrackCheckpoint& saved, std::int64_t frames,
+void TrackCommand::plan_checkpoints(const pipelines::TrackCheckpoint& saved, std::int64_t frames,
                                     RunPlan& plan) const {
     if (saved.from() != nullptr) {
         plan.run("resume", "goes on from the checkpoint");
@@ -145,7 +145,7 @@ Summary TrackCommand::run(Session& session) {
     // A run that was resumed is recorded as the one that it completes.
     std::erase_if(session.configuration, [](const auto& o) { return o.first == "resume"; });
     std::optional<io::OutputFile> output;
-    TrackCheckpoint saved(session, pictures_of(film_), output_, checkpoint_);
+    pipelines::TrackCheckpoint saved(session, pipelines::pictures_of(film_), output_, checkpoint_);
     if (!session.common.explain) {
         const bool replaces = session.common.force || saved.from() != nullptr;
         output.emplace(output_, replaces ? io::Overwrite::force : io::Overwrite::refuse);
@@ -153,16 +153,16 @@ Summary TrackCommand::run(Session& session) {
     session.start -= std::chrono::duration_cast<std::chrono::steady_clock::duration>(
         std::chrono::duration<double>(saved.seconds_before()));
     // Before the deadline, so that it outlives it.
-    std::optional<KeptTracks> tracks;
-    LastAct last_act(session, output_, [&saved] { return saved.advice(); });
+    std::optional<pipelines::KeptTracks> tracks;
+    pipelines::LastAct last_act(session, output_, [&saved] { return saved.advice(); });
     std::optional<InterruptDeadline> deadline;
     deadline.emplace([&](int) {
         last_act();
         saved.abandon();
     });
     tracking_.threads = session.threads();
-    const Film film = open_film(session, film_, tracking_);
-    WatchedFrames& frames = *film.frames;
+    const pipelines::Film film = pipelines::open_film(session, film_, tracking_);
+    pipelines::WatchedFrames& frames = *film.frames;
     tracking_.visible = film.visible;
     plan_checkpoints(saved, frames.count(), session.plan);
 
@@ -173,7 +173,7 @@ Summary TrackCommand::run(Session& session) {
     tracks.emplace(std::move(*output), tracker.info(), film.origin,
                    frames.count() > 1 ? saved.open_log() : nullptr);
     last_act.holds(&*tracks);
-    PreviewChoice choice(previews_, frames.count());
+    pipelines::PreviewChoice choice(previews_, frames.count());
     std::vector<std::int64_t> previews;
     tracking::TrackResumption resumption{.from = saved.from()};
     if (saved.from() != nullptr) {
@@ -216,7 +216,8 @@ Summary TrackCommand::run(Session& session) {
     }
     if (has_residual(tracker, result)) {
         const auto& disc = tracker.model().disc;
-        tracks->add_curve(calibration_curve(disc.diameter, disc.edge_width, result.residual_rms));
+        tracks->add_curve(
+            pipelines::calibration_curve(disc.diameter, disc.edge_width, result.residual_rms));
     }
     tracks->finish(session.record());
     session.outputs.push_back(output_);

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "app/command.h"
-#include "app/film.h"
-#include "app/track_checkpoint.h"
+#include "pipelines/film/film.h"
+#include "pipelines/track/track_checkpoint.h"
 #include "tracking/tracker.h"
 
 namespace grainfield::app {
@@ -20,13 +20,14 @@ class TrackCommand : public Command {
     Summary run(Session& session) override;
 
  private:
-    void plan_checkpoints(const TrackCheckpoint& saved, std::int64_t frames, RunPlan& plan) const;
+    void plan_checkpoints(const pipelines::TrackCheckpoint& saved, std::int64_t frames,
+                          RunPlan& plan) const;
     void warn_of_unit(const tracking::Tracker& tracker, RunPlan& plan) const;
 
     std::string output_;
-    FilmOptions film_;
+    pipelines::FilmOptions film_;
     std::int64_t previews_ = 3;
-    TrackCheckpoint::Options checkpoint_;
+    pipelines::TrackCheckpoint::Options checkpoint_;
     tracking::TrackOptions tracking_;
 };
 

@@ -9,10 +9,10 @@
 #include "analysis/analysis.h"
 #include "app/figures_folder.h"
 #include "app/interrupt_deadline.h"
-#include "app/tune_report.h"
 #include "core/errors.h"
-#include "core/interrupt.h"
+#include "core/support/interrupt.h"
 #include "io/output_file.h"
+#include "pipelines/tune/tune_report.h"
 
 namespace grainfield::app {
 
@@ -63,11 +63,11 @@ Summary TuneCommand::run(Session& session) {
     return run_or_discard("tuning", output_, [&] { return work(session); });
 }
 
-std::vector<Survey> TuneCommand::look(Session& session, WatchedFrames& frames,
+std::vector<Survey> TuneCommand::look(Session& session, pipelines::WatchedFrames& frames,
                                       const tracking::Tracker& tracker,
                                       std::vector<Preview>& previews) const {
     tracking::Surveyor surveyor(tracker.model(), tracking_, frames.width(), frames.height());
-    PreviewChoice choice(samples_, frames.count());
+    pipelines::PreviewChoice choice(samples_, frames.count());
     std::vector<Survey> surveys;
     for (std::int64_t i = 0; i < frames.count(); ++i) {
         throw_if_interrupted("tuning");
@@ -96,7 +96,7 @@ std::vector<Survey> TuneCommand::look(Session& session, WatchedFrames& frames,
 Summary TuneCommand::work(Session& session) {
     if (!session.common.explain) require_output(session, output_);
     tracking_.threads = session.threads();
-    const Film film = open_film(session, film_, tracking_);
+    const pipelines::Film film = pipelines::open_film(session, film_, tracking_);
     tracking_.visible = film.visible;
     const tracking::Tracker tracker(*film.frames, tracking_, session.plan);
     if (session.common.explain) return explanation(session.plan);
@@ -115,7 +115,7 @@ Summary TuneCommand::work(Session& session) {
 
     Results seen = run_of(session, tracker.info(), "frames");
     const std::vector<Survey> surveys = look(session, *film.frames, tracker, seen.previews);
-    const Tuning tuning{tracker.model(), tracking_, surveys};
+    const pipelines::Tuning tuning{tracker.model(), tracking_, surveys};
     seen.frames = static_cast<std::int64_t>(surveys.size());
     seen.particles_mean = tuning.particles_mean();
     Results left = run_of(session, tracker.info(), "residual: image − model");
@@ -129,16 +129,16 @@ Summary TuneCommand::work(Session& session) {
         left.previews[i].abs_q4.clear();
     }
 
-    const auto settings = suggested_settings(tuning, session);
-    const std::string command_line = command_line_of(settings, session);
+    const auto settings = pipelines::suggested_settings(tuning, session);
+    const std::string command_line = pipelines::command_line_of(settings, session);
     report::ReportOptions options = report_;
     options.threads = session.threads();
     options.observables = false;
     if (options.title.empty()) options.title = "Settings of the tracker";
     report::write_report({std::move(seen), std::move(left)}, options, html.temporary(),
                          figures_folder(output_), session.plan,
-                         tuning_report(tuning, settings, command_line));
-    write_file(settings_file(output_), toml_of(settings), overwrite);
+                         pipelines::tuning_report(tuning, settings, command_line));
+    write_file(settings_file(output_), pipelines::toml_of(settings), overwrite);
     html.commit();
     session.outputs.emplace_back(output_);
     session.outputs.push_back(settings_file(output_));

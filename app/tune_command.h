@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "app/command.h"
-#include "app/film.h"
+#include "pipelines/film/film.h"
 #include "report/report.h"
 #include "tracking/survey.h"
 
@@ -23,13 +23,13 @@ class TuneCommand : public Command {
 
  private:
     Summary work(Session& session);
-    std::vector<tracking::Survey> look(Session& session, WatchedFrames& frames,
+    std::vector<tracking::Survey> look(Session& session, pipelines::WatchedFrames& frames,
                                        const tracking::Tracker& tracker,
                                        std::vector<Preview>& previews) const;
 
     std::string output_;
     std::int64_t samples_ = 3;
-    FilmOptions film_;
+    pipelines::FilmOptions film_;
     tracking::TrackOptions tracking_;
     report::ReportOptions report_;
 };

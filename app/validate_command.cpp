@@ -7,14 +7,14 @@
 
 #include "app/figures_folder.h"
 #include "app/optics_summary.h"
-#include "app/rendered_frames.h"
-#include "app/validation_report.h"
-#include "app/validation_summary.h"
 #include "core/errors.h"
-#include "core/interrupt.h"
+#include "core/support/interrupt.h"
 #include "io/frame_files.h"
 #include "io/open_snapshots.h"
 #include "io/output_file.h"
+#include "pipelines/render/rendered_frames.h"
+#include "pipelines/validate/validation_report.h"
+#include "pipelines/validate/validation_summary.h"
 #include "simulate/md/initial_state.h"
 #include "simulate/md/md_simulation.h"
 
@@ -23,13 +23,13 @@ namespace grainfield::app {
 namespace {
 
 /// A run in memory, without what no renderer looks at.
-class MovingGrains : public StoredSnapshots {
+class MovingGrains : public pipelines::StoredSnapshots {
  public:
     void write(const Snapshot& snapshot) override {
         Snapshot lean = snapshot;
         lean.spin.clear();
         lean.spin.shrink_to_fit();
-        StoredSnapshots::write(lean);
+        pipelines::StoredSnapshots::write(lean);
     }
 };
 
@@ -147,10 +147,10 @@ ValidateCommand::Scene ValidateCommand::rendered_scene(Session& session) const {
                               .length = {md_.cell.length_x, md_.cell.length_y},
                               .boundary = {Boundary::walls, Boundary::walls},
                               .height = md_.cell.height};
-    auto frames = std::make_unique<RenderedFrames>(*scene.trajectory, box, render_,
-                                                   static_cast<std::uint64_t>(session.common.seed),
-                                                   session.threads(), session.plan);
-    scene.truth = std::make_unique<RenderedTruth>(*frames);
+    auto frames = std::make_unique<pipelines::RenderedFrames>(
+        *scene.trajectory, box, render_, static_cast<std::uint64_t>(session.common.seed),
+        session.threads(), session.plan);
+    scene.truth = std::make_unique<pipelines::RenderedTruth>(*frames);
     scene.sphere_diameter = frames->renderer().view().scale();
     scene.vibration_frequency = frames->truth_info().vibration_frequency;
     scene.rendered = frames.get();
@@ -164,7 +164,8 @@ std::unique_ptr<SnapshotSource> ValidateCommand::make_trajectory(Session& sessio
         return io::open_snapshots(trajectory_, std::nullopt, {});
     }
     const double frames = std::max(0.0, md_.run.periods - md_.run.discard) / md_.run.snapshot_every;
-    require_memory(frames * static_cast<double>(md_.cell.grains), available_memory());
+    pipelines::require_memory(frames * static_cast<double>(md_.cell.grains),
+                              pipelines::available_memory());
     // To explain what ray tracing takes, the state that a run would begin with will do.
     const bool is_shown =
         !session.common.explain || render_.optics == simulate::OpticsKind::raytrace;
@@ -189,10 +190,10 @@ std::unique_ptr<SnapshotSource> ValidateCommand::make_trajectory(Session& sessio
     return snapshots;
 }
 
-Summary ValidateCommand::finish(Session& session, const ValidationOutcome& outcome,
+Summary ValidateCommand::finish(Session& session, const pipelines::ValidationOutcome& outcome,
                                 const tracking::TrackSummary& tracked, io::OutputFile& html,
                                 FiguresFolder* figures) const {
-    const std::vector<ThresholdCheck> checks = check(thresholds_, outcome);
+    const std::vector<pipelines::ThresholdCheck> checks = pipelines::check(thresholds_, outcome);
     std::vector<Results> runs = outcome.runs;
     for (Results& run : runs) {
         run.record = session.record();
@@ -203,18 +204,18 @@ Summary ValidateCommand::finish(Session& session, const ValidationOutcome& outco
     options.threads = session.threads();
     if (options.title.empty()) options.title = "Validation of the tracker";
     report::write_report(runs, options, html.temporary(), figures_folder(output_), session.plan,
-                         validation_report(outcome, checks));
+                         pipelines::validation_report(outcome, checks));
     html.commit();
     session.outputs.push_back(output_);
     if (figures != nullptr) {
         figures->keep();
         session.outputs.push_back(figures->path());
     }
-    Summary summary{.text = summary_text(output_, outcome, checks),
-                    .facts = summary_facts(outcome, tracked, checks),
+    Summary summary{.text = pipelines::summary_text(output_, outcome, checks),
+                    .facts = pipelines::summary_facts(outcome, tracked, checks),
                     .signal = caught_signal(),
                     .failure = {}};
-    if (summary.signal == 0) summary.failure = missed_thresholds(checks);
+    if (summary.signal == 0) summary.failure = pipelines::missed_thresholds(checks);
     return summary;
 }
 
@@ -234,7 +235,7 @@ Summary ValidateCommand::run(Session& session) {
     io::OutputFile html(output_, overwrite);
     std::optional<FiguresFolder> figures;
     if (report_.figures) figures.emplace(figures_folder(output_), overwrite);
-    ValidationSettings settings;
+    pipelines::ValidationSettings settings;
     settings.tracking = tracking_;
     settings.fit = fit_;
     settings.previews = previews_;
@@ -243,7 +244,7 @@ Summary ValidateCommand::run(Session& session) {
     settings.slow_frames =
         scene.rendered != nullptr && render_.optics == simulate::OpticsKind::raytrace;
     tracking::TrackSummary tracked;
-    const ValidationOutcome outcome =
+    const pipelines::ValidationOutcome outcome =
         validate({*scene.frames, *scene.truth, scene.sphere_diameter, scene.vibration_frequency},
                  settings, tracked, session.plan);
     Summary summary = finish(session, outcome, tracked, html, figures ? &*figures : nullptr);

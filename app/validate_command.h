@@ -8,10 +8,10 @@
 
 #include "app/command.h"
 #include "app/figures_folder.h"
-#include "app/rendered_frames.h"
-#include "app/stored_snapshots.h"
-#include "app/validation.h"
-#include "app/validation_thresholds.h"
+#include "pipelines/render/rendered_frames.h"
+#include "pipelines/stored_snapshots.h"
+#include "pipelines/validate/validation.h"
+#include "pipelines/validate/validation_thresholds.h"
 #include "report/report.h"
 #include "simulate/md/md_options.h"
 #include "simulate/render/render_options.h"
@@ -36,7 +36,7 @@ class ValidateCommand : public Command {
     struct Scene {
         std::unique_ptr<SnapshotSource> trajectory;  ///< what the frames show; none if given
         std::unique_ptr<FrameSource> frames;
-        RenderedFrames* rendered = nullptr;  ///< the same frames, if they were rendered
+        pipelines::RenderedFrames* rendered = nullptr;  ///< the same frames, if they were rendered
         std::unique_ptr<SnapshotSource> truth;
         std::optional<double> sphere_diameter;  ///< [px]
         std::optional<double> vibration_frequency;
@@ -44,7 +44,7 @@ class ValidateCommand : public Command {
     Scene given_scene(Session& session) const;
     Scene rendered_scene(Session& session) const;
     std::unique_ptr<SnapshotSource> make_trajectory(Session& session) const;
-    Summary finish(Session& session, const ValidationOutcome& outcome,
+    Summary finish(Session& session, const pipelines::ValidationOutcome& outcome,
                    const tracking::TrackSummary& tracked, io::OutputFile& html,
                    FiguresFolder* figures) const;
 
@@ -57,7 +57,7 @@ class ValidateCommand : public Command {
     simulate::RenderOptions render_;
     tracking::TrackOptions tracking_;
     analysis::FitOptions fit_;
-    ValidationThresholds thresholds_;
+    pipelines::ValidationThresholds thresholds_;
 };
 
 }  // namespace grainfield::app

@@ -1,10 +1,10 @@
 # grainfield_library(NAME SOURCES … [PUBLIC libs…] [PRIVATE libs…] [INTERNAL core …])
 #
 # One library per top-level folder, alias grainfield::NAME. The arrows
-#     core <- {io, tracking, simulate, analysis, report} <- app
-# are enforced twice: INTERNAL may name only `core` (app: anything), and each library exposes only
+#     core <- {io, tracking, simulate, analysis, report} <- pipelines <- app
+# are enforced twice: INTERNAL may name only `core` (pipelines: their rooms; app: anything), and each library exposes only
 # its own folder on the include path, so that a header of a sibling is not found by the compiler.
-set(GRAINFIELD_ROOMS core io tracking simulate analysis report app)
+set(GRAINFIELD_ROOMS core io tracking simulate analysis report pipelines app)
 
 function(grainfield_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE;INTERNAL" ${ARGN})
@@ -12,7 +12,10 @@ function(grainfield_library name)
     message(FATAL_ERROR "grainfield_library: '${name}' is not a room of the house (${GRAINFIELD_ROOMS})")
   endif()
   foreach(dependency IN LISTS ARG_INTERNAL)
-    if(name STREQUAL "core" OR (NOT dependency STREQUAL "core" AND NOT name STREQUAL "app"))
+    list(FIND GRAINFIELD_ROOMS ${name} place)
+    list(FIND GRAINFIELD_ROOMS ${dependency} place_of_dependency)
+    if(name STREQUAL "core" OR place_of_dependency LESS 0 OR NOT place_of_dependency LESS place
+       OR (NOT dependency STREQUAL "core" AND NOT name MATCHES "^(pipelines|app)$"))
       message(FATAL_ERROR
         "grainfield_library: '${name}' may not depend on '${dependency}': siblings meet in core types")
     endif()

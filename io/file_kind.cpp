@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
-#include "io/h5_group.h"
+#include "io/h5/detail/h5_group.h"
 
 namespace grainfield::io {
 

@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
-#include "io/image_sequence.h"
+#include "io/images/image_sequence.h"
 #include "io/input_file.h"
-#include "io/tiff_frames.h"
-#include "io/video_frames.h"
+#include "io/images/tiff_frames.h"
+#include "io/video/video_frames.h"
 
 namespace grainfield::io {
 

@@ -11,7 +11,7 @@
 
 #include "core/errors.h"
 #include "io/passed_frames.h"
-#include "io/picture.h"
+#include "io/images/picture.h"
 
 namespace grainfield::io {
 

@@ -9,7 +9,7 @@
 #include <zlib.h>
 
 #include "core/errors.h"
-#include "core/interrupt.h"
+#include "core/support/interrupt.h"
 
 namespace grainfield::io {
 

@@ -6,8 +6,8 @@
 
 #include "core/errors.h"
 #include "io/file_kind.h"
-#include "io/points_csv.h"
-#include "io/trajectory_file.h"
+#include "io/text/points_csv.h"
+#include "io/h5/trajectory_file.h"
 
 namespace grainfield::io {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/output_file.h"
+#include "core/support/output_file.h"
 
 namespace grainfield::io {
 

@@ -3,14 +3,14 @@
 #include <utility>
 
 #include "core/errors.h"
-#include "report/differences.h"
-#include "report/figure_files.h"
-#include "report/figures.h"
-#include "report/page.h"
-#include "report/paper_table.h"
-#include "report/particle_map.h"
+#include "report/page/differences.h"
+#include "report/figures/figure_files.h"
+#include "report/figures/figures.h"
+#include "report/page/page.h"
+#include "report/page/paper_table.h"
+#include "report/maps/particle_map.h"
 #include "report/run_identity.h"
-#include "report/text.h"
+#include "report/page/text.h"
 
 namespace grainfield::report {
 

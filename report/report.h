@@ -6,8 +6,8 @@
 
 #include "core/results.h"
 #include "core/run_plan.h"
-#include "report/figure.h"
-#include "report/table.h"
+#include "report/figures/figure.h"
+#include "report/page/table.h"
 
 namespace grainfield::report {
 

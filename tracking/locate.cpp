@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "tracking/calibrate/coarse_size.h"
-#include "tracking/refine/edge_meeting.h"
+#include "tracking/model/edge_meeting.h"
 #include "tracking/refine/joint_covariance.h"
 
 namespace grainfield::tracking {

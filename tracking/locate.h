@@ -8,10 +8,10 @@
 #include "core/vec2.h"
 #include "tracking/detect/disc_correlation.h"
 #include "tracking/detect/sphere_search.h"
-#include "tracking/disc_profile.h"
+#include "tracking/model/disc_profile.h"
 #include "tracking/refine/joint_fit.h"
 #include "tracking/refine/joint_information.h"
-#include "tracking/visible_pixels.h"
+#include "tracking/model/visible_pixels.h"
 
 namespace grainfield::tracking {
 

@@ -6,8 +6,8 @@
 #include <limits>
 #include <numbers>
 
-#include "core/parallel.h"
-#include "tracking/point_grid.h"
+#include "core/support/parallel.h"
+#include "tracking/link/point_grid.h"
 
 namespace grainfield::tracking {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/number_archive.h"
+#include "core/support/number_archive.h"
 #include "tracking/link/linker.h"
 #include "tracking/locate.h"
 

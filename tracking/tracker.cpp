@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
-#include "core/interrupt.h"
-#include "core/parallel.h"
+#include "core/support/interrupt.h"
+#include "core/support/parallel.h"
 
 namespace grainfield::tracking {
 namespace {

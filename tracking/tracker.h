@@ -6,21 +6,21 @@
 #include <string>
 #include <vector>
 
-#include "core/checkpoint.h"
+#include "core/support/checkpoint.h"
 #include "core/frame_source.h"
-#include "core/number_archive.h"
+#include "core/support/number_archive.h"
 #include "core/option_table.h"
-#include "core/progress.h"
+#include "core/support/progress.h"
 #include "core/run_plan.h"
 #include "core/trajectory.h"
 #include "tracking/calibrate/calibration.h"
 #include "tracking/calibrate/illumination.h"
-#include "tracking/image_model.h"
+#include "tracking/model/image_model.h"
 #include "tracking/layers/bilayer.h"
 #include "tracking/link/linker.h"
 #include "tracking/link/long_tracks.h"
 #include "tracking/locate.h"
-#include "tracking/visible_pixels.h"
+#include "tracking/model/visible_pixels.h"
 
 namespace grainfield::tracking {
 
@@ -106,7 +106,7 @@ class Tracker {
     using EachFrame = std::function<void(const Frame&, const Snapshot&, std::int64_t position)>;
 
     /// Tracks all frames. Corrupt and missing frames leave a gap. Stops early, keeping what was
-    /// done, when an interrupt was caught (core/interrupt.h). A run that was saved, and a new
+    /// done, when an interrupt was caught (core/support/interrupt.h). A run that was saved, and a new
     /// tracker that goes on from there, give the same snapshots as one that was not.
     TrackSummary run(SnapshotSink& sink, Progress& progress, const EachFrame& each_frame = {},
                      const TrackResumption& resumption = {});

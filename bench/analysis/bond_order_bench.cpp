@@ -5,8 +5,8 @@
 
 #include <benchmark/benchmark.h>
 
-#include "analysis/bond_order.h"
-#include "core/random.h"
+#include "analysis/order/bond_order.h"
+#include "core/support/random.h"
 
 namespace grainfield::analysis {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "analysis/density_transform.h"
+#include "analysis/spectra/density_transform.h"
 #include "bench/analysis/uniform_points.h"
 
 namespace grainfield::analysis {

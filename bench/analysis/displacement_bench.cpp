@@ -5,8 +5,8 @@
 
 #include <benchmark/benchmark.h>
 
-#include "analysis/displacement.h"
-#include "core/random.h"
+#include "analysis/motion/displacement.h"
+#include "core/support/random.h"
 
 namespace grainfield::analysis {
 namespace {

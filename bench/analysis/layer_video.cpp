@@ -8,8 +8,8 @@
 #include <cstdlib>
 #include <vector>
 
-#include "core/random.h"
-#include "io/trajectory_file.h"
+#include "core/support/random.h"
+#include "io/h5/trajectory_file.h"
 
 using namespace grainfield;
 

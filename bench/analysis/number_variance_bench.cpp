@@ -3,8 +3,8 @@
 
 #include <benchmark/benchmark.h>
 
-#include "analysis/number_variance.h"
-#include "core/random.h"
+#include "analysis/density/number_variance.h"
+#include "core/support/random.h"
 
 namespace grainfield::analysis {
 namespace {

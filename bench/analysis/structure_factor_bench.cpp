@@ -6,7 +6,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "analysis/density_modes.h"
+#include "analysis/spectra/density_modes.h"
 #include "bench/analysis/uniform_points.h"
 
 namespace grainfield::analysis {

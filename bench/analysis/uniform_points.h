@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/random.h"
+#include "core/support/random.h"
 #include "core/vec2.h"
 
 namespace grainfield::analysis {

@@ -9,7 +9,7 @@
 #include <tiffio.h>
 #include <unistd.h>
 
-#include "core/random.h"
+#include "core/support/random.h"
 #include "io/frame_files.h"
 
 namespace {

@@ -6,10 +6,10 @@
 #include <benchmark/benchmark.h>
 #include <unistd.h>
 
-#include "core/random.h"
-#include "io/export_files.h"
-#include "io/points_csv.h"
-#include "io/trajectory_file.h"
+#include "core/support/random.h"
+#include "io/text/export_files.h"
+#include "io/text/points_csv.h"
+#include "io/h5/trajectory_file.h"
 
 namespace {
 

@@ -10,7 +10,7 @@
 #include <ctime>
 #include <vector>
 
-#include "core/random.h"
+#include "core/support/random.h"
 #include "simulate/render/camera.h"
 #include "simulate/render/raytrace.h"
 #include "simulate/render/silhouette.h"

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 
 #include "bench/tracking/reference_fit.h"
-#include "core/random.h"
-#include "tracking/refine/edge_meeting.h"
+#include "core/support/random.h"
+#include "tracking/model/edge_meeting.h"
 #include "tracking/refine/joint_fit.h"
 
 namespace grainfield::bench {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bench/tracking/timed_run.h"
-#include "tracking/disc_profile.h"
+#include "tracking/model/disc_profile.h"
 
 namespace grainfield::bench {
 

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "core/random.h"
+#include "core/support/random.h"
 #include "core/run_plan.h"
 #include "core/trajectory.h"
 #include "simulate/render/renderer.h"

@@ -8,7 +8,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "core/random.h"
+#include "core/support/random.h"
 #include "tests/support/layer_frames.h"
 #include "tracking/link/linker.h"
 #include "tracking/score/track_scores.h"

@@ -4,7 +4,7 @@
 
 #include "core/frame.h"
 #include "core/vec2.h"
-#include "tracking/disc_profile.h"
+#include "tracking/model/disc_profile.h"
 
 namespace grainfield::bench {
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/checkpoint.h"
+#include "core/support/checkpoint.h"
 #include "simulate/field/field_integrator.h"
 
 namespace grainfield::simulate {

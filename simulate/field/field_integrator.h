@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "core/checkpoint.h"
+#include "core/support/checkpoint.h"
 #include "core/density_field.h"
 #include "simulate/field/field_options.h"
 #include "simulate/field/lattice.h"

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
-#include "core/parallel.h"
+#include "core/support/parallel.h"
 #include "simulate/field/explicit_integrator.h"
 #include "simulate/field/order_spectrum.h"
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstring>
 
-#include "core/random.h"
+#include "core/support/random.h"
 
 // The order of these matters.
 // clang-format off

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/line_fourier.h"
+#include "core/support/line_fourier.h"
 #include "simulate/field/aligned_vector.h"
 #include "simulate/field/noise.h"
 #include "simulate/field/order_spectrum.h"

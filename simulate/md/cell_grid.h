@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/huge_pages.h"
+#include "core/support/huge_pages.h"
 #include "simulate/md/flight.h"
 #include "simulate/md/md_system.h"
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/huge_pages.h"
+#include "core/support/huge_pages.h"
 
 namespace grainfield::simulate {
 

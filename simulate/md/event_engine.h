@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/huge_pages.h"
+#include "core/support/huge_pages.h"
 #include "simulate/md/cell_grid.h"
 #include "simulate/md/collision_rule.h"
 #include "simulate/md/engine.h"

@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
-#include "core/interrupt.h"
-#include "core/random.h"
+#include "core/support/interrupt.h"
+#include "core/support/random.h"
 
 namespace grainfield::simulate {
 

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
-#include "core/interrupt.h"
+#include "core/support/interrupt.h"
 #include "simulate/md/initial_state.h"
 
 namespace grainfield::simulate {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/checkpoint.h"
+#include "core/support/checkpoint.h"
 #include "core/run_plan.h"
 #include "core/trajectory.h"
 #include "simulate/md/engine.h"

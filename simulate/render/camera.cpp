@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/parallel.h"
-#include "core/random.h"
+#include "core/support/parallel.h"
+#include "core/support/random.h"
 #include "simulate/render/gaussian_blur.h"
 #include "simulate/render/sensor_row.h"
 

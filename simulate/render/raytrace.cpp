@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/parallel.h"
+#include "core/support/parallel.h"
 
 namespace grainfield::simulate {
 

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
-#include "core/random.h"
+#include "core/support/random.h"
 
 namespace grainfield::simulate {
 

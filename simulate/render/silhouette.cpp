@@ -8,7 +8,7 @@
 #include <tuple>
 #include <utility>
 
-#include "core/parallel.h"
+#include "core/support/parallel.h"
 #include "simulate/render/disc_union.h"
 
 namespace grainfield::simulate {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "analysis/pattern.h"
-#include "core/random.h"
+#include "core/support/random.h"
 #include "core/trajectory.h"
 
 /// Point patterns with known statistics, for the tests of the analysis.

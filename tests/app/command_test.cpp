@@ -82,7 +82,7 @@ TEST(Commands, HaveOneLinePurposesAndUniqueFlags) {
         names.push_back(command->name());
         EXPECT_FALSE(command->purpose().empty());
         EXPECT_EQ(command->purpose().find('\n'), std::string::npos);
-        CommonOptions common;
+        pipelines::CommonOptions common;
         std::vector<OptionTable> tables = command->options();
         tables.push_back(describe(common));
         const auto flags = OptionSet(command->name(), tables).flags();

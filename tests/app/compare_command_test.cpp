@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "core/errors.h"
-#include "io/results_file.h"
+#include "io/h5/results_file.h"
 #include "tests/support/scratch_folder.h"
 
 namespace grainfield::app {

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <signal.h>
 
-#include "core/random.h"
+#include "core/support/random.h"
 #include "tests/support/program.h"
 
 namespace grainfield {

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/random.h"
+#include "core/support/random.h"
 #include "tests/support/disc_sequence.h"
 #include "tests/support/program.h"
 

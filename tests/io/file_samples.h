@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/random.h"
+#include "core/support/random.h"
 #include "core/results.h"
 #include "core/trajectory.h"
 

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "core/errors.h"
-#include "io/results_file.h"
-#include "io/trajectory_file.h"
+#include "io/h5/results_file.h"
+#include "io/h5/trajectory_file.h"
 #include "tests/io/file_samples.h"
 #include "tests/support/scratch_folder.h"
 

@@ -9,7 +9,7 @@
 
 #include <unistd.h>
 
-#include "core/random.h"
+#include "core/support/random.h"
 #include "core/results.h"
 
 /// Results as an analysis would make them, for looking at reports: a square crystal patch

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/random.h"
+#include "core/support/random.h"
 
 namespace grainfield::testing {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/random.h"
+#include "core/support/random.h"
 #include "tests/support/layer_frames.h"
 #include "tests/support/memory_frames.h"
 #include "tracking/score/position_score.h"

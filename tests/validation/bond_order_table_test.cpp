@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "analysis/bond_order.h"
+#include "analysis/order/bond_order.h"
 #include "tests/analysis/synthetic_patterns.h"
 
 namespace grainfield::analysis {

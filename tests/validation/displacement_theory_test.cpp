@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "analysis/displacement.h"
+#include "analysis/motion/displacement.h"
 #include "tests/analysis/synthetic_patterns.h"
 
 namespace grainfield::analysis {

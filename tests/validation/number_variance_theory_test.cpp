@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "analysis/number_variance.h"
+#include "analysis/density/number_variance.h"
 #include "tests/analysis/synthetic_patterns.h"
 
 namespace grainfield::analysis {

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "analysis/structure_factor.h"
+#include "analysis/spectra/structure_factor.h"
 #include "tests/analysis/synthetic_patterns.h"
 #include "tests/support/pull.h"
 

@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "analysis/structure_factor.h"
+#include "analysis/spectra/structure_factor.h"
 #include "tests/analysis/synthetic_patterns.h"
 
 namespace grainfield::analysis {

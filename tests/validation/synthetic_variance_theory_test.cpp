@@ -7,10 +7,10 @@
 
 #include <gtest/gtest.h>
 
-#include "analysis/number_variance.h"
-#include "analysis/structure_factor.h"
-#include "analysis/synthetic_result.h"
-#include "analysis/synthetic_variance.h"
+#include "analysis/density/number_variance.h"
+#include "analysis/spectra/structure_factor.h"
+#include "analysis/density/synthetic_result.h"
+#include "analysis/density/synthetic_variance.h"
 #include "tests/analysis/synthetic_patterns.h"
 
 namespace grainfield::analysis {

@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "core/frame.h"
-#include "tracking/padded_image.h"
-#include "tracking/visible_pixels.h"
+#include "tracking/model/padded_image.h"
+#include "tracking/model/visible_pixels.h"
 
 namespace grainfield::tracking {
 

@@ -7,9 +7,9 @@
 #include "core/frame.h"
 #include "core/option_table.h"
 #include "core/run_plan.h"
-#include "tracking/image_model.h"
+#include "tracking/model/image_model.h"
 #include "tracking/locate.h"
-#include "tracking/visible_pixels.h"
+#include "tracking/model/visible_pixels.h"
 
 namespace grainfield::tracking {
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <optional>
 
-#include "core/parallel.h"
+#include "core/support/parallel.h"
 #include "tracking/calibrate/background.h"
 #include "tracking/calibrate/coarse_size.h"
 

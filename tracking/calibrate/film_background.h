@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "core/frame.h"
-#include "tracking/image_model.h"
-#include "tracking/visible_pixels.h"
+#include "tracking/model/image_model.h"
+#include "tracking/model/visible_pixels.h"
 
 namespace grainfield::tracking {
 

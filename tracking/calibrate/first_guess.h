@@ -6,8 +6,8 @@
 #include "core/frame.h"
 #include "tracking/calibrate/background.h"
 #include "tracking/calibrate/coarse_size.h"
-#include "tracking/image_model.h"
-#include "tracking/visible_pixels.h"
+#include "tracking/model/image_model.h"
+#include "tracking/model/visible_pixels.h"
 
 namespace grainfield::tracking {
 

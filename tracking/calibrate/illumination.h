@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "core/frame.h"
-#include "core/number_archive.h"
-#include "tracking/image_model.h"
-#include "tracking/padded_image.h"
-#include "tracking/visible_pixels.h"
+#include "core/support/number_archive.h"
+#include "tracking/model/image_model.h"
+#include "tracking/model/padded_image.h"
+#include "tracking/model/visible_pixels.h"
 
 namespace grainfield::tracking {
 

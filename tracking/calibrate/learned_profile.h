@@ -5,8 +5,8 @@
 
 #include "core/frame.h"
 #include "core/vec2.h"
-#include "tracking/disc_profile.h"
-#include "tracking/visible_pixels.h"
+#include "tracking/model/disc_profile.h"
+#include "tracking/model/visible_pixels.h"
 
 namespace grainfield::tracking {
 

@@ -6,8 +6,8 @@
 #include "core/run_plan.h"
 #include "core/vec2.h"
 #include "tracking/calibrate/calibration.h"
-#include "tracking/image_model.h"
-#include "tracking/visible_pixels.h"
+#include "tracking/model/image_model.h"
+#include "tracking/model/visible_pixels.h"
 
 namespace grainfield::tracking {
 

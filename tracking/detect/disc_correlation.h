@@ -2,13 +2,13 @@
 
 #include <vector>
 
-#include "core/fourier.h"
+#include "core/support/fourier.h"
 #include "core/frame.h"
 #include "core/vec2.h"
 #include "tracking/detect/residual_blocks.h"
-#include "tracking/disc_profile.h"
-#include "tracking/padded_image.h"
-#include "tracking/visible_pixels.h"
+#include "tracking/model/disc_profile.h"
+#include "tracking/model/padded_image.h"
+#include "tracking/model/visible_pixels.h"
 
 namespace grainfield::tracking {
 

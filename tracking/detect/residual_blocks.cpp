@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <numeric>
 
-#include "core/parallel.h"
+#include "core/support/parallel.h"
 
 namespace grainfield::tracking {
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "core/vec2.h"
-#include "tracking/padded_image.h"
+#include "tracking/model/padded_image.h"
 #include "tracking/refine/joint_fit.h"
 
 namespace grainfield::tracking {

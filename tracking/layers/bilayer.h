@@ -5,7 +5,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "core/number_archive.h"
+#include "core/support/number_archive.h"
 #include "core/option_table.h"
 #include "core/snapshot.h"
 #include "tracking/layers/layer_labels.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "core/snapshot_numbers.h"
+#include "core/support/snapshot_numbers.h"
 
 namespace grainfield::tracking {
 namespace {

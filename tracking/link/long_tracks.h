@@ -4,7 +4,7 @@
 #include <deque>
 #include <unordered_map>
 
-#include "core/number_archive.h"
+#include "core/support/number_archive.h"
 #include "core/trajectory.h"
 
 namespace grainfield::tracking {

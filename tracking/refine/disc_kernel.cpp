@@ -8,7 +8,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "tracking/refine/disc_profile-inl.h"
+#include "tracking/model/disc_profile-inl.h"
 
 #ifndef GRAINFIELD_DISC_ROWS
 #define GRAINFIELD_DISC_ROWS

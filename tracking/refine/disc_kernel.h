@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "core/vec2.h"
-#include "tracking/disc_profile.h"
-#include "tracking/padded_image.h"
+#include "tracking/model/disc_profile.h"
+#include "tracking/model/padded_image.h"
 
 namespace grainfield::tracking {
 

@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/huge_pages.h"
+#include "core/support/huge_pages.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "tracking/refine/disc_stencil.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "tracking/refine/disc_profile-inl.h"
+#include "tracking/model/disc_profile-inl.h"
 
 #ifndef GRAINFIELD_STENCIL_ROWS
 #define GRAINFIELD_STENCIL_ROWS

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/huge_pages.h"
+#include "core/support/huge_pages.h"
 #include "core/vec2.h"
 #include "tracking/refine/disc_stencil.h"
 

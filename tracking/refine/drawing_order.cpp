@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "core/parallel.h"
+#include "core/support/parallel.h"
 
 namespace grainfield::tracking {
 namespace {

@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "tracking/padded_image.h"
+#include "tracking/model/padded_image.h"
 #include "tracking/refine/disc_stencil.h"
 
 namespace grainfield::tracking {

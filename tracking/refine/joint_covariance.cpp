@@ -7,7 +7,7 @@
 #include <Eigen/Dense>
 #include <Eigen/SparseCholesky>
 
-#include "core/parallel.h"
+#include "core/support/parallel.h"
 
 namespace grainfield::tracking {
 namespace {

@@ -9,8 +9,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/parallel.h"
-#include "tracking/point_grid.h"
+#include "core/support/parallel.h"
+#include "tracking/link/point_grid.h"
 #include "tracking/refine/disc_kernel.h"
 
 namespace grainfield::tracking {

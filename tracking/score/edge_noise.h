@@ -4,7 +4,7 @@
 
 #include "core/frame.h"
 #include "core/vec2.h"
-#include "tracking/image_model.h"
+#include "tracking/model/image_model.h"
 
 namespace grainfield::tracking {
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "core/vec2.h"
-#include "tracking/disc_profile.h"
+#include "tracking/model/disc_profile.h"
 
 namespace grainfield::tracking {
 

@@ -3,7 +3,7 @@
 
 #include "analysis/analysis.h"
 #include "core/version.h"
-#include "io/points_csv.h"
+#include "io/text/points_csv.h"
 #include "report/report.h"
 #include "tracking/tracker.h"
 

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <vector>
 
-#include "core/fourier.h"
+#include "core/support/fourier.h"
 #include "simulate/field/field_integrator.h"
 
 namespace grainfield::testing {

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/errors.h"
-#include "core/parallel.h"
+#include "core/support/parallel.h"
 
 namespace grainfield::simulate {
 namespace {

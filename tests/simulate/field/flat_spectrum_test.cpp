@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/random.h"
+#include "core/support/random.h"
 #include "tests/simulate/field/field_checks.h"
 
 namespace grainfield::simulate {

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "core/errors.h"
-#include "core/random.h"
+#include "core/support/random.h"
 #include "simulate/md/engine.h"
 #include "simulate/md/initial_state.h"
 #include "tests/simulate/md/reference_engine.h"

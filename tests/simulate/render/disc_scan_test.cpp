@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/frame.h"
-#include "core/random.h"
+#include "core/support/random.h"
 
 namespace grainfield::simulate {
 namespace {

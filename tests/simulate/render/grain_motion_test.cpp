@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/random.h"
+#include "core/support/random.h"
 #include "simulate/md/initial_state.h"
 #include "simulate/md/md_simulation.h"
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/random.h"
+#include "core/support/random.h"
 #include "simulate/render/optics.h"
 
 namespace grainfield::simulate {

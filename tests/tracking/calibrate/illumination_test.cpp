@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/layer_frames.h"
-#include "tracking/padded_image.h"
+#include "tracking/model/padded_image.h"
 #include "tracking/refine/disc_kernel.h"
 
 namespace grainfield::tracking {

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/random.h"
+#include "core/support/random.h"
 #include "tests/support/layer_frames.h"
 #include "tests/support/pull.h"
 #include "tracking/calibrate/calibration.h"

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/random.h"
+#include "core/support/random.h"
 
 namespace grainfield::tracking {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/random.h"
+#include "core/support/random.h"
 #include "tests/support/memory_frames.h"
 
 namespace grainfield::tracking {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "core/vec2.h"
-#include "tracking/disc_profile.h"
-#include "tracking/padded_image.h"
+#include "tracking/model/disc_profile.h"
+#include "tracking/model/padded_image.h"
 
 // What the kernels of one disc are held to, and the scene they are tried on.
 namespace grainfield::tracking {

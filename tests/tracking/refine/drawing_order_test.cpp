@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/random.h"
+#include "core/support/random.h"
 #include "tracking/refine/disc_kernel.h"
 
 namespace grainfield::tracking {

@@ -10,7 +10,7 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include "core/random.h"
+#include "core/support/random.h"
 #include "tracking/refine/disc_kernel.h"
 #include "tracking/refine/joint_covariance.h"
 #include "tracking/refine/joint_information.h"

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "analysis/statistics/blocks.h"
+#include "core/support/checkpoint.h"
+#include "core/density_field.h"
+#include "core/results.h"
+
+namespace grainfield::analysis {
+
+/// The observable "variance" of a field on a periodic lattice: variance of the content
+/// N = Σ ρ dx^d of windows of m^d cells at all positions, about the mean, which is conserved,
+///
+///   σ²(ℓ) = ⟨(N − ρ̄ ℓ^d)²⟩,   ℓ = m dx = dx · 1, 2, 3, 4, 6, 8, 12, 16, … ≤ L/2 (shorter side).
+///
+/// Column `mean` of the curve is the volume ℓ^d, so that variance/mean tends to S(k → 0) for large
+/// windows. Contents by running sums (`crow1984`); error: jackknife over at most 16 blocks of time.
+/// Cost O(cells × sizes) a field, about 1 ns each. Memory: 16 numbers a size.
+class FieldVariance {
+ public:
+    FieldVariance(const DensityField& field, int dimension, std::int64_t frames);
+
+    /// ⟨(N − ρ̄ ℓ^d)²⟩ over the positions, per size. Thread-safe.
+    std::vector<double> measure(const DensityField& field) const;
+    void add(const std::vector<double>& sample);
+    ObservableResult result() const;
+
+    void save(Checkpoint& checkpoint, const std::string& prefix) const;
+    void restore(const Checkpoint& checkpoint, const std::string& prefix);
+
+ private:
+    double mean_square(const DensityField& field, int m, double mean) const;
+
+    int dimension_;
+    double spacing_;
+    BlockPlan plan_;
+    std::vector<int> sizes_;  // in cells
+    std::int64_t added_ = 0;
+    std::vector<std::vector<double>> sums_;  // per block: frames, then per size
+};
+
+}  // namespace grainfield::analysis

@@ -1,0 +1,357 @@
+#include "analysis/density/number_variance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "analysis/order/bond_statistics.h"
+#include "core/errors.h"
+#include "core/support/parallel.h"
+
+namespace grainfield::analysis {
+namespace {
+
+constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
+
+double border_of(const NumberVarianceOptions& options, const Box& box) {
+    if (options.border) return *options.border;
+    return std::min(10.0, 0.1 * std::min(box.length.x, box.length.y));
+}
+
+bool same_length(double a, double b) {
+    return std::abs(a - b) <= 1e-9 * std::max(a, b);
+}
+
+}  // namespace
+
+OptionTable describe(NumberVarianceOptions& options) {
+    OptionTable table("variance");
+    table.number("smallest", options.smallest, "a", {1e-3, 1e6}, "smallest window");
+    table.number("largest", options.largest, "a", {1e-3, 1e6}, "largest window");
+    table.number("increment", options.increment, "a", {1e-3, 1e6}, "from window to window");
+    table.number("step", options.step, "a", {1e-3, 1e6}, "displacement of the windows");
+    table.choice("reading", options.reading,
+                 {{"temporal", VarianceReading::temporal},
+                  {"pooled", VarianceReading::pooled},
+                  {"spatial-mean", VarianceReading::spatial_mean}},
+                 "variance over frames at each position, over both, or of the mean over positions");
+    table.number("border", options.border, "a", {0, 1e6},
+                 "strip left free along walls; auto: 10, at most a tenth of the box");
+    return table;
+}
+
+NumberVariance::NumberVariance(const NumberVarianceOptions& options, const Box& box,
+                               std::int64_t frames, int threads)
+    : options_(options),
+      box_(box),
+      grid_(box, options.step, border_of(options, box)),
+      plan_(BlockPlan::of(frames)),
+      threads_(threads) {
+    const double cell = std::sqrt(grid_.cell.x * grid_.cell.y);
+    const auto steps = static_cast<std::int64_t>(
+        std::floor((options.largest - options.smallest) / options.increment * (1 + 1e-12)));
+    for (std::int64_t i = 0; i <= steps; ++i) {
+        const double wanted = options.smallest + static_cast<double>(i) * options.increment;
+        const double cells = std::round(wanted / cell);
+        if (cells < 1 || cells > 1 << 20 || !grid_.fits(static_cast<int>(cells))) continue;
+        const int m = static_cast<int>(cells);
+        if (!sizes_.empty() && sizes_.back() == m) continue;
+        sizes_.push_back(m);
+        lengths_.push_back(m * cell);
+    }
+    blocks_.assign(static_cast<std::size_t>(plan_.blocks), empty_block());
+}
+
+NumberVariance::Block NumberVariance::empty_block() const {
+    Block block;
+    block.contents.assign(sizes_.empty() ? 0 : grid_.size(), 0);
+    block.sums.assign(sizes_.size(), {});
+    block.squared_sums.assign(sizes_.size(), 0);
+    return block;
+}
+
+NumberVariance::Sample NumberVariance::measure(const Pattern& pattern) const {
+    if (!same_length(pattern.box.length.x, box_.length.x) ||
+        !same_length(pattern.box.length.y, box_.length.y)) {
+        throw InputError(
+            ErrorText{fmt::format("the box changes at frame {}", pattern.frame),
+                      fmt::format("{} x {} a", pattern.box.length.x, pattern.box.length.y),
+                      fmt::format("{} x {} a as before", box_.length.x, box_.length.y),
+                      "analyse the parts with a constant box one by one"});
+    }
+    Sample sample;
+    sample.frame = pattern.frame;
+    sample.particles = static_cast<double>(pattern.size());
+    if (sizes_.empty()) return sample;
+    CountGrid here = grid_;
+    here.origin += pattern.box.origin - box_.origin;
+    sample.cells = here.cells_of(pattern.position);
+    std::vector<std::int32_t> contents(grid_.size(), 0);
+    for (const std::int32_t at : sample.cells) ++contents[static_cast<std::size_t>(at)];
+    const WindowCounter counter(grid_, contents, sizes_.back());
+    sample.sums.reserve(sizes_.size());
+    for (int m : sizes_) sample.sums.push_back(counter.sums(m));
+    return sample;
+}
+
+void NumberVariance::add(Sample sample) {
+    Block& block = blocks_[static_cast<std::size_t>(plan_.block_of(added_++))];
+    ++block.frames;
+    block.particles += sample.particles;
+    density_.add(sample.particles / box_.area());
+    for (const std::int32_t at : sample.cells) ++block.contents[static_cast<std::size_t>(at)];
+    for (std::size_t s = 0; s < sample.sums.size(); ++s) {
+        block.sums[s].sum += sample.sums[s].sum;
+        block.sums[s].squares += sample.sums[s].squares;
+        block.squared_sums[s] += sample.sums[s].sum * sample.sums[s].sum;
+    }
+}
+
+void NumberVariance::merge(const NumberVariance& later) {
+    if (later.sizes_ != sizes_ || later.grid_.cells != grid_.cells) {
+        throw InputError(ErrorText{"the parts to merge have different boxes or windows", "", "",
+                                   "analyse them one by one"});
+    }
+    added_ += later.added_;
+    density_.append(later.density_);
+    plan_.frames = std::max(plan_.frames, added_);
+    blocks_.insert(blocks_.end(), later.blocks_.begin(), later.blocks_.end());
+    blocks_ = joined_blocks(std::move(blocks_), add_block);
+    if (blocks_.empty()) blocks_.push_back(empty_block());
+    plan_.blocks = static_cast<int>(blocks_.size());
+}
+
+void NumberVariance::add_block(Block& to, const Block& from) {
+    to.frames += from.frames;
+    to.particles += from.particles;
+    for (std::size_t c = 0; c < to.contents.size(); ++c) to.contents[c] += from.contents[c];
+    for (std::size_t s = 0; s < to.sums.size(); ++s) {
+        to.sums[s].sum += from.sums[s].sum;
+        to.sums[s].squares += from.sums[s].squares;
+        to.squared_sums[s] += from.squared_sums[s];
+    }
+}
+
+NumberVariance::Block NumberVariance::total(std::optional<std::size_t> without) const {
+    Block sums = empty_block();
+    for (std::size_t b = 0; b < blocks_.size(); ++b) {
+        if (!without || *without != b) add_block(sums, blocks_[b]);
+    }
+    return sums;
+}
+
+NumberVariance::Values NumberVariance::values(const Block& block) const {
+    Values values;
+    const WindowCounter of_sum(grid_, block.contents, sizes_.back());
+    const Wide frames = block.frames;
+    for (std::size_t s = 0; s < sizes_.size(); ++s) {
+        const Wide positions = grid_.positions(sizes_[s]);
+        const Wide sum = block.sums[s].sum;
+        const Wide squares = block.sums[s].squares;
+        const auto all = static_cast<double>(frames * positions);
+        values.mean.push_back(frames > 0 ? static_cast<double>(sum) / all : undefined);
+        values.pooled.push_back(
+            frames > 0 ? static_cast<double>(frames * positions * squares - sum * sum) / (all * all)
+                       : undefined);
+        // frames · Σ m² − (Σ m)² is exact; m the sum over positions of a frame.
+        const Wide of_means = frames * block.squared_sums[s] - sum * sum;
+        values.spatial_mean.push_back(frames > 1 ? static_cast<double>(of_means) /
+                                                       (all * static_cast<double>(positions) *
+                                                        static_cast<double>(frames - 1))
+                                                 : undefined);
+        const Wide spread = frames * squares - of_sum.sums(sizes_[s]).squares;
+        values.temporal.push_back(frames > 1 ? static_cast<double>(spread) /
+                                                   (all * static_cast<double>(frames - 1))
+                                             : undefined);
+    }
+    return values;
+}
+
+double NumberVariance::single_frame_error(double variance, double length) const {
+    const double independent =
+        grid_.cells[0] * grid_.cell.x / length * (grid_.cells[1] * grid_.cell.y / length);
+    return independent > 2 ? variance * std::sqrt(2 / (independent - 1)) : undefined;
+}
+
+Curve NumberVariance::curve(const char* name, const char* title,
+                            const std::vector<double>& variance, const std::vector<double>& error,
+                            const std::vector<double>& mean) const {
+    Curve curve;
+    curve.name = name;
+    curve.title = title;
+    curve.columns = {Column{"l", "a", "Window side", lengths_},
+                     Column{"variance", "-", "Number variance", variance},
+                     Column{"err", "-", "Standard error", error},
+                     Column{"mean", "-", "Mean number", mean}};
+    return curve;
+}
+
+ObservableResult NumberVariance::result() const {
+    ObservableResult result;
+    result.name = "variance";
+    NumberVarianceOptions options = options_;
+    result.options = recorded(describe(options));
+    if (added_ == 0) {
+        result.reason = "no frames";
+        return result;
+    }
+    if (sizes_.empty()) {
+        result.reason = fmt::format(
+            "no window fits: {:.3g} x {:.3g} a are left inside the border, the smallest window is "
+            "{:.3g} a",
+            grid_.cells[0] * grid_.cell.x, grid_.cells[1] * grid_.cell.y, options_.smallest);
+        return result;
+    }
+    const Block sums = total(std::nullopt);
+    if (sums.particles <= 0) {
+        result.reason = "no particles";
+        return result;
+    }
+    const Values best = values(sums);
+    std::vector<Values> left;
+    if (added_ >= 2) {
+        left.resize(blocks_.size());
+        parallel_for(static_cast<std::int64_t>(blocks_.size()), threads_, [&](std::int64_t b) {
+            left[static_cast<std::size_t>(b)] = values(total(static_cast<std::size_t>(b)));
+        });
+    }
+    const auto error_of = [&](VarianceReading reading) {
+        std::vector<double> error(sizes_.size(), undefined);
+        for (std::size_t s = 0; s < sizes_.size(); ++s) {
+            if (left.empty()) {
+                error[s] = single_frame_error(best.of(reading)[s], lengths_[s]);
+                continue;
+            }
+            std::vector<double> values;
+            for (const Values& part : left) values.push_back(part.of(reading)[s]);
+            error[s] = jackknife_error(values).value_or(undefined);
+        }
+        return error;
+    };
+    const bool several = added_ >= 2;
+    const VarianceReading reading = several ? options_.reading : VarianceReading::pooled;
+    const std::string reason =
+        several ? "" : "one frame: variance over positions, static structure is in it";
+    const char* title = !several
+                            ? "Number variance over positions: one frame, static structure included"
+                        : reading == VarianceReading::temporal ? "Number variance, temporal"
+                        : reading == VarianceReading::pooled   ? "Number variance, pooled"
+                                                               : "Variance of the spatial mean";
+    result.curves = {curve("variance", title, best.of(reading), error_of(reading), best.mean),
+                     curve("variance_pooled", "Number variance, pooled", best.pooled,
+                           error_of(VarianceReading::pooled), best.mean)};
+    if (several && reading != VarianceReading::temporal) {
+        result.curves.push_back(curve("variance_temporal", "Number variance, temporal",
+                                      best.temporal, error_of(VarianceReading::temporal),
+                                      best.mean));
+    }
+    if (several && reading != VarianceReading::spatial_mean) {
+        result.curves.push_back(curve("variance_spatial_mean", "Variance of the spatial mean",
+                                      best.spatial_mean, error_of(VarianceReading::spatial_mean),
+                                      best.mean));
+    }
+    add_slopes(result, best.of(reading), left, reading);
+    add_key_numbers(result, best, reason);
+    return result;
+}
+
+const std::vector<double>& NumberVariance::Values::of(VarianceReading reading) const {
+    switch (reading) {
+        case VarianceReading::pooled:
+            return pooled;
+        case VarianceReading::spatial_mean:
+            return spatial_mean;
+        case VarianceReading::temporal:
+            break;
+    }
+    return temporal;
+}
+
+// The slope of a line through ln σ² against ln ℓ around each size; NaN where there is none.
+std::vector<double> NumberVariance::slopes(const std::vector<double>& variance) const {
+    constexpr double reach = 1.3;
+    std::vector<double> slopes(variance.size(), undefined);
+    for (std::size_t i = 1; i + 1 < variance.size(); ++i) {
+        double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+        for (std::size_t j = 0; j < variance.size(); ++j) {
+            const double ratio = lengths_[j] / lengths_[i];
+            const bool beside = j + 1 >= i && j <= i + 1;
+            if (!beside && (ratio > reach || ratio < 1 / reach)) continue;
+            if (!(variance[j] > 0)) {
+                n = 0;
+                break;
+            }
+            const double x = std::log(ratio);
+            const double y = std::log(variance[j]);
+            n += 1;
+            sx += x;
+            sy += y;
+            sxx += x * x;
+            sxy += x * y;
+        }
+        if (n >= 3) slopes[i] = (n * sxy - sx * sy) / (n * sxx - sx * sx);
+    }
+    return slopes;
+}
+
+void NumberVariance::add_slopes(ObservableResult& result, const std::vector<double>& variance,
+                                const std::vector<Values>& left, VarianceReading reading) const {
+    const std::vector<double> beta = slopes(variance);
+    std::vector<std::vector<double>> parts;
+    for (const Values& part : left) parts.push_back(slopes(part.of(reading)));
+    // Beyond half a periodic box the slope is that of the fixed number of particles.
+    const double most = box_.is_periodic()
+                            ? 0.5 * std::min(box_.length.x, box_.length.y) * (1 + 1e-9)
+                            : std::numeric_limits<double>::infinity();
+    Curve curve{"variance_slope",
+                "Local exponent of the number variance",
+                {{"l", "a", "Window side", {}},
+                 {"beta", "-", "d ln variance/d ln l", {}},
+                 {"err", "-", "Standard error", {}}},
+                {}};
+    for (std::size_t s = 0; s < beta.size(); ++s) {
+        if (!std::isfinite(beta[s]) || lengths_[s] > most) continue;
+        std::vector<double> values;
+        for (const std::vector<double>& part : parts) values.push_back(part[s]);
+        curve.columns[0].values.push_back(lengths_[s]);
+        curve.columns[1].values.push_back(beta[s]);
+        curve.columns[2].values.push_back(jackknife_error(values).value_or(undefined));
+    }
+    if (!curve.columns[0].values.empty()) result.curves.push_back(std::move(curve));
+}
+
+void NumberVariance::add_key_numbers(ObservableResult& result, const Values& best,
+                                     const std::string& reason) const {
+    Measurement density = density_.measurement("number_density", "1/a^2", std::nullopt,
+                                               "one frame: no error from fluctuations");
+    result.measurements.push_back(density);
+    const auto at = std::lower_bound(lengths_.begin(), lengths_.end(), 10 * (1 - 1e-9));
+    if (at == lengths_.end()) {
+        result.measurements.push_back(
+            missing("relative_variance_10a", "-", "no window of 10 a among the sizes"));
+        return;
+    }
+    const auto s = static_cast<std::size_t>(at - lengths_.begin());
+    const Curve& curve = result.curves.front();
+    Measurement relative{"relative_variance_10a", "-", std::nullopt, std::nullopt, 0, reason};
+    if (best.mean[s] > 0) {
+        relative.value = curve.columns[1].values[s] / best.mean[s];
+        const double error = curve.columns[2].values[s] / best.mean[s];
+        if (std::isfinite(error) && error > 0) {
+            relative.error = error;
+            // As many independent normal numbers have a variance with this relative error.
+            relative.samples = 1 + 2 * std::pow(*relative.value / error, 2);
+        } else if (reason.empty()) {
+            relative.reason = error == 0 ? "the same in every frame: no error from fluctuations"
+                                         : "too few frames for an error";
+        }
+    } else {
+        relative.reason = "no particle inside the border";
+    }
+    result.measurements.push_back(relative);
+}
+
+}  // namespace grainfield::analysis

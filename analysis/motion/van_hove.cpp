@@ -1,0 +1,155 @@
+#include "analysis/motion/van_hove.h"
+
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "analysis/statistics/blocks.h"
+#include "analysis/motion/displacement.h"
+#include "core/errors.h"
+
+namespace grainfield::analysis {
+namespace {
+
+constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
+
+VanHoveGroup sum_of(std::span<const VanHoveGroup> groups, std::size_t without) {
+    VanHoveGroup sum{std::vector<double>(van_hove_bins, 0.0)};
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        if (g == without) continue;
+        for (std::size_t b = 0; b < van_hove_bins; ++b) sum.counts[b] += groups[g].counts[b];
+        sum.number += groups[g].number;
+        sum.squares += groups[g].squares;
+        sum.fourths += groups[g].fourths;
+    }
+    return sum;
+}
+
+double non_gaussian(const VanHoveGroup& sum) {
+    if (!(sum.squares > 0)) return undefined;
+    const double square = sum.squares / sum.number;
+    return sum.fourths / sum.number / (3 * square * square) - 1;
+}
+
+Curve& curve_of(ObservableResult& result) {
+    for (Curve& curve : result.curves) {
+        if (curve.name == "van_hove") return curve;
+    }
+    result.curves.push_back({"van_hove",
+                             "Self part of the van Hove function",
+                             {{"x", "a", "Displacement along an axis", {}},
+                              {"g", "1/a", "Density of the displacements", {}},
+                              {"err", "1/a", "Standard error", {}},
+                              {"t", "time unit", "Lag time", {}}},
+                             {}});
+    return result.curves.back();
+}
+
+}  // namespace
+
+std::vector<std::int64_t> van_hove_lags(const std::string& list) {
+    std::vector<std::int64_t> lags;
+    std::istringstream entries(list);
+    for (std::string entry; std::getline(entries, entry, ',');) {
+        entry.erase(0, entry.find_first_not_of(" \t"));
+        entry.erase(entry.find_last_not_of(" \t") + 1);
+        std::int64_t lag = 0;
+        const auto [end, problem] = std::from_chars(entry.data(), entry.data() + entry.size(), lag);
+        if (problem != std::errc() || end != entry.data() + entry.size() || lag < 1) {
+            throw OptionError({.problem = "msd.van-hove holds something that is no lag",
+                               .actual = "'" + entry + "'",
+                               .expected = "whole numbers of frames from 1 on, with commas",
+                               .suggestion = "--van-hove 1,10,100"});
+        }
+        lags.push_back(lag);
+    }
+    return lags;
+}
+
+void VanHoveGroup::add(Vec2 d, double width) {
+    for (const double x : {d.x, d.y}) {
+        const double bin = std::abs(x) / width;
+        if (bin < static_cast<double>(van_hove_bins)) counts[static_cast<std::size_t>(bin)] += 1;
+        number += 1;
+        squares += x * x;
+        fourths += x * x * x * x;
+    }
+}
+
+void add_van_hove_lag(std::span<const VanHoveGroup> groups, double width, std::int64_t lag,
+                      double time, ObservableResult& result) {
+    const std::size_t none = groups.size();
+    const VanHoveGroup all = sum_of(groups, none);
+    const std::string name = fmt::format("alpha2_lag_{}", lag);
+    if (!(all.number > 0) || !(all.squares > 0)) {
+        result.measurements.push_back(missing(
+            name, "-", all.number > 0 ? "nothing moves" : "no pair of sightings so far apart"));
+        return;
+    }
+    Curve& curve = curve_of(result);
+    std::vector<VanHoveGroup> left;
+    for (std::size_t g = 0; g < groups.size(); ++g) left.push_back(sum_of(groups, g));
+    for (std::size_t b = 0; b < van_hove_bins; ++b) {
+        // Both signs fall in a bin of |x|.
+        const auto density = [&](const VanHoveGroup& sum) {
+            return sum.number > 0 ? sum.counts[b] / (2 * width * sum.number) : undefined;
+        };
+        std::vector<double> values;
+        for (const VanHoveGroup& part : left) values.push_back(density(part));
+        curve.columns[0].values.push_back((static_cast<double>(b) + 0.5) * width);
+        curve.columns[1].values.push_back(density(all));
+        curve.columns[2].values.push_back(jackknife_error(values).value_or(undefined));
+        curve.columns[3].values.push_back(time);
+        curve.text_columns["lag"].push_back(fmt::format("{}", lag));
+    }
+    std::vector<double> values;
+    for (const VanHoveGroup& part : left) values.push_back(non_gaussian(part));
+    Measurement m{name,
+                  "-",
+                  non_gaussian(all),
+                  jackknife_error(values),
+                  0.5 * all.number,
+                  "non-Gaussian parameter at this lag [frames]; samples: pairs of sightings"};
+    if (!(m.error.value_or(0) > 0)) {
+        m.error.reset();
+        m.reason += "; too few particles for an error";
+    }
+    result.measurements.push_back(std::move(m));
+}
+
+void Displacement::add_van_hove(const Clock& clock, ObservableResult& result) const {
+    for (const std::int64_t frames : van_hove_lags(options_.van_hove)) {
+        const auto lag = static_cast<std::size_t>(frames) * static_cast<std::size_t>(clock.parts);
+        // First the root mean square, which sets the bins.
+        double width = 0;
+        std::vector<VanHoveGroup> sums;
+        for (const bool counts : {false, true}) {
+            sums.assign(groups, VanHoveGroup{std::vector<double>(van_hove_bins, 0.0)});
+            for (const Track& track : tracks_) {
+                const std::size_t group = (identity_hash(track.id) >> 56) % groups;
+                std::size_t later = 0;
+                for (std::size_t i = 0; i < track.step.size(); ++i) {
+                    const std::size_t wanted = clock.slot[track.first + i] + lag;
+                    while (later < track.step.size() && clock.slot[track.first + later] < wanted) {
+                        ++later;
+                    }
+                    if (later == track.step.size()) break;
+                    if (clock.slot[track.first + later] != wanted) continue;
+                    const Vec2 d = track.step[later] - track.step[i];
+                    if (is_finite(d)) sums[group].add(d, counts ? width : 1);
+                }
+            }
+            const VanHoveGroup all = sum_of(sums, groups);
+            if (!counts && all.number > 0) width = 0.2 * std::sqrt(all.squares / all.number);
+            if (!(width > 0)) break;
+        }
+        add_van_hove_lag(sums, width > 0 ? width : 1, frames, lag_times(clock, {lag}).front(),
+                         result);
+    }
+}
+
+}  // namespace grainfield::analysis

@@ -1,0 +1,229 @@
+#include "analysis/spectra/listed_modes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
+
+namespace grainfield::analysis {
+namespace {
+
+constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t least_blocks = 8;
+constexpr std::size_t most_wavevectors = std::size_t{1} << 20;
+
+}  // namespace
+
+ListedModes::ListedModes(std::vector<Vec2> wavevectors, const Box& box, std::int64_t frames)
+    : wavevectors_(std::move(wavevectors)), box_(box), plan_(BlockPlan::of(frames)) {
+    if (wavevectors_.size() > most_wavevectors) {
+        throw OptionError(ErrorText{"too many wavevectors are listed",
+                                    fmt::format("{}", wavevectors_.size()),
+                                    fmt::format("at most {}", most_wavevectors),
+                                    "a full grid up to sk.k-max is faster for so many"});
+    }
+    for (const Vec2& k : wavevectors_) {
+        if (is_finite(k)) continue;
+        throw OptionError(ErrorText{"a listed wavevector is not usable",
+                                    fmt::format("({}, {})", k.x, k.y), "finite numbers", ""});
+    }
+    blocks_.assign(static_cast<std::size_t>(plan_.blocks), empty_block());
+}
+
+ListedModes::Block ListedModes::empty_block() const {
+    Block block;
+    block.rho.assign(wavevectors_.size(), {0, 0});
+    block.power.assign(wavevectors_.size(), 0);
+    return block;
+}
+
+ListedModes::Sample ListedModes::measure(const Pattern& pattern) const {
+    Sample sample{static_cast<double>(pattern.size()), {}};
+    sample.rho.reserve(wavevectors_.size());
+    for (const Vec2& k : wavevectors_) {
+        double re = 0;
+        double im = 0;
+        for (const Vec2& p : pattern.position) {
+            const double phase = dot(k, p - pattern.box.origin);
+            re += std::cos(phase);
+            im -= std::sin(phase);
+        }
+        sample.rho.emplace_back(re, im);
+    }
+    return sample;
+}
+
+void ListedModes::add(Sample sample) {
+    Block& block = blocks_[static_cast<std::size_t>(plan_.block_of(added_++))];
+    block.frames += 1;
+    block.particles += sample.particles;
+    for (std::size_t m = 0; m < sample.rho.size(); ++m) {
+        block.rho[m] += sample.rho[m];
+        block.power[m] += std::norm(sample.rho[m]);
+    }
+}
+
+void ListedModes::merge(const ListedModes& later) {
+    if (later.wavevectors_.size() != wavevectors_.size()) {
+        throw InputError(ErrorText{"the parts to merge have different lists of wavevectors",
+                                   fmt::format("{}", later.wavevectors_.size()),
+                                   fmt::format("{}", wavevectors_.size()), ""});
+    }
+    added_ += later.added_;
+    plan_.frames = std::max(plan_.frames, added_);
+    blocks_.insert(blocks_.end(), later.blocks_.begin(), later.blocks_.end());
+    std::erase_if(blocks_, [](const Block& block) { return block.frames <= 0; });
+    blocks_ = joined_blocks(std::move(blocks_), [](Block& to, const Block& from) {
+        to.frames += from.frames;
+        to.particles += from.particles;
+        for (std::size_t m = 0; m < to.rho.size(); ++m) {
+            to.rho[m] += from.rho[m];
+            to.power[m] += from.power[m];
+        }
+    });
+    if (blocks_.empty()) blocks_.push_back(empty_block());
+    plan_.blocks = static_cast<int>(blocks_.size());
+}
+
+ListedModes::Block ListedModes::total(std::optional<std::size_t> without) const {
+    Block sums = empty_block();
+    for (std::size_t b = 0; b < blocks_.size(); ++b) {
+        if (without == b) continue;
+        sums.frames += blocks_[b].frames;
+        sums.particles += blocks_[b].particles;
+        for (std::size_t m = 0; m < sums.rho.size(); ++m) {
+            sums.rho[m] += blocks_[b].rho[m];
+            sums.power[m] += blocks_[b].power[m];
+        }
+    }
+    return sums;
+}
+
+// K blocks, var(frame)/var(block mean) of them in each.
+double ListedModes::independent_frames(const Block& sums, std::size_t mode) const {
+    const auto k = static_cast<double>(blocks_.size());
+    if (sums.frames <= k) return sums.frames;
+    const std::complex<double> mean = sums.rho[mode] / sums.frames;
+    double of_blocks = 0;
+    for (const Block& block : blocks_) {
+        if (block.frames > 0)
+            of_blocks += std::norm(block.rho[mode] / block.frames - mean) / (k - 1);
+    }
+    const double of_frames = sums.power[mode] / sums.frames - std::norm(mean);
+    return of_blocks > 0 ? std::clamp(k * of_frames / of_blocks, k, sums.frames) : sums.frames;
+}
+
+double ListedModes::value(const Block& sums, std::size_t mode, bool is_connected,
+                          double independent) const {
+    const double particles = sums.particles / sums.frames;
+    if (!is_connected) return sums.power[mode] / sums.frames / particles;
+    // Leaving a block out leaves that share of the independent frames out.
+    const double left = independent * sums.frames / static_cast<double>(added_);
+    const double s =
+        (sums.power[mode] / sums.frames - std::norm(sums.rho[mode] / sums.frames)) / particles;
+    return left > 1 ? s * left / (left - 1) : undefined;
+}
+
+std::optional<double> ListedModes::error(std::span<const Block> left_out, std::size_t mode,
+                                         bool is_connected, double s, double independent) const {
+    if (left_out.empty()) {
+        const double nu = static_cast<double>(added_) - (is_connected ? 1 : 0);
+        if (!(nu > 2)) return std::nullopt;
+        return s * std::sqrt((nu + 2) / ((nu - 1) * (nu - 2)));
+    }
+    std::vector<double> left;
+    for (const Block& sums : left_out) {
+        left.push_back(value(sums, mode, is_connected, independent));
+    }
+    const auto k = static_cast<double>(left.size());
+    const auto spread = jackknife_error(left, least_blocks);
+    if (!spread || !(*spread > 1e-13 * std::abs(s))) return std::nullopt;
+    return *spread * std::sqrt((k - 1) / (k - 3));
+}
+
+// As StructureFactor::is_slow: the block means of the vectors within a fifth in |k| drift.
+std::vector<bool> ListedModes::slow() const {
+    std::vector<bool> slow(wavevectors_.size(), false);
+    std::vector<const Block*> filled;
+    for (const Block& block : blocks_) {
+        if (block.frames > 0) filled.push_back(&block);
+    }
+    if (filled.size() < least_blocks) return slow;
+    struct Drift {
+        double k = 0, steps = 0, variance = 0;
+    };
+    std::vector<Drift> drift;
+    for (std::size_t m = 0; m < wavevectors_.size(); ++m) {
+        Drift d{.k = norm(wavevectors_[m])};
+        std::complex<double> mean = 0;
+        for (const Block* block : filled) mean += block->rho[m] / block->frames;
+        mean /= static_cast<double>(filled.size());
+        for (std::size_t b = 0; b < filled.size(); ++b) {
+            const std::complex<double> here = filled[b]->rho[m] / filled[b]->frames;
+            d.variance += std::norm(here - mean);
+            if (b == 0) continue;
+            d.steps += std::norm(here - filled[b - 1]->rho[m] / filled[b - 1]->frames);
+        }
+        drift.push_back(d);
+    }
+    // By |k|, so that each looks at its neighbours only.
+    std::vector<std::size_t> order(drift.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::sort(order, {}, [&](std::size_t m) { return std::pair(drift[m].k, m); });
+    std::size_t first = 0;
+    std::size_t last = 0;
+    Drift sum;
+    for (const std::size_t m : order) {
+        while (last < order.size() && drift[order[last]].k <= drift[m].k * std::exp(0.2)) {
+            sum.steps += drift[order[last]].steps;
+            sum.variance += drift[order[last]].variance;
+            ++last;
+        }
+        while (drift[order[first]].k < drift[m].k * std::exp(-0.2)) {
+            sum.steps -= drift[order[first]].steps;
+            sum.variance -= drift[order[first]].variance;
+            ++first;
+        }
+        slow[m] = sum.steps < sum.variance;
+    }
+    return slow;
+}
+
+void ListedModes::add_to(ObservableResult& sk) const {
+    const Block sums = total(std::nullopt);
+    if (wavevectors_.empty() || !(sums.particles > 0)) return;
+    const bool is_connected = added_ >= 2 && !box_.is_periodic();
+    Curve curve{"sk_list",
+                is_connected ? "Structure factor at the listed wavevectors, connected"
+                             : "Structure factor at the listed wavevectors, raw",
+                {{"kx", "1/a", "Wavevector k_x a", {}},
+                 {"ky", "1/a", "Wavevector k_y a", {}},
+                 {"s", "-", "S(k)", {}},
+                 {"s_err", "-", "Standard error of S(k)", {}},
+                 {"s_raw", "-", "S(k), raw", {}}},
+                {}};
+    std::vector<Block> left_out;
+    for (std::size_t b = 0; blocks_.size() >= least_blocks && b < blocks_.size(); ++b) {
+        if (blocks_[b].frames > 0) left_out.push_back(total(b));
+    }
+    const std::vector<bool> drifts = slow();
+    for (std::size_t m = 0; m < wavevectors_.size(); ++m) {
+        const double independent = independent_frames(sums, m);
+        const double s = value(sums, m, is_connected, independent);
+        curve.columns[0].values.push_back(wavevectors_[m].x);
+        curve.columns[1].values.push_back(wavevectors_[m].y);
+        curve.columns[2].values.push_back(s);
+        curve.columns[3].values.push_back(
+            drifts[m] ? undefined
+                      : error(left_out, m, is_connected, s, independent).value_or(undefined));
+        curve.columns[4].values.push_back(value(sums, m, false, independent));
+    }
+    sk.curves.push_back(std::move(curve));
+}
+
+}  // namespace grainfield::analysis

@@ -1,0 +1,403 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "analysis/order/bond_statistics.h"
+#include "analysis/spectra/mode_overlap.h"
+#include "analysis/spectra/structure_factor.h"
+
+// Estimators and curves of the structure factor: what is made of the sums that
+// structure_factor.cpp gathers.
+
+namespace grainfield::analysis {
+namespace {
+
+constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t least_blocks = 8;  // for a jackknife
+
+// Number of the shell of a mode, growing with k. Without a given width every distinct |k| below 5.5
+// grid steps is a shell of its own, above shells are one step wide.
+std::int64_t shell_of(double k, double step, const std::optional<double>& width) {
+    if (width) return std::llround(k / *width);
+    constexpr double distinct = 1e6;
+    const double n = k / step;
+    return n < 5.5 ? std::llround(n * distinct) : std::llround(n) * std::llround(distinct);
+}
+
+}  // namespace
+
+StructureFactor::Block StructureFactor::total(std::optional<std::size_t> without) const {
+    std::vector<int> times(blocks_.size(), 1);
+    if (without) times[*without] = 0;
+    return total_of(times);
+}
+
+void StructureFactor::add_block(Block& to, const Block& from, double weight) {
+    to.frames += weight * from.frames;
+    to.particles += weight * from.particles;
+    for (std::size_t m = 0; m < to.rho.size(); ++m) to.rho[m] += weight * from.rho[m];
+    for (std::size_t m = 0; m < to.power.size(); ++m) to.power[m] += weight * from.power[m];
+    for (std::size_t c = 0; c < to.cosine.size(); ++c) {
+        to.cosine[c] += weight * from.cosine[c];
+        to.cosine2[c] += weight * from.cosine2[c];
+    }
+}
+
+StructureFactor::Block StructureFactor::total_of(std::span<const int> times) const {
+    Block sums = empty_block();
+    for (std::size_t b = 0; b < blocks_.size(); ++b) {
+        if (times[b] != 0) add_block(sums, blocks_[b], times[b]);
+    }
+    return sums;
+}
+
+StructureFactor::Shells StructureFactor::shells(Estimator estimator) const {
+    const double step = std::min(grid_.spacing().x, grid_.spacing().y);
+    std::map<std::int64_t, std::vector<std::size_t>> by_shell;
+    for (std::size_t m = 0; m < grid_.modes().size(); ++m) {
+        if (estimator == Estimator::neumann && neumann_index_[m] == nowhere) continue;
+        const double k = grid_.modes()[m].k;
+        if (edges_.empty()) {
+            by_shell[shell_of(k, step, options_.shell_width)].push_back(m);
+        } else if (k >= edges_.front() && k <= edges_.back()) {
+            const auto above = std::ranges::upper_bound(edges_.begin(), edges_.end() - 1, k);
+            by_shell[above - edges_.begin()].push_back(m);
+        }
+    }
+    Shells shells;
+    for (auto& [number, members] : by_shell) {
+        double k = 0;
+        for (std::size_t m : members) k += grid_.modes()[m].k;
+        shells.k.push_back(k / static_cast<double>(members.size()));
+        shells.modes.push_back(static_cast<double>(members.size()));
+        shells.members.push_back(std::move(members));
+    }
+    return shells;
+}
+
+// S of one mode without the factor M/(M − 1).
+double StructureFactor::mode_value(const Block& sums, Estimator estimator, std::size_t mode) const {
+    const double frames = sums.frames;
+    const double particles = sums.particles / frames;
+    switch (estimator) {
+        case Estimator::raw:
+            return sums.power[mode] / frames / particles;
+        case Estimator::connected: {
+            double of_mean = 0;
+            for (std::size_t m = mode; m < sums.rho.size(); m += sums.power.size()) {
+                of_mean += std::norm(sums.rho[m] / frames);
+            }
+            return (sums.power[mode] / frames - of_mean) / particles;
+        }
+        case Estimator::neumann:
+            break;
+    }
+    const std::size_t c = neumann_index_[mode];
+    const double mean = sums.cosine[c] / frames;
+    return 4 * (sums.cosine2[c] / frames - mean * mean) / particles;
+}
+
+// Independent frames behind each shell: K blocks, var(frame)/var(block mean) of them in each.
+std::vector<double> StructureFactor::samples(const Shells& shells, Estimator estimator) const {
+    const Block sums = total(std::nullopt);
+    const double frames = sums.frames;
+    const auto k = static_cast<double>(blocks_.size());
+    std::vector<double> samples(shells.k.size(), frames);
+    if (frames <= k) return samples;
+    for (std::size_t s = 0; s < samples.size(); ++s) {
+        double of_frames = 0;
+        double of_blocks = 0;
+        for (std::size_t m : shells.members[s]) {
+            of_frames +=
+                mode_value(sums, estimator == Estimator::raw ? Estimator::connected : estimator,
+                           m) *
+                (sums.particles / frames);
+            for (const Block& block : blocks_) {
+                if (estimator == Estimator::neumann) {
+                    const std::size_t c = neumann_index_[m];
+                    const double d = block.cosine[c] / block.frames - sums.cosine[c] / frames;
+                    of_blocks += 4 * d * d / (k - 1);
+                    continue;
+                }
+                for (std::size_t c = m; c < sums.rho.size(); c += sums.power.size()) {
+                    of_blocks +=
+                        std::norm(block.rho[c] / block.frames - sums.rho[c] / frames) / (k - 1);
+                }
+            }
+        }
+        if (of_blocks > 0) samples[s] = std::clamp(k * of_frames / of_blocks, k, frames);
+    }
+    return samples;
+}
+
+// Blocks that no frame came to are those of a run that was cut short.
+std::size_t StructureFactor::filled_blocks() const {
+    return static_cast<std::size_t>(
+        std::ranges::count_if(blocks_, [](const Block& block) { return block.frames > 0; }));
+}
+
+// Whether the block means of a mode drift: half the mean square of their steps, which is their
+// variance if they are independent, is below half of their variance. Shells within a fifth in k are
+// taken together.
+std::vector<bool> StructureFactor::is_slow(const Shells& shells, Estimator estimator) const {
+    std::vector<bool> slow(shells.k.size(), false);
+    const std::size_t filled = filled_blocks();
+    if (filled < least_blocks) return slow;
+    std::vector<double> of_steps(slow.size(), 0.0);
+    std::vector<double> of_blocks(slow.size(), 0.0);
+    const auto add = [&](std::size_t shell, auto&& mean_of) {
+        auto mean = mean_of(blocks_[0]);
+        for (std::size_t b = 1; b < filled; ++b) mean += mean_of(blocks_[b]);
+        mean /= static_cast<double>(filled);
+        for (std::size_t b = 0; b < filled; ++b) {
+            of_blocks[shell] += std::norm(mean_of(blocks_[b]) - mean);
+            if (b > 0) of_steps[shell] += std::norm(mean_of(blocks_[b]) - mean_of(blocks_[b - 1]));
+        }
+    };
+    for (std::size_t s = 0; s < slow.size(); ++s) {
+        for (const std::size_t m : shells.members[s]) {
+            if (estimator == Estimator::neumann) {
+                const std::size_t c = neumann_index_[m];
+                add(s, [c](const Block& block) { return block.cosine[c] / block.frames; });
+                continue;
+            }
+            for (std::size_t c = m; c < blocks_[0].rho.size(); c += grid_.modes().size()) {
+                add(s, [c](const Block& block) { return block.rho[c] / block.frames; });
+            }
+        }
+    }
+    for (std::size_t i = 0; i < slow.size(); ++i) {
+        double steps = 0;
+        double variance = 0;
+        for (std::size_t j = 0; j < slow.size(); ++j) {
+            if (std::abs(std::log(shells.k[j] / shells.k[i])) > 0.2) continue;
+            steps += of_steps[j];
+            variance += of_blocks[j];
+        }
+        slow[i] = steps < variance;  // ½ Σ steps/(K − 1) < ½ Σ squares/(K − 1)
+    }
+    return slow;
+}
+
+// How many independent modes a shell is worth: plane waves that do not fit between the walls
+// overlap.
+std::vector<double> StructureFactor::independent_modes(const Shells& shells,
+                                                       Estimator estimator) const {
+    if (estimator == Estimator::neumann) return shells.modes;
+    std::vector<std::size_t> shell(grid_.modes().size(), nowhere);
+    for (std::size_t s = 0; s < shells.members.size(); ++s) {
+        for (std::size_t m : shells.members[s]) shell[m] = s;
+    }
+    std::vector<double> sums(shells.k.size(), 0.0);
+    for_overlaps(grid_, box_.length, [&](std::size_t m, std::size_t other, double weight) {
+        if (shell[m] != nowhere && shell[m] == shell[other]) sums[shell[m]] += weight;
+    });
+    std::vector<double> independent;
+    for (std::size_t s = 0; s < sums.size(); ++s) {
+        const double components = static_cast<double>(components_);
+        independent.push_back(components * shells.modes[s] * shells.modes[s] / sums[s]);
+    }
+    return independent;
+}
+
+std::vector<double> StructureFactor::few_frames_error(const Shells& shells, Estimator estimator,
+                                                      const std::vector<double>& s) const {
+    const auto frames = static_cast<double>(added_);
+    const double each = estimator == Estimator::raw         ? frames
+                        : estimator == Estimator::connected ? frames - 1
+                                                            : 0.5 * (frames - 1);
+    const std::vector<double> modes = independent_modes(shells, estimator);
+    std::vector<double> error(s.size(), undefined);
+    for (std::size_t i = 0; i < s.size(); ++i) {
+        const double n = each * modes[i];
+        if (n > 2) error[i] = s[i] * std::sqrt((n + 2) / ((n - 1) * (n - 2)));
+    }
+    return error;
+}
+
+std::vector<double> StructureFactor::averages(const Shells& shells, const Block& sums,
+                                              Estimator estimator,
+                                              const std::vector<double>& samples) const {
+    std::vector<double> s(shells.k.size(), undefined);
+    if (!(sums.particles > 0)) return s;
+    for (std::size_t i = 0; i < s.size(); ++i) {
+        double sum = 0;
+        for (std::size_t m : shells.members[i]) sum += mode_value(sums, estimator, m);
+        // Leaving a block out leaves that share of the independent frames out.
+        const double left = samples[i] * sums.frames / static_cast<double>(added_);
+        const double bias = estimator == Estimator::raw ? 1 : left / (left - 1);
+        s[i] = left > 1 || estimator == Estimator::raw ? sum / shells.modes[i] * bias : undefined;
+    }
+    return s;
+}
+
+Curve StructureFactor::curve(const char* name, const char* title, Estimator estimator) const {
+    const Shells shells = this->shells(estimator);
+    const std::vector<double> samples = this->samples(shells, estimator);
+    const Block sums = total(std::nullopt);
+    const std::vector<double> s = averages(shells, sums, estimator, samples);
+    std::vector<double> error(s.size(), undefined);
+    if (blocks_.size() >= least_blocks) {
+        const std::size_t k = filled_blocks();
+        std::vector<std::vector<double>> left(s.size());
+        for (std::size_t b = 0; k >= least_blocks && b < k; ++b) {
+            const std::vector<double> part = averages(shells, total(b), estimator, samples);
+            for (std::size_t i = 0; i < s.size(); ++i) left[i].push_back(part[i]);
+        }
+        const double student = student_widening(static_cast<double>(k));
+        const std::vector<bool> slow = is_slow(shells, estimator);
+        for (std::size_t i = 0; i < s.size(); ++i) {
+            const auto spread = jackknife_error(left[i], least_blocks);
+            if (spread && !slow[i]) error[i] = student * *spread;
+        }
+    } else {
+        error = few_frames_error(shells, estimator, s);
+    }
+    Curve curve;
+    curve.name = name;
+    curve.title = title;
+    curve.columns = {Column{"k", "1/a", "Wavevector k a", shells.k}, Column{"s", "-", "S(k)", s},
+                     Column{"s_err", "-", "Standard error of S(k)", error},
+                     Column{"n", "-", "Modes in the half plane", shells.modes}};
+    return curve;
+}
+
+bool StructureFactor::allows(Estimator estimator) const {
+    const bool measured = added_ > 0 && !grid_.modes().empty();
+    if (estimator == Estimator::raw) return measured;
+    return measured && added_ >= 2 && (estimator == Estimator::connected || has_neumann());
+}
+
+Spectrum StructureFactor::spectrum(Estimator estimator, std::span<const int> times) const {
+    const Shells shells = this->shells(estimator);
+    const std::vector<double> samples = this->samples(shells, estimator);
+    const std::vector<double> modes = independent_modes(shells, estimator);
+    const Block sums = times.empty() ? total(std::nullopt) : total_of(times);
+    Spectrum spectrum;
+    spectrum.k = shells.k;
+    spectrum.s = averages(shells, sums, estimator, samples);
+    const auto frames = static_cast<double>(added_);
+    const double block = frames / static_cast<double>(blocks_.size());
+    const std::vector<bool> slow = is_slow(shells, estimator);
+    for (std::size_t i = 0; i < shells.k.size(); ++i) {
+        // T/M from few blocks is noisy: the mean over shells within a fifth or so in k.
+        double sum = 0;
+        double weight = 0;
+        for (std::size_t j = 0; j < shells.k.size(); ++j) {
+            const double u = std::log(shells.k[j] / shells.k[i]) / 0.2;
+            if (std::abs(u) > 3) continue;
+            const double w = shells.modes[j] * std::exp(-0.5 * u * u);
+            sum += w * frames / samples[j];
+            weight += w;
+        }
+        const double r = correlation_of_excess(sum / weight, block);
+        const double kept = (1 - r) / (1 + r);
+        double nu = modes[i] * frames * (1 - r * r) / (1 + r * r);
+        if (estimator != Estimator::raw) nu *= std::max(0.0, 1 - 1 / (frames * kept));
+        if (estimator == Estimator::neumann) nu *= 0.5;
+        // Too slow for the run: one look, and nothing at all where the mean had to be subtracted.
+        if (slow[i]) nu = estimator == Estimator::raw ? modes[i] : 0;
+        spectrum.dof.push_back(nu);
+        spectrum.error.push_back(spectrum.s[i] / std::sqrt(nu));
+    }
+    return spectrum;
+}
+
+Curve StructureFactor::samples_curve(const char* name, Estimator estimator) const {
+    const Shells shells = this->shells(estimator);
+    Curve curve;
+    curve.name = name;
+    curve.title = "Independent frames behind S(k)";
+    curve.columns = {
+        Column{"k", "1/a", "Wavevector k a", shells.k},
+        Column{"samples", "-", "Independent frames", samples(shells, estimator)},
+        Column{"modes", "-", "Independent modes", independent_modes(shells, estimator)},
+        Column{"dof", "-", "Degrees of freedom", spectrum(estimator).dof}};
+    return curve;
+}
+
+void StructureFactor::add_measurements(ObservableResult& result, Estimator best,
+                                       const std::string& reason) const {
+    const auto lowest = [&](const char* curve_name, const std::string& name, Estimator estimator) {
+        const Curve* curve = result.find_curve(curve_name);
+        if (curve == nullptr || curve->columns[0].values.empty()) return;
+        const Shells shells = this->shells(estimator);
+        const double s = curve->find("s")->values.front();
+        const double error = curve->find("s_err")->values.front();
+        const double independent =
+            samples(shells, estimator).front() * independent_modes(shells, estimator).front();
+        Measurement m{name, "-", s, std::nullopt, independent, reason};
+        const auto also = [&m](const char* text) {
+            m.reason += (m.reason.empty() ? "" : "; ") + std::string(text);
+        };
+        if (std::isfinite(error) && error > 0) {
+            m.error = error;
+            if (blocks_.size() < least_blocks && added_ > 1) {
+                also("fewer than eight frames: error takes them as independent");
+            }
+        } else {
+            also(error == 0 ? "the same in every frame: no error"
+                 : is_slow(shells, estimator).front()
+                     ? "changes more slowly than the run is long: no error"
+                     : "too few frames and modes for an error");
+        }
+        result.measurements.push_back(m);
+    };
+    lowest("sk", "s_lowest_k", best);
+    lowest("sk_raw", "s_raw_lowest_k", Estimator::raw);
+    lowest("sk_neumann", "s_neumann_lowest_k", Estimator::neumann);
+    const Curve* sk = result.find_curve("sk");
+    result.measurements.push_back({"lowest_k", "1/a", sk->columns[0].values.front(), std::nullopt,
+                                   0, "fixed by the box, not measured"});
+}
+
+ObservableResult StructureFactor::result() const {
+    ObservableResult result;
+    result.name = "sk";
+    StructureFactorOptions options = options_;
+    result.options = recorded(describe(options));
+    const Block sums = total(std::nullopt);
+    if (grid_.modes().empty()) {
+        result.reason =
+            fmt::format("no wavevector below k_max = {} /a fits into the box", options_.k_max);
+        return result;
+    }
+    if (sums.particles <= 0) {
+        result.reason = added_ == 0 ? "no frames" : "no particles";
+        return result;
+    }
+    if (shells(Estimator::raw).k.empty()) {
+        result.reason =
+            fmt::format("no wavevector of the grid lies in the annuli {}", options_.edges);
+        return result;
+    }
+    const bool connected = added_ >= 2 && !box_.is_periodic();
+    std::string reason;
+    if (added_ < 2 && !box_.is_periodic()) {
+        reason = "one frame: the mean density cannot be subtracted, raw estimator with walls in it";
+    }
+    const Estimator best = connected ? Estimator::connected : Estimator::raw;
+    const char* title = connected        ? "Structure factor, connected"
+                        : reason.empty() ? "Structure factor, raw"
+                                         : "Structure factor, raw: one frame, walls included";
+    result.curves.push_back(curve("sk", title, best));
+    result.curves.push_back(curve("sk_raw", "Structure factor, raw", Estimator::raw));
+    if (added_ >= 2 && has_neumann()) {
+        result.curves.push_back(
+            curve("sk_neumann", "Structure factor, modes of a walled box", Estimator::neumann));
+    }
+    if (added_ >= 2) result.curves.push_back(samples_curve("sk_samples", best));
+    if (added_ >= 2 && has_neumann()) {
+        result.curves.push_back(samples_curve("sk_neumann_samples", Estimator::neumann));
+    }
+    add_measurements(result, best, reason);
+    if (components_ == 1) add_directions(result, best);
+    return result;
+}
+
+}  // namespace grainfield::analysis

@@ -1,0 +1,154 @@
+#include "analysis/statistics/critical.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "analysis/statistics/blocks.h"
+
+namespace grainfield::analysis {
+namespace {
+
+CriticalFit refused(std::string reason) {
+    CriticalFit fit;
+    fit.reason = std::move(reason);
+    return fit;
+}
+
+// Where (a + b x)² = σ²(x): a quadratic in x.
+void add_interval(CriticalFit& fit) {
+    const double b2 = fit.slope * fit.slope - fit.slope_error * fit.slope_error;
+    const double ab = fit.intercept * fit.slope - fit.covariance;
+    const double a2 = fit.intercept * fit.intercept - fit.intercept_error * fit.intercept_error;
+    const double root = ab * ab - a2 * b2;
+    if (!(b2 > 0) || !(root >= 0)) {
+        fit.reason = "the slope vanishes within its error: no interval";
+        return;
+    }
+    fit.interval = Interval{(-ab - std::sqrt(root)) / b2, (-ab + std::sqrt(root)) / b2};
+}
+
+}  // namespace
+
+double CriticalFit::value_error(double x) const {
+    const double variance =
+        intercept_error * intercept_error + 2 * x * covariance + x * x * slope_error * slope_error;
+    return std::sqrt(std::max(0.0, variance));
+}
+
+CriticalFit fit_critical(std::span<const CriticalPoint> points, CriticalLine line) {
+    const bool free = line == CriticalLine::free;
+    const std::size_t least = free ? 3 : 2;
+    double sw = 0, sx = 0, sy = 0;
+    CriticalFit fit;
+    for (const CriticalPoint& p : points) {
+        if (!std::isfinite(p.x) || !std::isfinite(p.ratio) || !(p.error > 0)) {
+            return refused(fmt::format("the point at {} has no value or no error", p.x));
+        }
+        const double w = 1 / (p.error * p.error);
+        sw += w;
+        sx += w * p.x;
+        sy += w * p.ratio;
+        ++fit.points;
+    }
+    if (points.size() < least) {
+        return refused(
+            fmt::format("{} runs with S0/S1 and its error, {} are needed", points.size(), least));
+    }
+    const double mx = free ? sx / sw : 0;
+    const double my = free ? sy / sw : 0;
+    double sxx = 0, sxy = 0;
+    for (const CriticalPoint& p : points) {
+        const double w = 1 / (p.error * p.error);
+        sxx += w * (p.x - mx) * (p.x - mx);
+        sxy += w * (p.x - mx) * (p.ratio - my);
+    }
+    if (!(sxx > 0)) return refused("all runs have the same value of the control parameter");
+    fit.slope = sxy / sxx;
+    fit.slope_error = 1 / std::sqrt(sxx);
+    if (free) {
+        fit.intercept = my - fit.slope * mx;
+        fit.intercept_error = std::sqrt(1 / sw + mx * mx / sxx);
+        fit.covariance = -mx / sxx;
+    }
+    for (const CriticalPoint& p : points) {
+        const double d = (p.ratio - fit.value(p.x)) / p.error;
+        fit.chi2 += d * d;
+    }
+    if (!free) {
+        fit.reason = "the line is held to zero at zero";
+        return fit;
+    }
+    if (fit.slope != 0) fit.critical = -fit.intercept / fit.slope;
+    add_interval(fit);
+    return fit;
+}
+
+ObservableResult critical_result(std::span<const CriticalPoint> points, CriticalLine line,
+                                 const std::string& parameter,
+                                 const std::optional<Measurement>& alpha) {
+    ObservableResult result;
+    result.name = "critical";
+    Curve data{"critical",
+               "S0/S1 against " + parameter,
+               {{"x", "-", parameter, {}},
+                {"s0_over_s1", "-", "S0/S1", {}},
+                {"err", "-", "Standard error", {}}},
+               {}};
+    for (const CriticalPoint& p : points) {
+        data.columns[0].values.push_back(p.x);
+        data.columns[1].values.push_back(p.ratio);
+        data.columns[2].values.push_back(p.error);
+    }
+    if (!points.empty()) result.curves.push_back(data);
+    const CriticalFit fit = fit_critical(points, line);
+    if (fit.points == 0) {
+        result.reason = fit.reason;
+        return result;
+    }
+    const auto runs = static_cast<double>(fit.points);
+    auto& m = result.measurements;
+    if (fit.critical) {
+        Measurement value{"critical_value", "-", fit.critical, std::nullopt, runs, fit.reason};
+        if (fit.interval) value.error = 0.5 * (fit.interval->high - fit.interval->low);
+        m.push_back(value);
+    } else {
+        m.push_back(missing("critical_value", "-", fit.reason));
+    }
+    if (fit.interval) {
+        const char* meaning = "end of the 68 % interval";
+        m.push_back({"critical_low", "-", fit.interval->low, std::nullopt, runs, meaning});
+        m.push_back({"critical_high", "-", fit.interval->high, std::nullopt, runs, meaning});
+    }
+    m.push_back({"slope", "-", fit.slope, fit.slope_error, runs, ""});
+    if (line == CriticalLine::free) {
+        m.push_back({"intercept", "-", fit.intercept, fit.intercept_error, runs, ""});
+    }
+    const int free = fit.points - (line == CriticalLine::free ? 2 : 1);
+    if (free > 0) {
+        m.push_back({"chi2_per_dof", "-", fit.chi2 / free, std::sqrt(2.0 / free),
+                     static_cast<double>(free), "about one if the line describes the points"});
+    }
+    if (alpha) m.push_back(*alpha);
+    Curve curve{"critical_line",
+                "Weighted line",
+                {{"x", "-", parameter, {}},
+                 {"s0_over_s1", "-", "S0/S1", {}},
+                 {"err", "-", "Standard error", {}}},
+                {}};
+    const auto [low, high] = std::ranges::minmax(data.columns[0].values);
+    const double first = std::min(low, fit.critical.value_or(line == CriticalLine::free ? low : 0));
+    const double last =
+        std::max(high, fit.critical.value_or(line == CriticalLine::free ? high : 0));
+    for (int i = 0; i <= 40; ++i) {
+        const double x = first + (last - first) * i / 40.0;
+        curve.columns[0].values.push_back(x);
+        curve.columns[1].values.push_back(fit.value(x));
+        curve.columns[2].values.push_back(fit.value_error(x));
+    }
+    result.curves.push_back(curve);
+    return result;
+}
+
+}  // namespace grainfield::analysis

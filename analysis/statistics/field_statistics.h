@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/density/field_variance.h"
+#include "analysis/spectra/structure_factor.h"
+#include "core/support/checkpoint.h"
+#include "core/density_field.h"
+#include "core/results.h"
+
+namespace grainfield::analysis {
+
+/// What is measured on the fields of a run as they come, so that none need be stored: a sink.
+///
+///   sk         S(k) = ⟨|ρ_k|²⟩/L^d of the density (StructureFactor, the estimator of particles)
+///   sk_order   the same of ψ
+///   variance   variance of the content of windows (FieldVariance)
+///   field      ⟨ψ²⟩, ⟨D⟩, mean density
+///
+/// Replicas count as fields of the same instant; blocks of time hold all replicas of their
+/// instants, so that errors are honest though replicas share ψ. S and its errors are summed in
+/// double whatever the precision of the simulation. The state can be saved and taken up again bit
+/// by bit.
+class FieldStatistics : public FieldSink {
+ public:
+    /// `instants`: how many there will be, for the blocks.
+    FieldStatistics(const StructureFactorOptions& options, std::int64_t instants)
+        : options_(options), instants_(instants) {}
+
+    void write(const FieldFrame& frame) override;
+    std::int64_t count() const { return static_cast<std::int64_t>(diffusivity_.value.size()); }
+    std::vector<ObservableResult> results() const;
+
+    /// The S(k) of the density; null before the first field.
+    const StructureFactor* density() const { return sums_ ? &sums_->density : nullptr; }
+
+    void save(Checkpoint& checkpoint) const;
+    /// `like`: any frame of the run, for the lattice. Throws InputError if the state does not fit.
+    void restore(const Checkpoint& checkpoint, const FieldFrame& like);
+
+ private:
+    struct Accumulators {
+        StructureFactor density;
+        std::optional<StructureFactor> order;
+        FieldVariance variance;
+    };
+    void prepare(const FieldFrame& like);
+    ObservableResult means() const;
+
+    StructureFactorOptions options_;
+    std::int64_t instants_;
+    std::optional<Accumulators> sums_;
+    MeanSeries order_squared_, diffusivity_, mean_density_;
+};
+
+}  // namespace grainfield::analysis

@@ -1,0 +1,321 @@
+#include "analysis/statistics/fit_result.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "analysis/statistics/blocks.h"
+#include "analysis/order/bond_statistics.h"
+#include "core/support/random.h"
+
+namespace grainfield::analysis {
+namespace {
+
+using Estimator = StructureFactor::Estimator;
+
+constexpr std::size_t least_blocks = 8;
+constexpr double least_particles = 25;
+
+std::optional<double> alpha_of(const FitOptions& options) {
+    if (options.exponent == Exponent::free) return std::nullopt;
+    return options.alpha;
+}
+
+// The end of the range and the pre-peak it comes from.
+struct Range {
+    std::optional<double> end;
+    PrePeak peak;
+};
+
+Range range_of(const Spectrum& spectrum, const FitOptions& options) {
+    Range range{options.k_max, find_pre_peak(spectrum)};
+    if (!range.end && range.peak.k) range.end = options.range * *range.peak.k;
+    return range;
+}
+
+SpectrumFit fit_of(const Spectrum& spectrum, const FitOptions& options) {
+    const Range range = range_of(spectrum, options);
+    if (range.end) return fit_spectrum(spectrum, *range.end, alpha_of(options), options.method);
+    SpectrumFit none;
+    none.reason = range.peak.reason +
+                  ", which sets the range of the fit; give --fit-k-max (fit.k-max in a file)";
+    return none;
+}
+
+// Half the central 68 % of the values; nothing if fewer than half of them are finite.
+std::optional<double> half_width(std::vector<double> values, std::size_t wanted) {
+    std::erase_if(values, [](double v) { return !std::isfinite(v); });
+    if (values.size() < std::max<std::size_t>(20, wanted / 2)) return std::nullopt;
+    std::ranges::sort(values);
+    const auto at = [&](double share) {
+        return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+    };
+    return 0.5 * (at(0.8413) - at(0.1587));
+}
+
+struct Bootstrap {
+    std::vector<double> s0, s1, ratio, alpha, peak;
+};
+
+Bootstrap bootstrap(const StructureFactor& sk, Estimator estimator, const FitOptions& options) {
+    Bootstrap values;
+    const std::size_t blocks = sk.blocks();
+    if (blocks < least_blocks) return values;
+    for (std::int64_t b = 0; b < options.bootstrap; ++b) {
+        RandomStream random(0, "fit bootstrap", static_cast<std::uint64_t>(b));
+        std::vector<int> times(blocks, 0);
+        for (std::size_t i = 0; i < blocks; ++i) ++times[random.below(blocks)];
+        const Spectrum spectrum = sk.spectrum(estimator, times);
+        if (const PrePeak peak = find_pre_peak(spectrum); peak.k) values.peak.push_back(*peak.k);
+        const SpectrumFit fit = fit_of(spectrum, options);
+        if (!fit.ok()) continue;
+        values.s0.push_back(fit.s0);
+        values.s1.push_back(fit.s1);
+        values.ratio.push_back(fit.ratio());
+        values.alpha.push_back(fit.alpha);
+    }
+    return values;
+}
+
+Measurement measured(std::string name, const char* unit, double value, std::optional<double> error,
+                     double samples, std::string reason) {
+    Measurement m{std::move(name), unit, value, error, samples, std::move(reason)};
+    if (m.error && !(*m.error > 0)) m.error.reset();
+    if (!m.error && m.reason.empty()) m.reason = "no error: too few resamplings have a fit";
+    return m;
+}
+
+// Half of what S0/S1 moves by when the fit is made in two other ways.
+Measurement systematic(const char* what, const SpectrumFit& a, const SpectrumFit& b,
+                       const char* meaning) {
+    const std::string name = std::string("s0_over_s1_systematic_") + what;
+    if (!a.ok() || !b.ok()) return missing(name, "-", a.ok() ? b.reason : a.reason);
+    return {name, "-", 0.5 * std::abs(a.ratio() - b.ratio()), std::nullopt, 0, meaning};
+}
+
+void add_systematics(const Spectrum& spectrum, const SpectrumFit& fit, const FitOptions& options,
+                     ObservableResult& result) {
+    const auto at = [&](double k_max, double alpha) {
+        return fit_spectrum(spectrum, k_max, alpha, options.method);
+    };
+    const double end = fit.k_max;
+    result.measurements.push_back(systematic("alpha", at(end, 0.97), at(end, 1.27),
+                                             "half the change from alpha = 0.97 to 1.27"));
+    result.measurements.push_back(systematic("range", at(end * 0.5 / 0.65, fit.alpha),
+                                             at(end * 0.8 / 0.65, fit.alpha),
+                                             "half the change from 0.77 to 1.23 of the range"));
+    Spectrum odd;
+    Spectrum even;
+    for (std::size_t i = 0; i < spectrum.k.size(); ++i) {
+        Spectrum& part = i % 2 == 0 ? odd : even;
+        part.k.push_back(spectrum.k[i]);
+        part.s.push_back(spectrum.s[i]);
+        part.dof.push_back(spectrum.dof[i]);
+        part.error.push_back(spectrum.error[i]);
+    }
+    result.measurements.push_back(
+        systematic("grid", fit_spectrum(odd, end, fit.alpha, options.method),
+                   fit_spectrum(even, end, fit.alpha, options.method),
+                   "half the difference between every second shell and the others"));
+}
+
+Curve fit_curve(const SpectrumFit& fit, double first) {
+    Curve curve;
+    curve.name = "fit";
+    curve.title = fmt::format("S0 + S1 (ka)^{:.3g}", fit.alpha);
+    Column k{"k", "1/a", "Wavevector k a", {}};
+    Column s{"s", "-", "S(k), fitted", {}};
+    Column error{"s_err", "-", "Standard error", {}};
+    for (int i = 0; i <= 60; ++i) {
+        k.values.push_back(first * std::pow(fit.k_max / first, i / 60.0));
+        s.values.push_back(fit.value(k.values.back()));
+        error.values.push_back(fit.value_error(k.values.back()));
+    }
+    curve.columns = {k, s, error};
+    return curve;
+}
+
+// What a fit is made from.
+struct Evidence {
+    Spectrum spectrum;
+    Bootstrap values{};
+    bool resampled = false;  // errors from `values`
+    std::size_t blocks = 0;
+    // Between walls, of the modes that are not fitted: cosines, or plane waves.
+    std::optional<Spectrum> others{};
+};
+
+ObservableResult blank(const FitOptions& options, std::string reason) {
+    ObservableResult result;
+    result.name = "fit";
+    FitOptions copy = options;
+    result.options = recorded(describe(copy));
+    result.reason = std::move(reason);
+    return result;
+}
+
+Estimator estimator_of(const StructureFactor& sk, FitModes modes) {
+    if (sk.allows(Estimator::neumann) && modes == FitModes::box) return Estimator::neumann;
+    return sk.is_periodic() || !sk.allows(Estimator::connected) ? Estimator::raw
+                                                                : Estimator::connected;
+}
+
+// The error of a fitted number: from the resampled blocks or from the likelihood.
+std::optional<double> error_of(const Evidence& evidence, const std::vector<double>& resampled,
+                               double from_likelihood, const FitOptions& options) {
+    if (!evidence.resampled) return from_likelihood;
+    // Resampling K blocks loses a part 1/K of their variance; the rest is Student's factor.
+    const auto k = static_cast<double>(evidence.blocks);
+    auto width = half_width(resampled, static_cast<std::size_t>(options.bootstrap));
+    // So few blocks know the error to a fifth: never less than the likelihood says.
+    if (width) *width = std::max(*width * std::sqrt(k / (k - 3)), from_likelihood);
+    return width;
+}
+
+void add_range(const Evidence& evidence, const SpectrumFit& fit, double samples,
+               const FitOptions& options, ObservableResult& result) {
+    auto& m = result.measurements;
+    const PrePeak peak = find_pre_peak(evidence.spectrum);
+    if (peak.k) {
+        const auto wanted = static_cast<std::size_t>(options.bootstrap);
+        m.push_back(measured("k_pre_peak", "1/a", *peak.k, half_width(evidence.values.peak, wanted),
+                             samples,
+                             evidence.resampled ? "" : "no resampled blocks of time: no error"));
+    } else {
+        m.push_back(missing("k_pre_peak", "1/a", peak.reason));
+    }
+    m.push_back({"k_fit", "1/a", fit.k_max, std::nullopt, 0,
+                 fmt::format("end of the fit; chi2 = {:.4g} for {} shells", fit.chi2, fit.points)});
+    if (const auto interval = ratio_interval(evidence.spectrum, fit); interval) {
+        const char* meaning = "end of the 68 % profile-likelihood interval";
+        m.push_back({"s0_over_s1_low", "-", interval->low, std::nullopt, 0, meaning});
+        m.push_back({"s0_over_s1_high", "-", interval->high, std::nullopt, 0, meaning});
+    }
+    m.push_back({"s0_s1_correlation", "-", fit.covariance / (fit.error[0] * fit.error[1]),
+                 std::nullopt, 0, "of the errors of S0 and S1, from the likelihood"});
+}
+
+ObservableResult fit_of_evidence(const Evidence& evidence, const FitOptions& options) {
+    const SpectrumFit fit = fit_of(evidence.spectrum, options);
+    ObservableResult result = blank(options, fit.reason);
+    if (!fit.ok()) return result;
+    const Spectrum& spectrum = evidence.spectrum;
+    const Bootstrap& values = evidence.values;
+    const std::string why =
+        evidence.resampled ? "" : "error from the likelihood, not from resampled blocks";
+    const auto error = [&](const std::vector<double>& of, double from_likelihood) {
+        return error_of(evidence, of, from_likelihood, options);
+    };
+    double samples = 0;
+    for (std::size_t i = 0; i < spectrum.k.size() && spectrum.k[i] <= fit.k_max; ++i) {
+        if (std::isfinite(spectrum.dof[i])) samples += spectrum.dof[i];
+    }
+    auto& m = result.measurements;
+    m.push_back(measured("s0_over_s1", "-", fit.ratio(), error(values.ratio, fit.ratio_error()),
+                         samples, why));
+    m.push_back(measured("s0", "-", fit.s0, error(values.s0, fit.error[0]), samples, why));
+    m.push_back(measured("s1", "-", fit.s1, error(values.s1, fit.error[1]), samples, why));
+    if (options.exponent == Exponent::free) {
+        m.push_back(
+            measured("alpha", "-", fit.alpha, error(values.alpha, fit.error[2]), samples, why));
+    } else {
+        m.push_back({"alpha", "-", fit.alpha, std::nullopt, 0, "given, not fitted"});
+    }
+    add_range(evidence, fit, samples, options, result);
+    if (evidence.others) {
+        const bool plane = options.modes == FitModes::box;
+        const char* name = plane ? "s0_over_s1_connected" : "s0_over_s1_neumann";
+        const char* meaning = plane ? "plane waves, which leak; error from the likelihood"
+                                    : "modes that fit between the walls; error from the likelihood";
+        const SpectrumFit other =
+            fit_spectrum(*evidence.others, fit.k_max, fit.alpha, options.method);
+        m.push_back(other.ok()
+                        ? measured(name, "-", other.ratio(), other.ratio_error(), samples, meaning)
+                        : missing(name, "-", other.reason));
+    }
+    add_systematics(spectrum, fit, options, result);
+    result.curves = {fit_curve(fit, spectrum.k.front())};
+    return result;
+}
+
+}  // namespace
+
+OptionTable describe(FitOptions& options) {
+    OptionTable table("fit");
+    table.choice("exponent", options.exponent,
+                 {{"fixed", Exponent::fixed}, {"free", Exponent::free}},
+                 "whether alpha is given or fitted");
+    table.number("alpha", options.alpha, "-", {0.2, 4}, "the exponent where it is fixed");
+    table.number("range", options.range, "-", {0.05, 1},
+                 "end of the fit as a part of the wavevector of the pre-peak");
+    table.number("k-max", options.k_max, "1/a", {1e-9, 1e9},
+                 "end of the fit; auto: range times the wavevector of the pre-peak");
+    table.choice("method", options.method,
+                 {{"whittle", FitMethod::whittle}, {"least-squares", FitMethod::least_squares}},
+                 "gamma likelihood, or weights from the measured errors");
+    table.choice("modes", options.modes,
+                 {{"box", FitModes::box}, {"plane-waves", FitModes::plane_waves}},
+                 "of the box: cosines between hard walls; or plane waves, which leak there");
+    table.integer("bootstrap", options.bootstrap, "-", {0, 100000},
+                  "resamplings of the blocks of time for the errors");
+    return table;
+}
+
+FitModes recorded_modes(const ObservableResult& fit) {
+    const OptionValue* modes = fit.find_option("modes");
+    return modes != nullptr && to_text(*modes) == "plane-waves" ? FitModes::plane_waves
+                                                                : FitModes::box;
+}
+
+Spectrum recorded_spectrum(const ObservableResult& sk, FitModes modes) {
+    const bool walls = modes == FitModes::box && sk.find_curve("sk_neumann") != nullptr;
+    const Curve* s = sk.find_curve(walls ? "sk_neumann" : "sk");
+    const Curve* samples = sk.find_curve(walls ? "sk_neumann_samples" : "sk_samples");
+    const Column* dof = samples == nullptr ? nullptr : samples->find("dof");
+    if (s == nullptr || dof == nullptr) return {};
+    const Column* k = s->find("k");
+    const Column* value = s->find("s");
+    const Column* error = s->find("s_err");
+    if (k == nullptr || value == nullptr || error == nullptr) return {};
+    if (dof->values.size() != k->values.size()) return {};
+    return {k->values, value->values, dof->values, error->values};
+}
+
+Spectrum fitted_spectrum(const StructureFactor& sk, FitModes modes) {
+    return sk.spectrum(estimator_of(sk, modes));
+}
+
+ObservableResult fit_result(const Spectrum& spectrum, const FitOptions& options) {
+    if (spectrum.k.empty()) return blank(options, "no S(k) with its degrees of freedom to fit");
+    return fit_of_evidence({.spectrum = spectrum}, options);
+}
+
+ObservableResult fit_result(const StructureFactor& sk, const FitOptions& options) {
+    const bool walls = !sk.is_periodic();
+    if (!sk.allows(Estimator::raw) || (walls && !sk.allows(Estimator::connected))) {
+        return blank(options, walls ? "one frame: S(k) has the walls in it" : "no S(k) to fit");
+    }
+    if (sk.counts_particles() && sk.particles_mean() < least_particles) {
+        return blank(options, fmt::format("{:.3g} particles a frame: density modes are Gaussian "
+                                          "from some {:.0f} on",
+                                          sk.particles_mean(), least_particles));
+    }
+    const Estimator fitted = estimator_of(sk, options.modes);
+    Evidence evidence{.spectrum = sk.spectrum(fitted)};
+    evidence.blocks = sk.blocks();
+    evidence.resampled = sk.blocks() >= least_blocks && options.bootstrap >= 40;
+    if (sk.allows(Estimator::neumann)) {
+        evidence.others =
+            sk.spectrum(fitted == Estimator::neumann ? Estimator::connected : Estimator::neumann);
+    }
+    if (fit_of(evidence.spectrum, options).ok()) {
+        evidence.values = bootstrap(sk, fitted, options);
+    }
+    return fit_of_evidence(evidence, options);
+}
+
+}  // namespace grainfield::analysis

@@ -1,0 +1,44 @@
+#include "core/support/interrupt.h"
+
+#include <atomic>
+#include <csignal>
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
+
+namespace grainfield {
+
+namespace {
+
+std::atomic<int> signal_seen{0};
+static_assert(std::atomic<int>::is_always_lock_free, "used in a signal handler");
+
+extern "C" void remember_signal(int signal) {
+    signal_seen.store(signal, std::memory_order_relaxed);
+}
+
+}  // namespace
+
+void catch_interrupts() {
+    struct sigaction action {};
+    action.sa_handler = remember_signal;
+    sigemptyset(&action.sa_mask);
+    // The handler is gone after the first signal, so that the second one ends the process.
+    action.sa_flags = static_cast<int>(SA_RESETHAND | static_cast<unsigned>(SA_RESTART));
+    sigaction(SIGINT, &action, nullptr);
+    sigaction(SIGTERM, &action, nullptr);
+}
+
+int caught_signal() {
+    return signal_seen.load(std::memory_order_relaxed);
+}
+
+void throw_if_interrupted(const char* work) {
+    const int signal = caught_signal();
+    if (signal == 0) return;
+    throw Interrupted(signal, fmt::format("{} interrupted by {}.", work,
+                                          signal == SIGINT ? "SIGINT" : "SIGTERM"));
+}
+
+}  // namespace grainfield

@@ -1,0 +1,192 @@
+#include "io/h5/detail/run_record_json.h"
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
+
+namespace grainfield::io {
+
+namespace {
+
+using nlohmann::json;
+
+template <class Enum, std::size_t n>
+using Names = std::array<std::pair<Enum, std::string_view>, n>;
+
+constexpr Names<Origin, 4> origins{{{Origin::video, "video"},
+                                    {Origin::md, "md"},
+                                    {Origin::rendered, "rendered"},
+                                    {Origin::points, "points"}}};
+constexpr Names<LengthUnit, 2> length_units{
+    {{LengthUnit::pixel, "pixel"}, {LengthUnit::diameter, "diameter"}}};
+constexpr Names<TimeUnit, 3> time_units{{{TimeUnit::frame, "frame"},
+                                         {TimeUnit::second, "second"},
+                                         {TimeUnit::sqrt_a_over_g, "sqrt(a/g)"}}};
+constexpr Names<Boundary, 2> boundaries{
+    {{Boundary::periodic, "periodic"}, {Boundary::walls, "walls"}}};
+
+template <class Enum, std::size_t n>
+json name_of(Enum value, const Names<Enum, n>& names) {
+    for (const auto& [known, name] : names) {
+        if (known == value) return json(name);
+    }
+    return nullptr;
+}
+
+template <class Enum, std::size_t n>
+Enum value_of(const json& text, const Names<Enum, n>& names) {
+    for (const auto& [known, name] : names) {
+        if (text == name) return known;
+    }
+    throw json::other_error::create(501, "unknown word " + text.dump(), nullptr);
+}
+
+json pair_of(Vec2 v) {
+    return json::array({to_json(v.x), to_json(v.y)});
+}
+
+Vec2 vec2_from_json(const json& text) {
+    return {number_from_json(text.at(0)), number_from_json(text.at(1))};
+}
+
+// Runs `read`, turning what nlohmann/json throws into an InputError.
+template <class Read>
+auto guarded(const std::string& file, const char* what, Read read) {
+    try {
+        return read();
+    } catch (const json::exception& error) {
+        throw InputError({.problem = fmt::format("cannot read '{}'", file),
+                          .actual = fmt::format("{} is damaged ({})", what, error.what()),
+                          .expected = {},
+                          .suggestion = {}});
+    }
+}
+
+}  // namespace
+
+json to_json(double number) {
+    if (std::isnan(number)) return "nan";
+    if (std::isinf(number)) return number > 0 ? "inf" : "-inf";
+    return number;
+}
+
+json to_json(const std::optional<double>& number) {
+    return number ? to_json(*number) : json(nullptr);
+}
+
+double number_from_json(const json& text) {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    if (text == "nan") return std::numeric_limits<double>::quiet_NaN();
+    if (text == "inf") return infinity;
+    if (text == "-inf") return -infinity;
+    return text.get<double>();
+}
+
+std::optional<double> optional_from_json(const json& text) {
+    if (text.is_null()) return std::nullopt;
+    return number_from_json(text);
+}
+
+json to_json(const RunRecord& record) {
+    json inputs = json::array();
+    for (const RunRecord::Input& input : record.inputs) {
+        inputs.push_back(
+            {{"name", input.name}, {"bytes", input.bytes}, {"checksum", input.checksum}});
+    }
+    json configuration = json::array();
+    for (const auto& [name, text] : record.configuration) {
+        configuration.push_back(json::array({name, text}));
+    }
+    return {{"command", record.command},
+            {"version", record.version},
+            {"seed", record.seed},
+            {"threads", record.threads},
+            {"seconds", to_json(record.seconds)},
+            {"configuration", configuration},
+            {"inputs", inputs},
+            {"skipped", record.skipped},
+            {"warnings", record.warnings}};
+}
+
+json to_json(const TrajectoryInfo& info) {
+    return {{"origin", name_of(info.origin, origins)},
+            {"length_unit", name_of(info.length_unit, length_units)},
+            {"time_unit", name_of(info.time_unit, time_units)},
+            {"diameter", to_json(info.diameter)},
+            {"vibration_frequency", to_json(info.vibration_frequency)},
+            {"frame_rate", to_json(info.frame_rate)},
+            {"source", info.source}};
+}
+
+json to_json(const Box& box) {
+    return {
+        {"origin", pair_of(box.origin)},
+        {"length", pair_of(box.length)},
+        {"boundary", {name_of(box.boundary[0], boundaries), name_of(box.boundary[1], boundaries)}},
+        {"height", to_json(box.height)}};
+}
+
+RunRecord record_from_json(const json& text, const std::string& file) {
+    return guarded(file, "the record of the run", [&] {
+        RunRecord record;
+        record.command = text.at("command").get<std::string>();
+        record.version = text.at("version").get<std::string>();
+        record.seed = text.at("seed").get<std::uint64_t>();
+        record.threads = text.at("threads").get<int>();
+        record.seconds = number_from_json(text.at("seconds"));
+        for (const auto& entry : text.at("configuration")) {
+            record.configuration.emplace_back(entry.at(0).get<std::string>(),
+                                              entry.at(1).get<std::string>());
+        }
+        for (const auto& input : text.at("inputs")) {
+            record.inputs.push_back({input.at("name").get<std::string>(),
+                                     input.at("bytes").get<std::uint64_t>(),
+                                     input.at("checksum").get<std::string>()});
+        }
+        record.skipped = text.at("skipped").get<std::vector<std::string>>();
+        record.warnings = text.at("warnings").get<std::vector<std::string>>();
+        return record;
+    });
+}
+
+TrajectoryInfo info_from_json(const json& text, const std::string& file) {
+    return guarded(file, "the description of the trajectory", [&] {
+        TrajectoryInfo info;
+        info.origin = value_of(text.at("origin"), origins);
+        info.length_unit = value_of(text.at("length_unit"), length_units);
+        info.time_unit = value_of(text.at("time_unit"), time_units);
+        info.diameter = number_from_json(text.at("diameter"));
+        info.vibration_frequency = optional_from_json(text.at("vibration_frequency"));
+        info.frame_rate = optional_from_json(text.at("frame_rate"));
+        info.source = text.at("source").get<std::string>();
+        return info;
+    });
+}
+
+Box box_from_json(const json& text, const std::string& file) {
+    return guarded(file, "the box", [&] {
+        Box box;
+        box.origin = vec2_from_json(text.at("origin"));
+        box.length = vec2_from_json(text.at("length"));
+        box.boundary = {value_of(text.at("boundary").at(0), boundaries),
+                        value_of(text.at("boundary").at(1), boundaries)};
+        box.height = number_from_json(text.at("height"));
+        return box;
+    });
+}
+
+std::string text_of(const json& text) {
+    return text.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+json parse_json(const std::string& text, const std::string& file) {
+    return guarded(file, "a JSON text", [&] { return json::parse(text); });
+}
+
+}  // namespace grainfield::io

@@ -1,0 +1,154 @@
+#include "io/images/image_sequence.h"
+
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "io/images/coded_image.h"
+#include "io/images/file_numbering.h"
+#include "io/input_file.h"
+#include "io/images/picture.h"
+#include "io/images/png_image.h"
+#include "io/images/tiff_frames.h"
+
+namespace grainfield::io {
+
+namespace {
+
+Picture read_image(const std::filesystem::path& path, std::int64_t max_pixels) {
+    require_input_file(path);
+    const std::string head = read_head(path, 16);
+    const ImageKind kind = identify_image(head);
+    switch (kind) {
+        case ImageKind::png:
+            return read_png(path, max_pixels);
+        case ImageKind::tiff:
+            return read_tiff(path, max_pixels);
+        case ImageKind::jpeg:
+        case ImageKind::bmp:
+        case ImageKind::pnm:
+            return read_coded_image(path, kind, max_pixels);
+        case ImageKind::none:
+            break;
+    }
+    throw InputError({.problem = fmt::format("'{}' is not an image", path.string()),
+                      .actual = fmt::format("it starts with '{}'", printable(head)),
+                      .expected = "PNG, TIFF, JPEG, BMP or PNM, like the other files of the list",
+                      .suggestion = "leave it out"});
+}
+
+class ImageSequence : public FrameSource {
+ public:
+    ImageSequence(std::vector<std::filesystem::path> files, const FrameFileOptions& options)
+        : options_(options) {
+        for (const auto& file : files) require_input_file(file);
+        given_ = files.size();
+        auto [numbered, missing, warnings] = number_files(std::move(files));
+        files_ = std::move(numbered);
+        warnings_ = std::move(warnings);
+        missing_names_ = std::move(missing);
+        warn_of_gaps();
+        find_shape();
+    }
+
+    std::int64_t count() const override { return static_cast<std::int64_t>(files_.size()); }
+    int width() const override { return shape_.width; }
+    int height() const override { return shape_.height; }
+    int bit_depth() const override { return shape_.bit_depth; }
+    std::optional<double> frame_rate() const override { return options_.fps; }
+    const std::vector<std::string>& warnings() const override { return warnings_; }
+
+    std::string name() const override {
+        if (given_ == 1) return files_.front().string();
+        return fmt::format("{} … {} ({} images)", files_.front().string(),
+                           files_.back().filename().string(), given_);
+    }
+
+    Frame read(std::int64_t index) override {
+        require_frame_index(index, count(), name());
+        const auto& file = files_[static_cast<std::size_t>(index)];
+        Frame frame;
+        frame.index = index;
+        frame.time = static_cast<double>(index) / options_.fps.value_or(1);
+        frame.bit_depth = shape_.bit_depth;
+        if (file.empty()) {
+            frame.status = FrameStatus::missing;
+            frame.message = "no file with this number";
+            return frame;
+        }
+        try {
+            Picture picture = read_image(file, options_.max_pixels);
+            require_same_shape(file, index, picture.shape(), shape_);
+            frame.image = std::move(picture.image);
+        } catch (const CorruptPicture& damage) {
+            frame.status = FrameStatus::corrupt;
+            frame.message = fmt::format("'{}': {}", file.string(), damage.decoder_message());
+        }
+        return frame;
+    }
+
+ private:
+    void warn_of_gaps() {
+        if (missing_names_.empty()) return;
+        std::string names;
+        for (const auto& missing : missing_names_) {
+            if (names.size() > 200) {
+                names += ", …";
+                break;
+            }
+            names += (names.empty() ? "" : ", ") + missing.filename().string();
+        }
+        warnings_.push_back(fmt::format("{} of {} numbered images missing: {}",
+                                        missing_names_.size(), files_.size(), names));
+    }
+
+    // From the first image that can be decoded.
+    void find_shape() {
+        std::optional<CorruptPicture> first_damage;
+        for (const auto& file : files_) {
+            if (file.empty()) continue;
+            try {
+                shape_ = read_image(file, options_.max_pixels).shape();
+                return;
+            } catch (const CorruptPicture& damage) {
+                if (!first_damage) first_damage = damage;
+            }
+        }
+        throw *first_damage;
+    }
+
+    FrameFileOptions options_;
+    std::size_t given_ = 0;
+    std::vector<std::filesystem::path> files_;
+    std::vector<std::filesystem::path> missing_names_;
+    PictureShape shape_;
+    std::vector<std::string> warnings_;
+};
+
+}  // namespace
+
+ImageKind identify_image(std::string_view head) {
+    using namespace std::string_view_literals;
+    if (head.starts_with("\x89PNG\r\n\x1a\n"sv)) return ImageKind::png;
+    for (const auto magic : {"II*\0"sv, "MM\0*"sv, "II+\0"sv, "MM\0+"sv}) {
+        if (head.starts_with(magic)) return ImageKind::tiff;
+    }
+    if (head.starts_with("\xff\xd8\xff"sv)) return ImageKind::jpeg;
+    // The two reserved words of a BMP header are zero: "BM" alone would match text.
+    if (head.starts_with("BM"sv) && head.size() >= 10 && head.substr(6, 4) == "\0\0\0\0"sv) {
+        return ImageKind::bmp;
+    }
+    if (head.size() >= 3 && head[0] == 'P' && head[1] >= '1' && head[1] <= '6' &&
+        " \t\r\n"sv.find(head[2]) != std::string_view::npos) {
+        return ImageKind::pnm;
+    }
+    return ImageKind::none;
+}
+
+std::unique_ptr<FrameSource> open_image_sequence(std::vector<std::filesystem::path> files,
+                                                 const FrameFileOptions& options) {
+    return std::make_unique<ImageSequence>(std::move(files), options);
+}
+
+}  // namespace grainfield::io

@@ -1,0 +1,387 @@
+#include "io/images/tiff_frames.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdarg>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <tiffio.h>
+
+#include "io/input_file.h"
+
+#if TIFFLIB_VERSION < 20221213
+#error "libtiff 4.5 or newer is needed: its messages are collected per file"
+#endif
+
+namespace grainfield::io {
+
+namespace {
+
+struct TiffDeleter {
+    void operator()(TIFF* tiff) const { TIFFClose(tiff); }
+    void operator()(TIFFOpenOptions* options) const { TIFFOpenOptionsFree(options); }
+};
+
+/// Keeps the first message of an operation; libtiff prints nothing.
+struct Messages {
+    std::string first;
+
+    void add(const char* module, const char* format, va_list arguments) {
+        if (!first.empty()) return;
+        std::array<char, 400> text{};
+        std::vsnprintf(text.data(), text.size(), format, arguments);
+        first = fmt::format("{}: {}", module == nullptr ? "libtiff" : module, text.data());
+    }
+    std::string take() { return std::exchange(first, {}); }
+};
+
+int on_error(TIFF*, void* user, const char* module, const char* format, va_list arguments) {
+    static_cast<Messages*>(user)->add(module, format, arguments);
+    return 1;
+}
+
+// Unknown tags and the like are harmless, but a cut JPEG strip is only warned about.
+int on_warning(TIFF*, void* user, const char* module, const char* format, va_list arguments) {
+    if (module != nullptr && std::string_view(module).starts_with("JPEG")) {
+        static_cast<Messages*>(user)->add(module, format, arguments);
+    }
+    return 1;
+}
+
+struct Page {
+    std::uint64_t offset = 0;
+    std::uint32_t width = 0;
+    std::uint32_t height = 0;
+    std::uint16_t bits = 1;
+};
+
+/// The layout of a page as its tags say.
+struct Layout {
+    std::uint16_t samples = 1;
+    std::uint16_t planar = PLANARCONFIG_CONTIG;
+    std::uint16_t photometric = PHOTOMETRIC_MINISBLACK;
+    std::uint16_t format = SAMPLEFORMAT_UINT;
+    std::uint16_t compression = COMPRESSION_NONE;
+
+    int planes() const { return planar == PLANARCONFIG_SEPARATE ? samples : 1; }
+    int samples_in_plane() const { return planar == PLANARCONFIG_SEPARATE ? 1 : samples; }
+};
+
+class TiffFile {
+ public:
+    TiffFile(std::filesystem::path path, std::int64_t max_pixels)
+        : path_(std::move(path)), max_pixels_(max_pixels) {
+        require_input_file(path_);
+        const std::unique_ptr<TIFFOpenOptions, TiffDeleter> options(TIFFOpenOptionsAlloc());
+        TIFFOpenOptionsSetErrorHandlerExtR(options.get(), on_error, messages_.get());
+        TIFFOpenOptionsSetWarningHandlerExtR(options.get(), on_warning, messages_.get());
+        const std::int64_t largest = std::max<std::int64_t>(max_pixels_, 1 << 24) * 8;
+        TIFFOpenOptionsSetMaxSingleMemAlloc(options.get(), largest);
+        // Not memory-mapped ("m"): a file that shrinks while it is read must not end the program.
+        tiff_.reset(TIFFOpenExt(path_.c_str(), "rm", options.get()));
+        if (!tiff_) throw CorruptPicture(path_, messages_->take());
+        walk();
+        if (pages_.empty()) {
+            throw CorruptPicture(path_, cut_message_.empty() ? "no page" : cut_message_);
+        }
+    }
+
+    const std::filesystem::path& path() const { return path_; }
+    const std::vector<Page>& pages() const { return pages_; }
+    /// Why the list of pages broke off; empty if it came to its end.
+    const std::string& cut_message() const { return cut_message_; }
+
+    Picture read(std::size_t number) {
+        const Page& page = pages_[number];
+        messages_->take();
+        if (TIFFSetSubDirectory(tiff_.get(), page.offset) == 0) fail("no such page");
+        require_pixel_count(path_, page.width, page.height, max_pixels_);
+        const Layout layout = read_layout();
+        require_supported(page, layout);
+        const std::vector<std::uint8_t> raw = read_raw(page, layout);
+        Picture picture{Image(static_cast<int>(page.width), static_cast<int>(page.height)),
+                        page.bits};
+        if (page.bits == 8) {
+            convert<std::uint8_t>(raw, layout, picture.image);
+        } else {
+            convert<std::uint16_t>(raw, layout, picture.image);
+        }
+        return picture;
+    }
+
+ private:
+    [[noreturn]] void fail(const std::string& fallback) {
+        const std::string message = messages_->take();
+        throw CorruptPicture(path_, message.empty() ? fallback : message);
+    }
+
+    void walk() {
+        do {
+            Page page;
+            page.offset = TIFFCurrentDirOffset(tiff_.get());
+            std::uint32_t kind = 0;
+            TIFFGetField(tiff_.get(), TIFFTAG_SUBFILETYPE, &kind);
+            if ((kind & (FILETYPE_REDUCEDIMAGE | FILETYPE_MASK)) != 0) continue;
+            TIFFGetField(tiff_.get(), TIFFTAG_IMAGEWIDTH, &page.width);
+            TIFFGetField(tiff_.get(), TIFFTAG_IMAGELENGTH, &page.height);
+            TIFFGetFieldDefaulted(tiff_.get(), TIFFTAG_BITSPERSAMPLE, &page.bits);
+            pages_.push_back(page);
+            note_promise();
+            messages_->take();
+        } while (TIFFReadDirectory(tiff_.get()) != 0);
+        if (std::string message = messages_->take(); !message.empty()) cut_message_ = message;
+        if (cut_message_.empty() && promised_ > pages_.size()) {
+            cut_message_ = fmt::format("{} pages promised by its description", promised_);
+        }
+    }
+
+    // ImageJ writes "images=N" into the first page.
+    void note_promise() {
+        const char* description = nullptr;
+        if (pages_.size() != 1) return;
+        if (TIFFGetField(tiff_.get(), TIFFTAG_IMAGEDESCRIPTION, &description) == 0) return;
+        const std::string_view text(description);
+        if (!text.starts_with("ImageJ=")) return;
+        const std::size_t at = text.find("\nimages=");
+        if (at == std::string_view::npos) return;
+        promised_ = std::strtoull(text.data() + at + 8, nullptr, 10);
+    }
+
+    Layout read_layout() {
+        Layout layout;
+        TIFFGetFieldDefaulted(tiff_.get(), TIFFTAG_SAMPLESPERPIXEL, &layout.samples);
+        TIFFGetFieldDefaulted(tiff_.get(), TIFFTAG_PLANARCONFIG, &layout.planar);
+        TIFFGetFieldDefaulted(tiff_.get(), TIFFTAG_SAMPLEFORMAT, &layout.format);
+        TIFFGetFieldDefaulted(tiff_.get(), TIFFTAG_COMPRESSION, &layout.compression);
+        if (TIFFGetField(tiff_.get(), TIFFTAG_PHOTOMETRIC, &layout.photometric) == 0) {
+            layout.photometric = layout.samples >= 3 ? PHOTOMETRIC_RGB : PHOTOMETRIC_MINISBLACK;
+        }
+        if (layout.compression == COMPRESSION_JPEG && layout.photometric == PHOTOMETRIC_YCBCR) {
+            TIFFSetField(tiff_.get(), TIFFTAG_JPEGCOLORMODE, JPEGCOLORMODE_RGB);
+            layout.photometric = PHOTOMETRIC_RGB;
+        }
+        return layout;
+    }
+
+    void require_supported(const Page& page, const Layout& layout) const {
+        const bool grey = layout.photometric == PHOTOMETRIC_MINISBLACK ||
+                          layout.photometric == PHOTOMETRIC_MINISWHITE;
+        const bool colour = layout.photometric == PHOTOMETRIC_RGB && layout.samples >= 3;
+        const bool palette = layout.photometric == PHOTOMETRIC_PALETTE && page.bits == 8;
+        const bool depth = page.bits == 8 || page.bits == 16;
+        if (depth && layout.format == SAMPLEFORMAT_UINT && layout.samples >= 1 &&
+            layout.samples <= 16 && (grey || colour || palette)) {
+            return;
+        }
+        if (!TIFFIsCODECConfigured(layout.compression)) {
+            refuse(fmt::format("compression {}", layout.compression), "a compression of libtiff");
+        }
+        refuse(fmt::format("{} bit, {} samples per pixel, sample format {}, photometric {}",
+                           page.bits, layout.samples, layout.format, layout.photometric),
+               "8 or 16 bit unsigned, grey, RGB or palette");
+    }
+
+    [[noreturn]] void refuse(std::string actual, std::string expected) const {
+        throw InputError({.problem = fmt::format("cannot use the TIFF '{}'", path_.string()),
+                          .actual = std::move(actual),
+                          .expected = std::move(expected),
+                          .suggestion = "save it as 16-bit grey"});
+    }
+
+    /// All samples as stored, plane after plane, row after row.
+    std::vector<std::uint8_t> read_raw(const Page& page, const Layout& layout) {
+        const std::size_t pixel_bytes =
+            static_cast<std::size_t>(layout.samples_in_plane()) * page.bits / 8U;
+        const std::size_t row_bytes = pixel_bytes * page.width;
+        std::vector<std::uint8_t> raw(row_bytes * page.height *
+                                      static_cast<std::size_t>(layout.planes()));
+        for (int plane = 0; plane < layout.planes(); ++plane) {
+            std::uint8_t* start =
+                raw.data() + row_bytes * page.height * static_cast<std::size_t>(plane);
+            if (TIFFIsTiled(tiff_.get()) != 0) {
+                read_tiles(page, plane, pixel_bytes, start);
+            } else {
+                read_rows(page, plane, row_bytes, start);
+            }
+        }
+        // libtiff patches some damages up and goes on.
+        if (!messages_->first.empty()) fail({});
+        return raw;
+    }
+
+    void read_rows(const Page& page, int plane, std::size_t row_bytes, std::uint8_t* out) {
+        const tmsize_t line = TIFFScanlineSize(tiff_.get());
+        if (line < static_cast<tmsize_t>(row_bytes)) fail("rows are shorter than the width");
+        std::vector<std::uint8_t> buffer(static_cast<std::size_t>(line));
+        for (std::uint32_t y = 0; y < page.height; ++y) {
+            if (TIFFReadScanline(tiff_.get(), buffer.data(), y,
+                                 static_cast<std::uint16_t>(plane)) != 1) {
+                fail(fmt::format("row {} cannot be decoded", y));
+            }
+            std::memcpy(out + y * row_bytes, buffer.data(), row_bytes);
+        }
+    }
+
+    void read_tiles(const Page& page, int plane, std::size_t pixel_bytes, std::uint8_t* out) {
+        std::uint32_t tile_width = 0;
+        std::uint32_t tile_height = 0;
+        TIFFGetField(tiff_.get(), TIFFTAG_TILEWIDTH, &tile_width);
+        TIFFGetField(tiff_.get(), TIFFTAG_TILELENGTH, &tile_height);
+        require_pixel_count(path_, tile_width, tile_height, max_pixels_);
+        const std::size_t tile_row = pixel_bytes * tile_width;
+        const tmsize_t bytes = TIFFTileSize(tiff_.get());
+        if (bytes < static_cast<tmsize_t>(tile_row * tile_height)) fail("tiles are too short");
+        std::vector<std::uint8_t> tile(static_cast<std::size_t>(bytes));
+        for (std::uint32_t y = 0; y < page.height; y += tile_height) {
+            for (std::uint32_t x = 0; x < page.width; x += tile_width) {
+                if (TIFFReadTile(tiff_.get(), tile.data(), x, y, 0,
+                                 static_cast<std::uint16_t>(plane)) < 0) {
+                    fail(fmt::format("the tile at ({}, {}) cannot be decoded", x, y));
+                }
+                const std::size_t columns = std::min(tile_width, page.width - x) * pixel_bytes;
+                const std::uint32_t rows = std::min(tile_height, page.height - y);
+                for (std::uint32_t row = 0; row < rows; ++row) {
+                    std::memcpy(
+                        out + (std::size_t{y} + row) * page.width * pixel_bytes + x * pixel_bytes,
+                        tile.data() + row * tile_row, columns);
+                }
+            }
+        }
+    }
+
+    template <class Sample>
+    void convert(const std::vector<std::uint8_t>& raw, const Layout& layout, Image& image) {
+        const std::size_t pixels = image.size();
+        const bool separate = layout.planes() > 1;
+        const auto sample = [&](std::size_t pixel, std::size_t channel) {
+            const std::size_t at =
+                separate ? channel * pixels + pixel : pixel * layout.samples + channel;
+            Sample value;
+            std::memcpy(&value, raw.data() + at * sizeof(Sample), sizeof(Sample));
+            return static_cast<std::int32_t>(value);
+        };
+        float* out = image.pixels().data();
+        if (layout.photometric == PHOTOMETRIC_PALETTE) {
+            const std::vector<float> palette = read_palette();
+            for (std::size_t i = 0; i < pixels; ++i) {
+                out[i] = palette[static_cast<std::size_t>(sample(i, 0)) & 255U];
+            }
+        } else if (layout.photometric == PHOTOMETRIC_RGB) {
+            for (std::size_t i = 0; i < pixels; ++i) {
+                out[i] = luma(sample(i, 0), sample(i, 1), sample(i, 2));
+            }
+        } else if (layout.photometric == PHOTOMETRIC_MINISWHITE) {
+            constexpr std::int32_t white = std::numeric_limits<Sample>::max();
+            for (std::size_t i = 0; i < pixels; ++i) {
+                out[i] = static_cast<float>(white - sample(i, 0));
+            }
+        } else {
+            for (std::size_t i = 0; i < pixels; ++i) out[i] = static_cast<float>(sample(i, 0));
+        }
+    }
+
+    std::vector<float> read_palette() {
+        std::uint16_t* red = nullptr;
+        std::uint16_t* green = nullptr;
+        std::uint16_t* blue = nullptr;
+        if (TIFFGetField(tiff_.get(), TIFFTAG_COLORMAP, &red, &green, &blue) == 0) {
+            fail("the palette is absent");
+        }
+        std::vector<float> palette(256);
+        for (std::size_t i = 0; i < palette.size(); ++i) {
+            palette[i] = luma(red[i] >> 8, green[i] >> 8, blue[i] >> 8);
+        }
+        return palette;
+    }
+
+    std::filesystem::path path_;
+    std::int64_t max_pixels_;
+    // On the heap: libtiff keeps its address.
+    std::unique_ptr<Messages> messages_ = std::make_unique<Messages>();
+    std::unique_ptr<TIFF, TiffDeleter> tiff_;
+    std::vector<Page> pages_;
+    std::string cut_message_;
+    std::uint64_t promised_ = 0;
+};
+
+class TiffFrames : public FrameSource {
+ public:
+    TiffFrames(const std::filesystem::path& path, const FrameFileOptions& options)
+        : file_(path, options.max_pixels), fps_(options.fps) {
+        find_shape();
+        if (!file_.cut_message().empty()) {
+            warnings_.push_back(fmt::format("'{}' is cut short after {} pages: {}", name(), count(),
+                                            file_.cut_message()));
+        }
+    }
+
+    std::int64_t count() const override { return static_cast<std::int64_t>(file_.pages().size()); }
+    int width() const override { return shape_.width; }
+    int height() const override { return shape_.height; }
+    int bit_depth() const override { return shape_.bit_depth; }
+    std::optional<double> frame_rate() const override { return fps_; }
+    std::string name() const override { return file_.path().string(); }
+    const std::vector<std::string>& warnings() const override { return warnings_; }
+
+    Frame read(std::int64_t index) override {
+        require_frame_index(index, count(), name());
+        Frame frame;
+        frame.index = index;
+        frame.time = static_cast<double>(index) / fps_.value_or(1);
+        frame.bit_depth = shape_.bit_depth;
+        try {
+            Picture picture = file_.read(static_cast<std::size_t>(index));
+            require_same_shape(file_.path(), index, picture.shape(), shape_);
+            frame.image = std::move(picture.image);
+        } catch (const CorruptPicture& damage) {
+            frame.status = FrameStatus::corrupt;
+            frame.message = damage.decoder_message();
+        }
+        return frame;
+    }
+
+ private:
+    // From the first page that can be decoded; its tags alone may be part of the damage.
+    void find_shape() {
+        for (std::size_t i = 0;; ++i) {
+            try {
+                shape_ = file_.read(i).shape();
+                return;
+            } catch (const CorruptPicture&) {
+                if (i + 1 == file_.pages().size()) throw;
+            }
+        }
+    }
+
+    TiffFile file_;
+    std::optional<double> fps_;
+    PictureShape shape_;
+    std::vector<std::string> warnings_;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSource> open_tiff(const std::filesystem::path& path,
+                                       const FrameFileOptions& options) {
+    return std::make_unique<TiffFrames>(path, options);
+}
+
+Picture read_tiff(const std::filesystem::path& path, std::int64_t max_pixels) {
+    TiffFile file(path, max_pixels);
+    if (file.pages().size() == 1) return file.read(0);
+    throw InputError({.problem = fmt::format("'{}' cannot be one of several images", path.string()),
+                      .actual = fmt::format("it holds {} pages", file.pages().size()),
+                      .expected = "one page",
+                      .suggestion = "give the multi-page file alone"});
+}
+
+}  // namespace grainfield::io

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+
+#include "core/frame_source.h"
+#include "io/frame_files.h"
+#include "io/images/picture.h"
+
+namespace grainfield::io {
+
+/// The pages of one TIFF as frames; pages marked as reduced images are left out.
+///
+/// Reads 8 and 16 bit, grey, RGB(A) or palette, in strips or tiles, any compression of libtiff.
+/// `min-is-white` is inverted, so that bright is always large. The list of pages is walked on
+/// opening; where it breaks off, the pages before are kept and a warning says so. A page whose
+/// pixels are damaged or cut is a corrupt frame with libtiff's message; if it is the only page,
+/// opening throws.
+std::unique_ptr<FrameSource> open_tiff(const std::filesystem::path& path,
+                                       const FrameFileOptions& options);
+
+/// The single page of a TIFF. Throws CorruptPicture for damaged files, InputError if there are more
+/// pages or for a kind of picture that is not supported. Thread-safe.
+Picture read_tiff(const std::filesystem::path& path, std::int64_t max_pixels);
+
+}  // namespace grainfield::io

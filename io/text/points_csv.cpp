@@ -1,0 +1,280 @@
+#include "io/text/points_csv.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
+#include "core/support/interrupt.h"
+#include "io/text/points_line.h"
+#include "io/text/points_statement.h"
+
+namespace grainfield::io {
+
+namespace {
+
+/// Neighbouring lines of one frame.
+struct Piece {
+    std::int64_t offset = 0;  ///< [bytes] of the first line
+    std::int64_t line = 0;    ///< its number, from 1
+    std::int64_t lines = 0;
+};
+
+struct IndexedFrame {
+    std::vector<Piece> pieces;
+    std::int64_t points = 0;
+    std::int64_t unnamed = 0;    ///< points without an identity
+    std::optional<double> time;  ///< where a comment says it
+};
+
+/// Lines of a text file with their numbers and places.
+class LineReader {
+ public:
+    LineReader(std::ifstream& file, const PointsLine& reader) : file_(file), reader_(reader) {}
+
+    void jump(std::int64_t offset, std::int64_t line) {
+        file_.clear();
+        file_.seekg(offset);
+        next_offset_ = offset;
+        number_ = line - 1;
+    }
+
+    bool next() {
+        offset_ = next_offset_;
+        file_.getline(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
+        const auto taken = static_cast<std::size_t>(file_.gcount());
+        if (taken == 0) return false;
+        ++number_;
+        if (file_.fail()) {
+            reader_.fail(number_, fmt::format("a line of more than {} bytes", taken),
+                         "a table of points");
+        }
+        next_offset_ += static_cast<std::int64_t>(taken);
+        text_ = {buffer_.data(), taken - (file_.eof() ? 0 : 1)};
+        return true;
+    }
+
+    std::string_view text() const { return text_; }
+    std::int64_t number() const { return number_; }
+    std::int64_t offset() const { return offset_; }
+
+ private:
+    std::ifstream& file_;
+    const PointsLine& reader_;
+    std::vector<char> buffer_ = std::vector<char>(1U << 16U);
+    std::string_view text_;
+    std::int64_t number_ = 0;
+    std::int64_t offset_ = 0;
+    std::int64_t next_offset_ = 0;
+};
+
+template <class T, class IsMissing>
+void drop_if_all(std::vector<T>& column, IsMissing is_missing) {
+    if (std::ranges::all_of(column, is_missing)) column.clear();
+}
+
+void drop_columns_without_values(Snapshot& snapshot) {
+    const auto is_nan = [](double value) { return std::isnan(value); };
+    drop_if_all(snapshot.id, [](std::int64_t id) { return id < 0; });
+    drop_if_all(snapshot.z, is_nan);
+    drop_if_all(snapshot.quality, is_nan);
+    drop_if_all(snapshot.position_error,
+                [](Vec2 error) { return std::isnan(error.x) && std::isnan(error.y); });
+    drop_if_all(snapshot.layer, [](Layer layer) { return layer == Layer::unknown; });
+}
+
+class PointsTable : public SnapshotSource {
+ public:
+    PointsTable(const std::filesystem::path& path, const std::optional<Box>& box,
+                TrajectoryInfo info)
+        : info_(std::move(info)), reader_(path), comments_(info_) {
+        if (info_.source.empty()) info_.source = path.filename().string();
+        std::error_code error;
+        if (std::filesystem::is_directory(path, error)) {
+            reader_.fail(0, "a folder", "a table of points");
+        }
+        file_.open(path, std::ios::binary);
+        if (!file_) {
+            const bool exists = std::filesystem::exists(path, error);
+            reader_.fail(0, exists ? "it may not be read" : "no such file");
+        }
+        index_lines();
+        set_box(box);
+    }
+
+    const TrajectoryInfo& info() const override { return info_; }
+    std::int64_t count() const override { return static_cast<std::int64_t>(frames_.size()); }
+    Snapshot read(std::int64_t index) override;
+
+ private:
+    void index_lines();
+    void take_comment(const LineReader& lines);
+    void refuse_repeated(std::int64_t frame);
+    void set_box(const std::optional<Box>& box);
+    Box bounding_box() const;
+
+    TrajectoryInfo info_;
+    PointsLine reader_;
+    PointsStatementReader comments_;
+    std::ifstream file_;
+    std::map<std::int64_t, IndexedFrame> found_;
+    std::vector<std::pair<std::int64_t, std::int64_t>> named_;   ///< identities and their lines
+    std::vector<std::pair<std::int64_t, IndexedFrame>> frames_;  ///< by index in the source
+    Box box_;
+    Vec2 low_{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+    Vec2 high_{-low_.x, -low_.y};
+};
+
+void PointsTable::take_comment(const LineReader& lines) {
+    const std::string wrong = comments_.take(lines.text());
+    if (!wrong.empty()) reader_.fail(lines.number(), wrong, "what grainfield export writes");
+    if (const auto& said = comments_.frame_time()) found_[said->frame].time = said->time;
+}
+
+// Of the points gathered since the last call.
+void PointsTable::refuse_repeated(std::int64_t frame) {
+    auto named = std::exchange(named_, {});
+    std::ranges::sort(named);
+    const auto same = std::ranges::adjacent_find(
+        named, [](const auto& a, const auto& b) { return a.first == b.first; });
+    if (same != named.end()) {
+        reader_.fail(std::next(same)->second,
+                     fmt::format("particle {} stands in frame {} already, in line {}", same->first,
+                                 frame, same->second),
+                     "each particle once a frame");
+    }
+}
+
+void PointsTable::set_box(const std::optional<Box>& box) {
+    const std::optional<Box>& stated = comments_.statement().box;
+    box_ = box ? *box : stated ? *stated : bounding_box();
+    if (box && stated) {
+        box_.origin = stated->origin;
+        box_.boundary = stated->boundary;
+        box_.height = stated->height;
+    }
+}
+
+void PointsTable::index_lines() {
+    LineReader lines(file_, reader_);
+    bool in_header = true;
+    std::int64_t last_frame = -1;
+    while (lines.next()) {
+        if (PointsLine::is_blank(lines.text())) {
+            refuse_repeated(last_frame);
+            last_frame = -1;  // pieces hold points only
+            take_comment(lines);
+            continue;
+        }
+        if (in_header) {
+            reader_.read_header(lines.text(), lines.number());
+            in_header = false;
+            continue;
+        }
+        const Point point = reader_.read(lines.text(), lines.number());
+        IndexedFrame& entry = found_[point.frame];
+        if (point.frame != last_frame) {
+            throw_if_interrupted("reading");
+            refuse_repeated(last_frame);
+            entry.pieces.push_back({.offset = lines.offset(), .line = lines.number(), .lines = 0});
+        }
+        ++entry.pieces.back().lines;
+        ++entry.points;
+        if (point.particle < 0) {
+            ++entry.unnamed;
+        } else {
+            named_.emplace_back(point.particle, lines.number());
+        }
+        last_frame = point.frame;
+        low_ = {std::min(low_.x, point.position.x), std::min(low_.y, point.position.y)};
+        high_ = {std::max(high_.x, point.position.x), std::max(high_.y, point.position.y)};
+    }
+    refuse_repeated(last_frame);
+    const std::string source = info_.source;
+    info_ = comments_.statement().info;
+    info_.source = source;
+    if (file_.bad()) reader_.fail(0, "reading stopped in the middle");
+    if (in_header) {
+        reader_.fail(0, "the file is empty", "a header line and one line per point");
+    }
+    for (const auto& [frame, entry] : found_) {
+        if (entry.unnamed == 0 || entry.unnamed == entry.points) continue;
+        reader_.fail(0,
+                     fmt::format("frame {} has {} of {} points without a particle number", frame,
+                                 entry.unnamed, entry.points),
+                     "a number for each or for none");
+    }
+    frames_.assign(std::make_move_iterator(found_.begin()), std::make_move_iterator(found_.end()));
+    found_.clear();
+}
+
+Box PointsTable::bounding_box() const {
+    if (!(low_.x <= high_.x)) return {.origin = {0, 0}, .length = {info_.diameter, info_.diameter}};
+    // Points on one line still need a cell with an area.
+    const Vec2 length = high_ - low_;
+    return {.origin = low_,
+            .length = {length.x > 0 ? length.x : info_.diameter,
+                       length.y > 0 ? length.y : info_.diameter}};
+}
+
+Snapshot PointsTable::read(std::int64_t index) {
+    if (index < 0 || index >= count()) {
+        throw OptionError({.problem = fmt::format("'{}' has no entry {}", info_.source, index),
+                           .actual = {},
+                           .expected = fmt::format("0 … {}", count() - 1),
+                           .suggestion = {}});
+    }
+    const auto& [frame, entry] = frames_[static_cast<std::size_t>(index)];
+    Snapshot snapshot;
+    snapshot.frame = frame;
+    snapshot.time = entry.time.value_or(static_cast<double>(frame) / info_.frame_rate.value_or(1));
+    snapshot.box = box_;
+    LineReader lines(file_, reader_);
+    for (const Piece& piece : entry.pieces) {
+        lines.jump(piece.offset, piece.line);
+        for (std::int64_t i = 0; i < piece.lines; ++i) {
+            if (!lines.next()) reader_.fail(0, "the file has become shorter since it was opened");
+            const Point point = reader_.read(lines.text(), lines.number());
+            if (point.frame != frame) {
+                reader_.fail(lines.number(), "the file has changed since it was opened");
+            }
+            reader_.append(point, snapshot);
+            if (point.particle >= 0 && entry.pieces.size() > 1) {
+                named_.emplace_back(point.particle, lines.number());
+            }
+        }
+    }
+    refuse_repeated(frame);
+    drop_columns_without_values(snapshot);
+    return snapshot;
+}
+
+}  // namespace
+
+bool states_box(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    PointsStatementReader comments({});
+    for (std::string line; std::getline(file, line) && PointsLine::is_blank(line);) {
+        comments.take(line);
+    }
+    return comments.statement().box.has_value();
+}
+
+std::unique_ptr<SnapshotSource> open_points(const std::filesystem::path& path,
+                                            const std::optional<Box>& box,
+                                            const TrajectoryInfo& hints) {
+    if (box) require_valid(*box);
+    return std::make_unique<PointsTable>(path, box, hints);
+}
+
+}  // namespace grainfield::io

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "core/trajectory.h"
+
+namespace grainfield::pipelines {
+
+/// What the user says about a trajectory, against or beyond what its file says.
+struct Adjustment {
+    std::optional<Vec2> box_length;    ///< [length unit of the file]
+    std::optional<Boundary> boundary;  ///< of both axes
+    std::optional<double> frame_rate;  ///< [1/s]: times become frame / rate
+    std::optional<double> diameter;    ///< particle diameter a [length unit of the file]
+
+    bool changes_box() const { return box_length || boundary; }
+    void apply_to(TrajectoryInfo& info) const;
+    void apply_to(Snapshot& snapshot) const;
+};
+
+/// "LX,LY" in the length unit of the file. Throws OptionError.
+Vec2 parse_box_length(std::string_view text);
+
+/// Snapshots of another source as the adjustment says they are; counts particles as they pass and
+/// stops with Interrupted at the next snapshot once a signal was caught.
+class AdjustedSnapshots : public SnapshotSource {
+ public:
+    AdjustedSnapshots(SnapshotSource& source, const Adjustment& adjustment);
+
+    const TrajectoryInfo& info() const override { return info_; }
+    std::int64_t count() const override { return source_.count(); }
+    Snapshot read(std::int64_t index) override;
+
+    /// Mean over the snapshots; reads those that were not read yet.
+    double particles_mean();
+
+ private:
+    SnapshotSource& source_;
+    Adjustment adjustment_;
+    TrajectoryInfo info_;
+    std::vector<std::int64_t> particles_;  ///< per snapshot, -1: not read yet
+};
+
+}  // namespace grainfield::pipelines

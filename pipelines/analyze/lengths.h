@@ -1,0 +1,17 @@
+#pragma once
+
+#include "core/results.h"
+#include "pipelines/analyze/adjusted_snapshots.h"
+
+namespace grainfield::pipelines {
+
+/// What the tracker found out about the discs, to go with the trajectory: diameter D and edge width
+/// w [px], RMS residual of the image model [contrast].
+Curve calibration_curve(double diameter, double edge_width, double residual);
+
+/// Where the unit of all lengths comes from, as measurements: the particle diameter a with the word
+/// "given" or "apparent", and D, w and the residual where the file holds a calibration.
+ObservableResult lengths_of(const SnapshotSource& file, const TrajectoryInfo& info,
+                            const Adjustment& adjustment);
+
+}  // namespace grainfield::pipelines

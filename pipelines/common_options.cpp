@@ -1,0 +1,18 @@
+#include "pipelines/common_options.h"
+
+namespace grainfield::pipelines {
+
+OptionTable describe(CommonOptions& options) {
+    OptionTable table("");
+    table.integer("threads", options.threads, "-", {0, 4096},
+                  "threads to use, 0 for all of the machine; does not change results");
+    table.integer("seed", options.seed, "-", {0, 9e18}, "seed of all random streams");
+    table.flag("explain", options.explain, "print what would be done and why, then stop");
+    table.flag("json", options.json, "print the summary as one JSON object on standard output");
+    table.flag("quiet", options.quiet, "no progress and no summary");
+    table.flag("verbose", options.verbose, "also list the stages that ran");
+    table.flag("force", options.force, "replace an output that exists");
+    return table;
+}
+
+}  // namespace grainfield::pipelines

@@ -1,0 +1,92 @@
+#include "pipelines/field/field_results.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/support/progress.h"
+#include "io/h5/field_file.h"
+
+namespace grainfield::pipelines {
+
+namespace {
+
+// The last stored fields as pictures: ρ, and ψ where there is one.
+std::vector<Preview> pictures(io::FieldFile& file) {
+    if (file.count() == 0) return {};
+    const FieldFrame last = file.read(file.count() - 1);
+    if (last.dimension != 2) return {};
+    std::vector<Preview> previews;
+    const auto add = [&](const DensityField& field) {
+        if (field.value.empty()) return;
+        Preview preview;
+        preview.frame.index = preview.snapshot.frame = static_cast<std::int64_t>(previews.size());
+        preview.frame.image = Image(field.nx, field.ny);
+        std::ranges::transform(field.value, preview.frame.image.pixels().begin(),
+                               [](double v) { return static_cast<float>(v); });
+        preview.snapshot.box = field.box();
+        previews.push_back(std::move(preview));
+    };
+    add(last.density.front());
+    add(last.order);
+    return previews;
+}
+
+// Estimators speak of the particle diameter a; the lengths of a field are in its own unit l.
+std::string in_l(std::string text) {
+    if (text == "a") return "l";
+    if (text.starts_with("1/a")) text[2] = 'l';
+    return text;
+}
+
+void name_lengths(std::vector<ObservableResult>& observables) {
+    for (ObservableResult& observable : observables) {
+        for (Measurement& m : observable.measurements) m.unit = in_l(m.unit);
+        for (Curve& curve : observable.curves) {
+            for (Column& column : curve.columns) {
+                column.unit = in_l(column.unit);
+                if (column.meaning == "Wavevector k a") column.meaning = "Wavevector k";
+            }
+        }
+    }
+}
+
+}  // namespace
+
+Results field_results(const std::filesystem::path& path, bool from_fields,
+                      const analysis::FieldAnalysisOptions& options, Session& session) {
+    io::FieldFile file(path);
+    Results results;
+    results.frames = file.count();
+    results.source.source = path.string();
+    if (file.count() > 0) results.box = file.read(0).density.front().box();
+    if (file.count() == 0) results.box = Box{.origin = {}, .length = {1, 1}};
+    const bool accumulated = !from_fields && !file.statistics().empty();
+    if (accumulated) {
+        session.plan.run("statistics", "as accumulated by the run over all of its samples");
+        session.plan.skip("stored fields",
+                          fmt::format("{} of them are among the samples", file.count()),
+                          "one Fourier transform a field");
+    } else {
+        session.plan.run("stored fields", fmt::format("{} of them", file.count()));
+    }
+    if (session.common.explain) return results;
+    if (!file.record().command.empty()) results.sources = {file.record()};
+    results.previews = pictures(file);
+    if (accumulated) {
+        results.observables = file.statistics();
+        std::optional<FieldFrame> like;
+        if (file.count() > 0) like = file.read(0);
+        analysis::add_fits(results.observables, like ? &*like : nullptr, options);
+        name_lengths(results.observables);
+        return results;
+    }
+    Progress progress("analysing", file.count(), "fields", session.common.verbosity());
+    results.observables = analysis::analyze_fields(file, options, progress);
+    name_lengths(results.observables);
+    return results;
+}
+
+}  // namespace grainfield::pipelines

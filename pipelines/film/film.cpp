@@ -1,0 +1,207 @@
+#include "pipelines/film/film.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
+#include "core/support/interrupt.h"
+#include "io/frame_files.h"
+#include "io/frame_range.h"
+#include "io/frame_region.h"
+#include "io/read_ahead.h"
+
+namespace grainfield::pipelines {
+
+namespace {
+
+/// A picture that belongs to the frames, of the same size; `purpose` is for messages.
+Image companion(const std::string& path, const char* purpose, const FrameSource& frames,
+                const FilmOptions& options) {
+    const auto refuse = [&](std::string actual, std::string expected) {
+        throw InputError({.problem = fmt::format("cannot use '{}' as {}", path, purpose),
+                          .actual = std::move(actual),
+                          .expected = std::move(expected),
+                          .suggestion = {}});
+    };
+    const auto source = io::open_frames({path}, {.fps = {}, .max_pixels = options.max_pixels});
+    Frame frame = source->read(0);
+    if (frame.status != FrameStatus::ok) refuse(frame.message, "a whole picture");
+    if (frame.image.width() != frames.width() || frame.image.height() != frames.height()) {
+        refuse(fmt::format("it has {} x {} px", frame.image.width(), frame.image.height()),
+               fmt::format("{} x {} px, as the frames before --region", frames.width(),
+                           frames.height()));
+    }
+    return std::move(frame.image);
+}
+
+tracking::VisiblePixels visible_pixels(const FrameSource& frames, const FilmOptions& options,
+                                       const std::optional<io::FrameRegion>& region,
+                                       RunPlan& plan) {
+    if (options.mask.empty()) return {};
+    Image mask = companion(options.mask, "mask", frames, options);
+    const float brightest = std::ranges::max(mask.pixels());
+    const auto grey = std::ranges::count_if(
+        mask.pixels(), [brightest](float v) { return v > 0 && v < brightest; });
+    if (static_cast<double>(grey) > 0.01 * static_cast<double>(mask.size())) {
+        plan.warn(fmt::format(
+            "the mask '{}' has grey pixels, {:.0f} % of all; they are looked at, "
+            "only zero is not: a JPEG or soft borders do not make a mask",
+            options.mask, 100 * static_cast<double>(grey) / static_cast<double>(mask.size())));
+    }
+    tracking::VisiblePixels visible(std::move(mask));
+    std::int64_t all = static_cast<std::int64_t>(frames.width()) * frames.height();
+    if (region) {
+        visible = visible.part(region->x, region->y, region->width, region->height);
+        all = static_cast<std::int64_t>(region->width) * region->height;
+    }
+    const std::int64_t seen = visible.count(all);
+    if (seen == 0) {
+        throw InputError(
+            {.problem = fmt::format("the mask '{}' leaves nothing to look at", options.mask),
+             .actual = region ? "it is zero in the whole region" : "it is zero",
+             .expected = "pixels above zero where spheres are",
+             .suggestion = "turn it round if it is zero where spheres are"});
+    }
+    if (visible.are_all()) {
+        plan.skip("mask", fmt::format("'{}' is nowhere zero", options.mask), "nothing");
+    } else {
+        plan.run("mask",
+                 fmt::format("{:.1f} % of the pixels are not looked at",
+                             100 * (1 - static_cast<double>(seen) / static_cast<double>(all))));
+    }
+    return visible;
+}
+
+bool is_picture(const BackgroundOptions& background) {
+    const std::string& kind = background.kind;
+    return kind != "none" && kind != "static" && kind != "running";
+}
+
+/// The picture that --background names, the region of it; empty if it names none.
+Image empty_cell(const FilmOptions& options, const std::optional<io::FrameRegion>& region,
+                 const FrameSource& frames) {
+    if (!is_picture(options.background)) return {};
+    const Image whole = companion(options.background.kind, "background", frames, options);
+    return region ? io::cropped(whole, *region) : whole;
+}
+
+std::string origin_of(const std::string& kind, bool is_running) {
+    if (kind == "static" || is_running) return kind;
+    return kind == "running" ? "static (film shorter than the window)" : "as in '" + kind + "'";
+}
+
+void plan_background(const FilmOptions& options, const EvenedFrames& evened, RunPlan& plan) {
+    const tracking::Evening& evening = evened.first();
+    plan.run("background",
+             fmt::format("{}: {:.2f} % of the pixels differ from a smooth surface, by up to {:.2f} "
+                         "of the contrast, and are evened out; {:.2f} % are never clear",
+                         origin_of(options.background.kind, evened.is_running()),
+                         100 * evening.uneven, evening.strongest, 100 * evening.never_clear));
+    constexpr double too_much = 0.2;
+    if (evening.never_clear > too_much) {
+        plan.warn(
+            fmt::format("background: {:.0f} % of the pixels are never clear in the frames looked "
+                        "at: the film is too short or "
+                        "too slow for its own background; use more frames (--background-frames, "
+                        "--background-window) or a picture of the empty cell",
+                        100 * evening.never_clear));
+    } else if (evening.never_clear > 0.01) {
+        plan.warn(fmt::format(
+            "background: {:.0f} % of the pixels are never clear in the frames looked at; spheres "
+            "that rest there are kept, dirt that blocks all light needs --mask",
+            100 * evening.never_clear));
+    }
+}
+
+/// Frames with the background evened out; those that came in where there is nothing to do.
+std::unique_ptr<FrameSource> evened(std::unique_ptr<FrameSource> frames, const FilmOptions& options,
+                                    const Image& empty_cell, const tracking::TrackOptions& tracking,
+                                    Session& session) {
+    RunPlan& plan = session.plan;
+    const BackgroundOptions& background = options.background;
+    if (background.kind == "none") return frames;
+    if (empty_cell.empty() && frames->count() < 3) {
+        plan.skip("background", "fewer than three frames", "one pass over each frame");
+        return frames;
+    }
+    RunPlan scratch;
+    const tracking::Tracker first(*frames, tracking, scratch);
+    if (!first.is_calibrated()) return frames;  // which is said when the tracker tries again
+    const auto levels = tracking::FilmLevels::of(first.model(), frames->width(), frames->height());
+    std::unique_ptr<EvenedFrames> evened;
+    if (!empty_cell.empty()) {
+        evened =
+            std::make_unique<EvenedFrames>(std::move(frames), empty_cell, levels, tracking.visible);
+    } else {
+        evened = std::make_unique<EvenedFrames>(std::move(frames), background, levels,
+                                                tracking.visible, session.threads());
+    }
+    throw_if_interrupted("tracking");
+    plan_background(options, *evened, plan);
+    return evened;
+}
+
+}  // namespace
+
+std::vector<std::string> pictures_of(const FilmOptions& options) {
+    std::vector<std::string> pictures;
+    for (const std::string& path : {options.mask, options.flat_field}) {
+        if (!path.empty()) pictures.push_back(path);
+    }
+    if (is_picture(options.background)) pictures.push_back(options.background.kind);
+    return pictures;
+}
+
+void describe(FilmOptions& options, OptionTable& table) {
+    table.number("fps", options.fps, "1/s", {1e-9, 1e9}, "frame rate; auto: as the file says");
+    table.text("frames", options.frames, "which frames, as FIRST:END:STEP");
+    table.text("region", options.region, "part of the frames to track, as X,Y,WIDTH,HEIGHT [px]");
+    table.text("flat-field", options.flat_field,
+               "picture of the empty, lit cell to divide the frames by");
+    table.text("mask", options.mask,
+               "picture of the size of the frames: where it is zero is not looked at");
+    table.text("background", options.background.kind,
+               "dirt and stains: none (a smooth surface only), static, running, or a picture of "
+               "the empty cell");
+    table.integer("background-frames", options.background.frames, "frames", {3, 1000},
+                  "looked at for one estimate of the background");
+    table.integer("background-window", options.background.window, "frames", {10, 1e9},
+                  "running: what one estimate of the background sees");
+    table.integer("max-pixels", options.max_pixels, "px", {1, 1e11}, "largest frame accepted");
+    table.flag("strict", options.strict, "fail on the first bad frame instead of leaving it out");
+}
+
+Film open_film(Session& session, const FilmOptions& options,
+               const tracking::TrackOptions& tracking) {
+    std::unique_ptr<FrameSource> frames = io::select_frames(
+        io::open_frames(session.inputs, {.fps = options.fps, .max_pixels = options.max_pixels}),
+        options.frames);
+    const auto region = io::parse_region(options.region, frames->width(), frames->height());
+    Film film;
+    film.visible = visible_pixels(*frames, options, region, session.plan);
+    if (region) film.origin = {static_cast<double>(region->x), static_cast<double>(region->y)};
+    if (!options.flat_field.empty()) {
+        const Image flat = companion(options.flat_field, "flat field", *frames, options);
+        frames = io::flatten_frames(std::move(frames), flat);
+    }
+    const Image empty = empty_cell(options, region, *frames);
+    if (!options.flat_field.empty() && !empty.empty()) {
+        throw OptionError(
+            {.problem = "--flat-field and a picture as --background correct the same light twice",
+             .actual = options.background.kind,
+             .expected = "one of them",
+             .suggestion = "leave out --flat-field, or take --background static"});
+    }
+    if (region) frames = io::crop_frames(std::move(frames), *region);
+    tracking::TrackOptions first = tracking;
+    first.visible = film.visible;
+    frames = evened(std::move(frames), options, empty, first, session);
+    film.frames = std::make_unique<WatchedFrames>(
+        io::read_ahead(std::move(frames)), options.strict ? BadFrames::refuse : BadFrames::allow);
+    for (const std::string& warning : film.frames->warnings()) session.plan.warn(warning);
+    return film;
+}
+
+}  // namespace grainfield::pipelines

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/option_table.h"
+#include "pipelines/film/evened_frames.h"
+#include "pipelines/film/watched_frames.h"
+#include "pipelines/session.h"
+#include "tracking/tracker.h"
+
+namespace grainfield::pipelines {
+
+/// Which frames are looked at, and what is known of the picture besides the spheres.
+struct FilmOptions {
+    std::optional<double> fps;  ///< [1/s]; empty: as the file says
+    std::string frames = "::";
+    std::string region;      ///< X,Y,WIDTH,HEIGHT [px]
+    std::string flat_field;  ///< picture of the empty, lit cell
+    std::string mask;        ///< picture, zero: not looked at
+    BackgroundOptions background;
+    std::int64_t max_pixels = 200'000'000;
+    bool strict = false;
+};
+
+/// The files besides the frames that they name: mask, flat field, picture of the background.
+std::vector<std::string> pictures_of(const FilmOptions& options);
+
+/// Adds the rows to a command's own table.
+void describe(FilmOptions& options, OptionTable& table);
+
+/// The frames as a tracker sees them: selected, over the flat field, the region alone, background
+/// evened out, read ahead.
+struct Film {
+    std::unique_ptr<WatchedFrames> frames;
+    Vec2 origin;                      ///< of the region in the frames of the source [px]
+    tracking::VisiblePixels visible;  ///< where the mask is not zero
+};
+
+/// What is done to the frames goes into the plan of the session; a background is estimated with the
+/// image model that `tracking` calibrates. Throws OptionError, InputError.
+Film open_film(Session& session, const FilmOptions& options,
+               const tracking::TrackOptions& tracking);
+
+}  // namespace grainfield::pipelines

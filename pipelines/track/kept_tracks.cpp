@@ -1,0 +1,95 @@
+#include "pipelines/track/kept_tracks.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace grainfield::pipelines {
+
+KeptTracks::KeptTracks(io::OutputFile output, const TrajectoryInfo& info, Vec2 origin,
+                       io::SnapshotLog* log)
+    : writer_(std::move(output), info), origin_(origin), log_(log) {}
+
+void KeptTracks::write(const Snapshot& snapshot) {
+    const std::lock_guard lock(mutex_);
+    if (log_ != nullptr) log_->write(snapshot);
+    keep(snapshot);
+}
+
+void KeptTracks::replay() {
+    for (std::int64_t i = 0; log_ != nullptr && i < log_->count(); ++i) {
+        const std::lock_guard lock(mutex_);
+        keep(log_->read(i));
+    }
+}
+
+void KeptTracks::keep(const Snapshot& snapshot) {
+    if (origin_ == Vec2{}) {
+        writer_.write(snapshot);
+    } else {
+        Snapshot moved = snapshot;
+        for (Vec2& p : moved.position) p += origin_;
+        moved.box.origin += origin_;
+        writer_.write(moved);
+    }
+    ++frames_;
+    particles_ += static_cast<double>(snapshot.size());
+    last_frame_ = snapshot.frame;
+    for (Preview& preview : previews_) {
+        if (preview.snapshot.frame == snapshot.frame) preview.snapshot = snapshot;
+    }
+}
+
+void KeptTracks::add_preview(const Frame& frame, const Snapshot& found) {
+    const std::lock_guard lock(mutex_);
+    previews_.push_back({frame, found, {}});
+}
+
+void KeptTracks::add_curve(const Curve& curve) {
+    const std::lock_guard lock(mutex_);
+    writer_.add_curve(curve);
+}
+
+void KeptTracks::finish(const RunRecord& record) {
+    const std::lock_guard lock(mutex_);
+    for (const Preview& preview : previews_) {
+        // Frames that still waited for their tracks to grow are not in the file.
+        if (preview.snapshot.frame <= last_frame_) writer_.add_preview(preview);
+    }
+    writer_.finish(record);
+}
+
+std::int64_t KeptTracks::frames() const {
+    const std::lock_guard lock(mutex_);
+    return frames_;
+}
+
+double KeptTracks::particles_mean() const {
+    return particles_ / static_cast<double>(std::max<std::int64_t>(frames(), 1));
+}
+
+LastAct::LastAct(Session session, std::string output, std::function<std::string()> advice)
+    : session_(std::move(session)), output_(std::move(output)), advice_(std::move(advice)) {}
+
+void LastAct::holds(KeptTracks* tracks) {
+    const std::lock_guard lock(mutex_);
+    tracks_ = tracks;
+}
+
+void LastAct::operator()() {
+    const std::lock_guard lock(mutex_);
+    if (tracks_ == nullptr || tracks_->frames() == 0) {
+        fmt::print(stderr,
+                   "error: tracking interrupted in the first frame; '{}' was not written.\n",
+                   output_);
+        return;
+    }
+    session_.plan.warn(fmt::format("interrupted within a frame; '{}' holds the {} before it{}",
+                                   output_, counted(tracks_->frames(), "frame"), advice_()));
+    tracks_->finish(session_.record());
+    fmt::print(stderr, "warning: {}\n", session_.plan.warnings().back());
+}
+
+}  // namespace grainfield::pipelines

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "core/results.h"
+#include "core/trajectory.h"
+#include "io/h5/snapshot_log.h"
+#include "io/h5/trajectory_file.h"
+#include "io/output_file.h"
+#include "pipelines/session.h"
+
+namespace grainfield::pipelines {
+
+/// The trajectory file being written, shared with the thread that closes it if a signal finds the
+/// work stuck in one frame. Counts what is written: tracks that are too short are not.
+class KeptTracks : public SnapshotSink {
+ public:
+    /// `origin`: where the frames begin in those of the source [px]; previews stay with their
+    /// pictures. `log` gets every snapshot as it comes; null: none.
+    KeptTracks(io::OutputFile output, const TrajectoryInfo& info, Vec2 origin,
+               io::SnapshotLog* log);
+
+    void write(const Snapshot& snapshot) override;
+    /// Writes again what the log of an interrupted run holds.
+    void replay();
+
+    /// `found`: what the tracker found in it; replaced by what is written of that, if it comes
+    /// later.
+    void add_preview(const Frame& frame, const Snapshot& found);
+    void add_curve(const Curve& curve);
+    void finish(const RunRecord& record);
+
+    std::int64_t frames() const;
+    double particles_mean() const;
+
+ private:
+    void keep(const Snapshot& snapshot);
+
+    mutable std::mutex mutex_;
+    io::TrajectoryWriter writer_;
+    Vec2 origin_;
+    io::SnapshotLog* log_;
+    std::vector<Preview> previews_;
+    std::int64_t frames_ = 0;
+    std::int64_t last_frame_ = -1;
+    double particles_ = 0;
+};
+
+/// What a signal leaves if the work does not stop by itself: the frames that are written.
+class LastAct {
+ public:
+    /// `advice` ends the warning: how to go on, as it is then.
+    LastAct(Session session, std::string output, std::function<std::string()> advice);
+
+    void holds(KeptTracks* tracks);
+    void operator()();
+
+ private:
+    std::mutex mutex_;
+    Session session_;
+    std::string output_;
+    std::function<std::string()> advice_;
+    KeptTracks* tracks_ = nullptr;
+};
+
+}  // namespace grainfield::pipelines

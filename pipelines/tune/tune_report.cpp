@@ -1,0 +1,401 @@
+#include "pipelines/tune/tune_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "report/figures/figure_source.h"
+namespace grainfield::pipelines {
+
+namespace {
+
+using report::Figure;
+using report::Mark;
+using report::Scale;
+using report::Series;
+using report::Table;
+using tracking::Polarity;
+using tracking::Survey;
+
+using Settings = std::vector<std::pair<std::string, std::string>>;
+
+double median(std::vector<double> values) {
+    std::erase_if(values, [](double v) { return !std::isfinite(v); });
+    if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+/// One value a sphere, of all frames.
+std::vector<double> gathered(const Tuning& tuning,
+                             const std::function<std::vector<double>(const Survey&)>& of) {
+    std::vector<double> all;
+    for (const Survey& survey : tuning.surveys) {
+        const std::vector<double> values = of(survey);
+        all.insert(all.end(), values.begin(), values.end());
+    }
+    return all;
+}
+
+std::vector<double> errors(const Tuning& tuning) {
+    return gathered(tuning, [](const Survey& survey) {
+        std::vector<double> values;
+        for (const Vec2 e : survey.error) values.push_back(norm(e) / std::sqrt(2.0));
+        return values;
+    });
+}
+
+std::vector<double> distances(const Tuning& tuning) {
+    return gathered(tuning, [&](const Survey& survey) {
+        std::vector<double> values =
+            tracking::nearest_distances(survey.found.position, 2.5 * tuning.diameter());
+        for (double& d : values) d /= tuning.diameter();
+        return values;
+    });
+}
+
+std::vector<double> evidence(const Tuning& tuning) {
+    return gathered(tuning, [](const Survey& survey) { return survey.evidence; });
+}
+
+struct Histogram {
+    std::vector<double> x, y;
+    double total = 0;
+};
+
+/// Share of the values in each bin; values outside count for the total only.
+Histogram histogram(const std::vector<double>& values, double low, double high, int bins) {
+    Histogram h;
+    h.y.assign(static_cast<std::size_t>(bins), 0.0);
+    const double width = (high - low) / bins;
+    for (int i = 0; i < bins; ++i) h.x.push_back(low + (i + 0.5) * width);
+    for (const double v : values) {
+        h.total += 1;
+        if (!(v >= low && v < high)) continue;
+        h.y[std::min(static_cast<std::size_t>((v - low) / width), h.y.size() - 1)] += 1;
+    }
+    for (double& y : h.y) y /= std::max(h.total, 1.0);
+    return h;
+}
+
+Figure figure_of(std::string name, std::string title, std::string note, report::Axis x,
+                 report::Axis y) {
+    return report::empty_figure({"frames"}, std::move(name), std::move(title), std::move(x),
+                                std::move(y), std::move(note));
+}
+
+void add(Figure& figure, report::Kind kind, Series series) {
+    series.kind = figure.kinds.size();
+    figure.kinds.push_back(std::move(kind));
+    figure.series.push_back(std::move(series));
+}
+
+/// A line from the bottom to the top of what is drawn.
+void add_mark(Figure& figure, std::string label, double x) {
+    double top = 0;
+    for (const Series& series : figure.series) {
+        for (const double y : series.y) top = std::max(top, y);
+    }
+    add(figure, {std::move(label), Mark::guide, true}, {0, 0, {x, x}, {0, top}, {}});
+}
+
+Figure phase_figure(const Tuning& tuning) {
+    Figure figure = figure_of(
+        "subpixel_phase", "Where positions fall between the pixels",
+        "One is even. A peak at 0 or ±0.5 is a bias towards the pixel grid: blurred or saturated "
+        "edges, a wrong D or w. Lattices and spheres that rest are uneven of themselves.",
+        {"phase", "Distance of the position from its pixel's centre", "px", Scale::linear, false},
+        {"density", "Density", "", Scale::linear, true});
+    constexpr int bins = 20;
+    for (const int axis : {0, 1}) {
+        const Histogram h = histogram(gathered(tuning,
+                                               [axis](const Survey& survey) {
+                                                   std::vector<double> phases;
+                                                   for (const Vec2 p : survey.found.position) {
+                                                       const double v = axis == 0 ? p.x : p.y;
+                                                       phases.push_back(v - std::floor(v + 0.5));
+                                                   }
+                                                   return phases;
+                                               }),
+                                      -0.5, 0.5, bins);
+        Series series{0, 0, h.x, {}, {}};
+        for (const double share : h.y) {
+            series.y.push_back(share * bins);
+            series.error.push_back(bins * std::sqrt(share / std::max(h.total, 1.0)));
+        }
+        add(figure, {axis == 0 ? "x" : "y", Mark::line, true}, std::move(series));
+    }
+    add(figure, {"even", Mark::guide, true}, {0, 0, {-0.5, 0.5}, {1, 1}, {}});
+    return figure;
+}
+
+Figure distance_figure(const Tuning& tuning) {
+    const bool is_true = tuning.options.sphere_diameter.has_value();
+    Figure figure = figure_of(
+        "nearest_neighbour", "Distance of the nearest neighbour",
+        "What lies below the line that the height of the cell draws is false. Without a height a "
+        "few pairs far below all others are suspect too.",
+        {"distance", "Distance", is_true ? "a" : "D", Scale::linear, true},
+        {"share", "Share of the spheres", "", Scale::linear, true});
+    const Histogram h = histogram(distances(tuning), 0, 2.5, 100);
+    add(figure, {"spheres", Mark::steps, true}, {0, 0, h.x, h.y, {}});
+    const double forbidden = tuning.forbidden_distance() / tuning.diameter();
+    if (forbidden > 0) add_mark(figure, "no room between the plates below", forbidden);
+    add_mark(figure, "taken for one sphere below (detect.separation)",
+             tuning.options.detection.separation * tuning.model.disc.diameter / tuning.diameter());
+    return figure;
+}
+
+Figure evidence_figure(const Tuning& tuning) {
+    Figure figure = figure_of(
+        "evidence", "What each sphere explains of the image",
+        "One for spheres that stand alone; hidden ones explain less. The least follows from the "
+        "fit of the model; detect.evidence sets it, in a gap between false and hidden spheres.",
+        {"evidence", "Share of the misfit of an isolated sphere", "", Scale::linear, true},
+        {"share", "Share of the spheres", "", Scale::linear, true});
+    const Histogram h = histogram(evidence(tuning), 0, 1.3, 65);
+    add(figure, {"spheres", Mark::steps, true}, {0, 0, h.x, h.y, {}});
+    double least = 0;
+    for (const Survey& survey : tuning.surveys) least = std::max(least, survey.found.evidence);
+    add_mark(figure, "least (detect.evidence)", least);
+    return figure;
+}
+
+Figure residual_figure(const Tuning& tuning) {
+    Figure figure = figure_of(
+        "residual", "Misfit about each sphere",
+        "RMS of image − model within reach. A tail to the right: false or wrongly placed spheres, "
+        "or an image model that does not hold (meeting edges, a mirror rim).",
+        {"residual", "RMS residual", "contrast", Scale::linear, true},
+        {"share", "Share of the spheres", "", Scale::linear, true});
+    const std::vector<double> values =
+        gathered(tuning, [](const Survey& survey) { return survey.found.residual; });
+    const Histogram h = histogram(values, 0, 0.25, 100);
+    add(figure, {"spheres", Mark::steps, true}, {0, 0, h.x, h.y, {}});
+    return figure;
+}
+
+Figure profile_figure(const Tuning& tuning) {
+    Figure figure = figure_of(
+        "radial_profile", "Darkness about spheres that stand alone",
+        "Mean over pixels that only one sphere reaches. A core or rim off the tanh edge is what "
+        "the "
+        "sphere reflects; it moves spheres that overlap unless it is learned (calibrate.profile).",
+        {"r", "Distance from the centre", "px", Scale::linear, true},
+        {"darkness", "Darkness", "contrast", Scale::linear, false});
+    constexpr double step = 0.25;
+    const auto& disc = tuning.model.disc;
+    const auto bins = static_cast<std::size_t>(disc.reach() / step) + 1;
+    std::vector<double> sum(bins, 0.0);
+    std::vector<double> count(bins, 0.0);
+    for (const Survey& survey : tuning.surveys) {
+        for (const tracking::RadialBin& bin : survey.profile) {
+            const auto i = std::min(static_cast<std::size_t>(bin.r / step), bins - 1);
+            sum[i] += bin.count * bin.darkness;
+            count[i] += bin.count;
+        }
+    }
+    Series measured{0, 0, {}, {}, {}};
+    Series model{0, 0, {}, {}, {}};
+    Series learned{0, 0, {}, {}, {}};
+    for (std::size_t i = 0; i < bins; ++i) {
+        const double r = (static_cast<double>(i) + 0.5) * step;
+        model.x.push_back(r);
+        model.y.push_back(disc.darkness(r));
+        if (!tuning.model.correction.is_zero()) {
+            learned.x.push_back(r);
+            learned.y.push_back(disc.darkness(r) + static_cast<double>(tuning.model.correction(
+                                                       static_cast<float>(r))));
+        }
+        if (count[i] < 5) continue;
+        measured.x.push_back(r);
+        measured.y.push_back(sum[i] / count[i]);
+    }
+    if (measured.x.empty()) {
+        figure.absent.push_back({0, "no sphere stands alone"});
+        return figure;
+    }
+    add(figure, {"measured", Mark::line, true}, std::move(measured));
+    add(figure, {"tanh", Mark::curve, true}, std::move(model));
+    if (!learned.x.empty()) add(figure, {"learned", Mark::curve, true}, std::move(learned));
+    return figure;
+}
+
+Table calibration_table(const Tuning& tuning) {
+    Table table;
+    table.name = "calibration";
+    table.title = "What was found";
+    table.note = fmt::format("{} looked at, each from a cold start.",
+                             counted(static_cast<std::int64_t>(tuning.surveys.size()), "frame"));
+    table.columns = {{"value", "Value", "", true}};
+    const auto row = [&](const char* name, std::string value, bool failed = false) {
+        table.rows.push_back(
+            {name, {{std::numeric_limits<double>::quiet_NaN(), std::move(value), failed}}});
+    };
+    const auto& model = tuning.model;
+    row("Spheres a frame", fmt::format("{:.1f}", tuning.particles_mean()));
+    row("Polarity", model.polarity == Polarity::dark ? "dark" : "bright");
+    row("Apparent diameter D", fmt::format("{:.3f} px", model.disc.diameter));
+    row("Edge width w", fmt::format("{:.3f} px", model.disc.edge_width));
+    row("Contrast",
+        fmt::format("{:.1f} counts", std::abs(model.background(0, 0) - model.dark_level)));
+    row("Light", model.background.is_uniform() ? "even" : "uneven: a smooth surface is fitted");
+    row("Meeting edges",
+        model.meeting == tracking::EdgeMeeting::product ? "product" : "blurred union");
+    row("Profile", model.correction.is_zero()
+                       ? std::string("tanh")
+                       : fmt::format("learned, up to {:.3f} of the contrast off tanh",
+                                     model.correction.largest()));
+    double noise = 0;
+    std::int64_t unsettled = 0;
+    for (const Survey& survey : tuning.surveys) {
+        noise += survey.found.noise / static_cast<double>(tuning.surveys.size());
+        unsettled += survey.found.unsettled;
+    }
+    row("Noise", fmt::format("{:.4f} of the contrast", noise));
+    row("RMS residual", fmt::format("{:.4f} of the contrast", tuning.residual_rms()),
+        tuning.residual_rms() > 0.12 && tuning.residual_rms() > 2 * noise);
+    row("Standard error, median", fmt::format("{:.4f} px", median(errors(tuning))));
+    std::vector<Vec2> all;
+    for (const Survey& survey : tuning.surveys) {
+        all.insert(all.end(), survey.found.position.begin(), survey.found.position.end());
+    }
+    const tracking::PhaseBias bias = tracking::phase_bias(all);
+    row("Bias to the pixel grid",
+        fmt::format("{:.3f} in x, {:.3f} in y; chance gives {:.3f}", bias.x, bias.y, bias.chance),
+        std::max(bias.x, bias.y) > 4 * bias.chance);
+    if (const double least = tuning.forbidden_distance(); least > 0) {
+        const std::vector<double> apart = distances(tuning);
+        const auto impossible = std::count_if(
+            apart.begin(), apart.end(), [&](double d) { return d < least / tuning.diameter(); });
+        row("Spheres without room between the plates", fmt::format("{}", impossible),
+            impossible > 0);
+    }
+    row("Still moving after the last sweep", fmt::format("{}", unsettled));
+    return table;
+}
+
+Table settings_table(const Settings& settings, const std::string& command_line) {
+    Table table;
+    table.name = "suggested_settings";
+    table.title = "Suggested settings";
+    table.note = "The same as words: " + command_line;
+    table.columns = {{"value", "TOML", "", true}};
+    for (const auto& [name, value] : settings) {
+        const std::size_t dot = name.find('.');
+        table.rows.push_back({"[" + name.substr(0, dot) + "]",
+                              {{std::numeric_limits<double>::quiet_NaN(),
+                                name.substr(dot + 1) + " = " + value, false}}});
+    }
+    return table;
+}
+
+}  // namespace
+
+double Tuning::particles_mean() const {
+    double sum = 0;
+    for (const Survey& survey : surveys) sum += static_cast<double>(survey.found.position.size());
+    return sum / std::max<double>(1, static_cast<double>(surveys.size()));
+}
+
+double Tuning::residual_rms() const {
+    double sum = 0;
+    for (const Survey& survey : surveys) sum += survey.found.residual_rms;
+    return sum / std::max<double>(1, static_cast<double>(surveys.size()));
+}
+
+double Tuning::diameter() const {
+    return options.sphere_diameter.value_or(model.disc.diameter);
+}
+
+double Tuning::forbidden_distance() const {
+    if (!options.layers.height || !options.sphere_diameter) return 0;
+    const double slack = *options.layers.height - 1;
+    return *options.sphere_diameter * std::sqrt(std::max(0.0, 1 - slack * slack));
+}
+
+Settings suggested_settings(const Tuning& tuning, const Session& session) {
+    Settings settings;
+    // What the user said of the film holds for the run as well.
+    for (const auto& [name, value] : session.configuration) {
+        for (const char* kept : {"region", "flat-field", "mask", "background"}) {
+            if (name == kept && !value.empty() && value != "none") {
+                settings.emplace_back("track." + name, "\"" + value + "\"");
+            }
+        }
+    }
+    const auto& model = tuning.model;
+    settings.emplace_back("calibrate.polarity",
+                          model.polarity == Polarity::dark ? "\"dark\"" : "\"bright\"");
+    settings.emplace_back("calibrate.diameter", fmt::format("{:.3f}", model.disc.diameter));
+    settings.emplace_back("calibrate.edge-width", fmt::format("{:.3f}", model.disc.edge_width));
+    settings.emplace_back("calibrate.meeting-edges", model.meeting == tracking::EdgeMeeting::product
+                                                         ? "\"product\""
+                                                         : "\"blurred-union\"");
+    settings.emplace_back("calibrate.profile",
+                          model.correction.is_zero() ? "\"tanh\"" : "\"learned\"");
+    // Steps far below the error buy nothing.
+    const double error = median(errors(tuning));
+    const double tolerance = std::clamp(0.1 * error, 0.003, 0.03);
+    if (tolerance > 1.5 * tuning.options.refinement.tolerance) {
+        settings.emplace_back("refine.tolerance", fmt::format("{:.3f}", tolerance));
+    }
+    if (tuning.options.sphere_diameter) {
+        settings.emplace_back("track.sphere-diameter",
+                              fmt::format("{:g}", *tuning.options.sphere_diameter));
+    }
+    if (tuning.options.layers.height) {
+        settings.emplace_back("layers.height", fmt::format("{:g}", *tuning.options.layers.height));
+    }
+    std::stable_sort(settings.begin(), settings.end(), [](const auto& a, const auto& b) {
+        return a.first.substr(0, a.first.find('.')) > b.first.substr(0, b.first.find('.'));
+    });
+    return settings;
+}
+
+std::string toml_of(const Settings& settings) {
+    std::string text = "# Suggested by 'grainfield tune'; use with 'grainfield track -c'.\n";
+    std::string section;
+    for (const auto& [name, value] : settings) {
+        const std::size_t dot = name.find('.');
+        if (name.substr(0, dot) != section) {
+            section = name.substr(0, dot);
+            text += "\n[" + section + "]\n";
+        }
+        text += name.substr(dot + 1) + " = " + value + "\n";
+    }
+    return text;
+}
+
+std::string command_line_of(const Settings& settings, const Session& session) {
+    std::string text = "grainfield track";
+    for (const auto& input : session.inputs) {
+        text += " '" + input.string() + "'";
+        if (session.inputs.size() > 3) {
+            text += " …";
+            break;
+        }
+    }
+    text += " -o tracks.h5";
+    for (const auto& [name, value] : settings) {
+        std::string plain = value;
+        std::ranges::replace(plain, '"', '\'');
+        text += " --" + name.substr(name.find('.') + 1) + " " + plain;
+    }
+    return text;
+}
+
+report::ReportAdditions tuning_report(const Tuning& tuning, const Settings& settings,
+                                      const std::string& command_line) {
+    return {.tables = {calibration_table(tuning), settings_table(settings, command_line)},
+            .figures = {phase_figure(tuning), distance_figure(tuning), evidence_figure(tuning),
+                        residual_figure(tuning), profile_figure(tuning)}};
+}
+
+}  // namespace grainfield::pipelines

@@ -1,0 +1,177 @@
+#include "pipelines/validate/validation_report.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "pipelines/validate/validation_figures.h"
+#include "report/page/text.h"
+
+namespace grainfield::pipelines {
+
+namespace {
+
+using report::Table;
+using tracking::ClassScore;
+using tracking::DetectionScores;
+
+report::TableCell number(double value, const char* format = "{:.4g}") {
+    if (!std::isfinite(value)) return {};
+    return {value, fmt::format(fmt::runtime(format), value), false};
+}
+
+report::TableCell share(double value) {
+    return number(value, "{:.5f}");
+}
+
+/// With its sign, and the minus of typographers.
+report::TableCell bias(double value) {
+    report::TableCell cell = number(value, "{:+.4f}");
+    if (cell.text.starts_with('-')) cell.text.replace(0, 1, "−");
+    return cell;
+}
+
+report::TableCell count(std::int64_t value) {
+    return {static_cast<double>(value), fmt::format("{}", value), false};
+}
+
+Table class_table(const DetectionScores& scores) {
+    Table table;
+    table.name = "scores";
+    table.title = "Positions, by class of true particle";
+    table.note = fmt::format(
+        "{} frames. Matched one-to-one within {:.2f} px (D/4). all: at least D inside the frame; "
+        "border: nearer, where at least D/4 inside. Crystal: |Q4| ≥ 0.7. Ratio: RMSE over the "
+        "joint "
+        "Cramér–Rao bound, both over particles whose bound is below a third of the gate "
+        "(resolved). "
+        "Pull: error over the reported standard error, RMS.",
+        scores.frames(), scores.gate());
+    table.columns = {
+        {"particles", "True", ""},    {"missed", "Missed", ""},       {"spurious", "False", ""},
+        {"recall", "Recall", ""},     {"precision", "Precision", ""}, {"jaccard", "Jaccard", ""},
+        {"bias_x", "Bias x", "px"},   {"bias_y", "Bias y", "px"},     {"rmse_x", "RMSE x", "px"},
+        {"rmse_y", "RMSE y", "px"},   {"resolved", "Resolved", ""},   {"bound", "Bound", "px"},
+        {"bound_ratio", "Ratio", ""}, {"pull_rms", "Pull", ""}};
+    for (std::size_t c = 0; c < kTruthClasses; ++c) {
+        const ClassScore& s = scores.classes()[c];
+        const std::int64_t particles = s.matched + s.missed;
+        table.rows.push_back(
+            {s.name,
+             {count(particles), count(s.missed), count(s.spurious), share(s.recall()),
+              share(s.precision()), share(s.jaccard()), bias(s.bias().x), bias(s.bias().y),
+              number(s.rmse().x, "{:.4f}"), number(s.rmse().y, "{:.4f}"),
+              number(static_cast<double>(s.resolved) / static_cast<double>(s.matched)),
+              number(s.bound(), "{:.4f}"), number(s.bound_ratio(), "{:.2f}"),
+              number(s.pull_rms(), "{:.2f}")}});
+    }
+    return table;
+}
+
+Table track_table(const ValidationOutcome& outcome) {
+    const auto& t = outcome.tracks;
+    const auto& layers = outcome.scores.layers();
+    Table table;
+    table.name = "track_scores";
+    table.title = "Tracks, pixels, layers";
+    table.note =
+        "Over the particles of class all. α, β, JSC and JSCθ as in the ISBI challenge, ε = D/4. "
+        "Pixel locking: first harmonic of the mean error against the sub-pixel phase.";
+    table.columns = {{"value", "Value", "", false}, {"meaning", "Meaning", "", true}};
+    const auto row = [&](const char* name, report::TableCell value, std::string meaning) {
+        table.rows.push_back({name, {std::move(value), {std::nan(""), std::move(meaning), false}}});
+    };
+    row("α", share(t.alpha), "1: all true tracks followed");
+    row("β", share(t.beta), "α less what spurious tracks cost");
+    row("JSC", share(t.jaccard_points), "Jaccard of positions in paired tracks");
+    row("JSCθ", share(t.jaccard_tracks), "Jaccard of tracks");
+    row("correct links", share(t.correct_link_fraction()),
+        fmt::format("of {} times a true particle was found again", t.links));
+    row("switches", count(t.switches), "found again under another identity");
+    row("fragments", count(t.fragments), "found again after frames in which it was missed");
+    row("wrong links", count(t.wrong_links), "steps from one true particle to another");
+    for (const int axis : {0, 1}) {
+        const auto locking = outcome.scores.detection().pixel_locking(axis);
+        row(axis == 0 ? "pixel locking x [px]" : "pixel locking y [px]",
+            number(locking.amplitude, "{:.5f}"),
+            fmt::format("chance: {:.5f}; RMS of the whole curve {:.5f}", locking.error,
+                        locking.rms));
+    }
+    row("|Q₄| error", number(outcome.scores.q4_rms(), "{:.4f}"),
+        fmt::format("RMS over {} particles; mean {:+.5f}", outcome.scores.q4_samples(),
+                    outcome.scores.q4_bias()));
+    const bool labelled = layers.labelled > 0;
+    row("layer labels", labelled ? share(layers.accuracy()) : report::TableCell{},
+        labelled ? fmt::format("right of {}", layers.labelled)
+                 : std::string("the tracker gave no layers"));
+    row("layer labels, up to a flip",
+        layers.tested > 0 ? share(layers.accuracy_up_to_flip()) : report::TableCell{},
+        fmt::format("of {}: sides exchanged where that is better for a cluster of overlapping "
+                    "spheres, one label of each cluster not counted",
+                    layers.tested));
+    return table;
+}
+
+Table effect_table(const ValidationOutcome& outcome) {
+    Table table;
+    table.name = "downstream";
+    table.title = "What the errors do to the results";
+    table.note =
+        "The same analysis of the true and of the tracked positions of the same frames. σ: the "
+        "statistical error of the tracked value.";
+    table.columns = {{"true", "True", ""},
+                     {"tracked", "Tracked", ""},
+                     {"difference", "Difference", ""},
+                     {"sigma", "σ", ""},
+                     {"remark", "Remark", "", true}};
+    for (const DownstreamEffect& e : outcome.effects) {
+        const std::string unit = report::pretty_unit(e.unit, outcome.runs[0].source.time_unit);
+        table.rows.push_back({unit.empty() ? e.title : e.title + " [" + unit + "]",
+                              {number(e.truth),
+                               number(e.tracked),
+                               number(e.tracked - e.truth, "{:+.2g}"),
+                               number(e.error, "{:.2g}"),
+                               {std::nan(""), e.reason, false}}});
+    }
+    table.rows.push_back({"MSD at the shortest lag: offset, where 4σ² is expected [a²]",
+                          {number(outcome.predicted_msd_offset, "{:.3g}"),
+                           number(outcome.msd_offset, "{:.3g}"),
+                           number(outcome.msd_offset - outcome.predicted_msd_offset, "{:+.2g}"),
+                           {},
+                           {}}});
+    return table;
+}
+
+Table threshold_table(const std::vector<ThresholdCheck>& checks) {
+    Table table;
+    table.name = "thresholds";
+    table.title = "Thresholds of the scene";
+    table.columns = {{"value", "Measured", ""}, {"limit", "Limit", ""}, {"met", "", "", true}};
+    for (const ThresholdCheck& c : checks) {
+        const std::string limit = fmt::format("{} {:g}", c.is_least ? "≥" : "≤", c.limit);
+        table.rows.push_back({c.unit == "-" ? c.name : c.name + " [" + c.unit + "]",
+                              {number(c.value, "{:.5g}"),
+                               {c.limit, limit, false},
+                               {c.met() ? 1.0 : 0.0, c.met() ? "met" : "missed", !c.met()}}});
+    }
+    return table;
+}
+
+}  // namespace
+
+report::ReportAdditions validation_report(const ValidationOutcome& outcome,
+                                          const std::vector<ThresholdCheck>& checks) {
+    const DetectionScores& detection = outcome.scores.detection();
+    report::ReportAdditions additions;
+    if (!checks.empty()) additions.tables.push_back(threshold_table(checks));
+    additions.tables.push_back(class_table(detection));
+    additions.tables.push_back(track_table(outcome));
+    if (outcome.runs.size() > 1 && !outcome.effects.empty()) {
+        additions.tables.push_back(effect_table(outcome));
+    }
+    additions.figures = validation_figures(outcome);
+    return additions;
+}
+
+}  // namespace grainfield::pipelines

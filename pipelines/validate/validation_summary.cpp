@@ -1,0 +1,118 @@
+#include "pipelines/validate/validation_summary.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace grainfield::pipelines {
+
+namespace {
+
+using nlohmann::ordered_json;
+using tracking::ClassScore;
+
+/// NaN has no place in JSON.
+ordered_json number(double value) {
+    return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
+}
+
+ordered_json facts(const ClassScore& s) {
+    ordered_json facts;
+    facts["recall"] = number(s.recall());
+    facts["precision"] = number(s.precision());
+    facts["jaccard"] = number(s.jaccard());
+    facts["rmse_px"] = number(s.rmse_per_axis());
+    facts["bias_px"] = {number(s.bias().x), number(s.bias().y)};
+    facts["bound_px"] = number(s.bound());
+    facts["bound_ratio"] = number(s.bound_ratio());
+    facts["pull_rms"] = number(s.pull_rms());
+    facts["matched"] = s.matched;
+    facts["missed"] = s.missed;
+    facts["spurious"] = s.spurious;
+    return facts;
+}
+
+}  // namespace
+
+ordered_json summary_facts(const ValidationOutcome& outcome, const tracking::TrackSummary& tracked,
+                           const std::vector<ThresholdCheck>& checks) {
+    const auto& detection = outcome.scores.detection();
+    ordered_json all = facts(detection.find("all"));
+    ordered_json facts_of_run;
+    facts_of_run["frames"] = detection.frames();
+    for (const char* key : {"recall", "precision", "rmse_px", "bound_ratio"}) {
+        facts_of_run[key] = all[key];
+    }
+    for (std::size_t c = 0; c < kTruthClasses; ++c) {
+        facts_of_run["classes"][detection.classes()[c].name] = facts(detection.classes()[c]);
+    }
+    const auto& t = outcome.tracks;
+    facts_of_run["tracks"] = {{"alpha", t.alpha},
+                              {"beta", t.beta},
+                              {"jsc", t.jaccard_points},
+                              {"jsc_theta", t.jaccard_tracks},
+                              {"correct_links", t.correct_link_fraction()},
+                              {"links", t.links},
+                              {"switches", t.switches},
+                              {"fragments", t.fragments},
+                              {"wrong_links", t.wrong_links}};
+    const auto locking = [&](int axis) { return number(detection.pixel_locking(axis).amplitude); };
+    facts_of_run["pixel_locking_px"] = {locking(0), locking(1)};
+    facts_of_run["layer_accuracy"] = number(outcome.scores.layers().accuracy());
+    facts_of_run["layer_accuracy_up_to_flip"] =
+        number(outcome.scores.layers().accuracy_up_to_flip());
+    facts_of_run["q4_error"] = number(outcome.scores.q4_rms());
+    facts_of_run["msd_offset"] = number(outcome.msd_offset);
+    facts_of_run["msd_offset_expected"] = number(outcome.predicted_msd_offset);
+    facts_of_run["downstream"] = ordered_json::object();
+    for (const DownstreamEffect& e : outcome.effects) {
+        auto& effect = facts_of_run["downstream"][e.name];
+        effect = {{"true", number(e.truth)}, {"tracked", number(e.tracked)}};
+        if (!e.reason.empty()) effect["reason"] = e.reason;
+    }
+    facts_of_run["thresholds"] = ordered_json::array();
+    for (const ThresholdCheck& c : checks) {
+        facts_of_run["thresholds"].push_back(
+            {{"name", c.name}, {"limit", c.limit}, {"value", number(c.value)}, {"met", c.met()}});
+    }
+    const auto& ms = tracked.ms_per_frame;
+    facts_of_run["ms_per_frame"] = {{"render", ms.read},
+                                    {"detect", ms.detect},
+                                    {"refine", ms.refine},
+                                    {"link", ms.link},
+                                    {"score", ms.write}};
+    return facts_of_run;
+}
+
+std::string summary_text(const std::string& output, const ValidationOutcome& outcome,
+                         const std::vector<ThresholdCheck>& checks) {
+    const auto& detection = outcome.scores.detection();
+    std::string text =
+        fmt::format("{}: {} frames\n  {:<10}{:>10}{:>9}{:>10}{:>10}{:>8}\n", output,
+                    detection.frames(), "", "true", "recall", "precision", "RMSE/px", "/bound");
+    for (std::size_t c = 0; c < kTruthClasses; ++c) {
+        const ClassScore& s = detection.classes()[c];
+        if (s.matched + s.missed == 0) continue;
+        text += fmt::format("  {:<10}{:>10}{:>9.5f}{:>10.5f}{:>10.4f}{:>8.2f}\n", s.name,
+                            s.matched + s.missed, s.recall(), s.precision(), s.rmse_per_axis(),
+                            s.bound_ratio());
+    }
+    const auto& t = outcome.tracks;
+    text +=
+        fmt::format("  tracks    α {:.4f}, β {:.4f}, JSC {:.4f}, JSCθ {:.4f}, links {:.5f}\n",
+                    t.alpha, t.beta, t.jaccard_points, t.jaccard_tracks, t.correct_link_fraction());
+    for (const ThresholdCheck& c : checks) {
+        text += fmt::format("  {:<10}{}\n", c.met() ? "met" : "MISSED", c.text());
+    }
+    return text;
+}
+
+std::string missed_thresholds(const std::vector<ThresholdCheck>& checks) {
+    std::string text;
+    for (const ThresholdCheck& c : checks) {
+        if (!c.met()) text += (text.empty() ? "thresholds missed: " : "; ") + c.text();
+    }
+    return text.empty() ? text : text + ".";
+}
+
+}  // namespace grainfield::pipelines

@@ -1,0 +1,50 @@
+#include "pipelines/validate/validation_thresholds.h"
+
+#include <fmt/format.h>
+
+#include "pipelines/validate/validation_outcome.h"
+
+namespace grainfield::pipelines {
+
+OptionTable describe(ValidationThresholds& t) {
+    OptionTable table("threshold");
+    table.number("recall", t.recall, "-", {0, 1}, "least recall of all; auto: not checked");
+    table.number("recall-crystal", t.recall_crystal, "-", {0, 1}, "least recall in the crystal");
+    table.number("precision", t.precision, "-", {0, 1}, "least precision");
+    table.number("rmse", t.rmse, "px", {0, 1e6}, "largest RMS error per axis");
+    table.number("rmse-crystal", t.rmse_crystal, "px", {0, 1e6},
+                 "largest RMS error per axis in the crystal");
+    table.number("bound-ratio", t.bound_ratio, "-", {0, 1e9},
+                 "largest RMS error over the Cramér–Rao bound");
+    table.number("correct-links", t.correct_links, "-", {0, 1}, "least share of correct links");
+    table.number("alpha", t.alpha, "-", {-1e9, 1}, "least α of the tracks");
+    table.number("q4-error", t.q4_error, "-", {0, 1}, "largest RMS error of |Q4|");
+    return table;
+}
+
+std::string ThresholdCheck::text() const {
+    return fmt::format("{} {:.5g}{}, {} {:g} asked for", name, value, unit == "-" ? "" : " " + unit,
+                       is_least ? "at least" : "at most", limit);
+}
+
+std::vector<ThresholdCheck> check(const ValidationThresholds& t, const ValidationOutcome& outcome) {
+    const auto& all = outcome.scores.detection().find("all");
+    const auto& crystal = outcome.scores.detection().find("crystal");
+    std::vector<ThresholdCheck> checks;
+    const auto add = [&](const char* name, const char* unit, const std::optional<double>& limit,
+                         double value, bool is_least) {
+        if (limit) checks.push_back({name, unit, *limit, value, is_least});
+    };
+    add("recall", "-", t.recall, all.recall(), true);
+    add("recall-crystal", "-", t.recall_crystal, crystal.recall(), true);
+    add("precision", "-", t.precision, all.precision(), true);
+    add("rmse", "px", t.rmse, all.rmse_per_axis(), false);
+    add("rmse-crystal", "px", t.rmse_crystal, crystal.rmse_per_axis(), false);
+    add("bound-ratio", "-", t.bound_ratio, all.bound_ratio(), false);
+    add("correct-links", "-", t.correct_links, outcome.tracks.correct_link_fraction(), true);
+    add("alpha", "-", t.alpha, outcome.tracks.alpha, true);
+    add("q4-error", "-", t.q4_error, outcome.scores.q4_rms(), false);
+    return checks;
+}
+
+}  // namespace grainfield::pipelines

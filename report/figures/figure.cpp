@@ -1,0 +1,75 @@
+#include "report/figures/figure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace grainfield::report {
+
+std::string Axis::title() const {
+    return unit.empty() ? label : label + " [" + unit + "]";
+}
+
+bool Figure::has_data() const {
+    return std::ranges::any_of(series,
+                               [&](const Series& s) { return kinds[s.kind].mark != Mark::guide; });
+}
+
+Style style_of(const Figure& figure, std::size_t run, std::size_t kind) {
+    const auto is_guide = [](const Kind& k) { return k.mark == Mark::guide; };
+    const auto first = figure.kinds.begin();
+    const auto here = first + static_cast<std::ptrdiff_t>(kind);
+    const auto guides_before = static_cast<std::size_t>(std::count_if(first, here, is_guide));
+    if (is_guide(*here)) return {{0x66, 0x66, 0x66}, 0, 1 + guides_before % 3};
+    const std::size_t place = kind - guides_before;
+    if (figure.runs.size() > 1) {
+        return {distinct_colour(run, figure.runs.size()), place % 4, place % 4};
+    }
+    const auto kinds = static_cast<std::size_t>(figure.kinds.end() - first -
+                                                std::ranges::count_if(figure.kinds, is_guide));
+    return {distinct_colour(place, kinds), place % 4, place % 4};
+}
+
+std::string series_label(const Figure& figure, const Series& series) {
+    const Kind& kind = figure.kinds[series.kind];
+    if (kind.mark == Mark::guide || figure.runs.size() == 1) return kind.label;
+    const auto shown = std::ranges::count_if(
+        figure.kinds, [](const Kind& k) { return k.mark != Mark::guide && k.shown; });
+    const std::string& run = figure.runs[series.run];
+    return shown == 1 && kind.shown ? run : run + ", " + kind.label;
+}
+
+std::array<double, 2> extent(const Figure& figure, const Axis& axis,
+                             std::vector<double> Series::*values) {
+    double low = std::numeric_limits<double>::infinity();
+    double high = -low;
+    for (const Series& series : figure.series) {
+        if (!figure.kinds[series.kind].shown) continue;
+        for (double value : series.*values) {
+            if (!std::isfinite(value) || (axis.scale == Scale::log && value <= 0)) continue;
+            low = std::min(low, value);
+            high = std::max(high, value);
+        }
+    }
+    if (low > high) return {0, 0};
+    if (axis.scale == Scale::linear && axis.from_zero) low = std::min(low, 0.0);
+    return {low, high};
+}
+
+void add_power_law(Figure& figure, std::string label, double exponent, double x0, double y0,
+                   double x1) {
+    // Enough points for a smooth curve on linear axes too.
+    constexpr int pieces = 40;
+    Series guide;
+    guide.kind = figure.kinds.size();
+    for (int i = 0; i <= pieces; ++i) {
+        const double x = x0 * std::pow(x1 / x0, static_cast<double>(i) / pieces);
+        guide.x.push_back(x);
+        guide.y.push_back(y0 * std::pow(x / x0, exponent));
+    }
+    figure.kinds.push_back({std::move(label), Mark::guide, true});
+    figure.series.push_back(std::move(guide));
+}
+
+}  // namespace grainfield::report

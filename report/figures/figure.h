@@ -1,0 +1,87 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "report/figures/colours.h"
+
+namespace grainfield::report {
+
+enum class Scale { linear, log };
+
+struct Axis {
+    std::string name;   ///< column in the CSV: "k"
+    std::string label;  ///< "Wavevector k"
+    std::string unit;   ///< for people, "1/a"; empty if dimensionless
+    Scale scale = Scale::linear;
+    bool from_zero = false;  ///< a linear axis shows zero
+
+    std::string title() const;  ///< "Wavevector k [1/a]"
+};
+
+enum class Mark {
+    line,   ///< points joined by a line, with error bars
+    curve,  ///< a smooth line without points: a fit
+    steps,  ///< a histogram's outline, x at the centres of the bins
+    guide   ///< a line to compare slopes with; belongs to no run
+};
+
+/// One kind of quantity in a figure; every run may have a series of each kind.
+struct Kind {
+    std::string label;
+    Mark mark = Mark::line;
+    bool shown = true;  ///< false: on the page only after a click, not in the SVG
+};
+
+struct Series {
+    std::size_t run = 0;   ///< index into Figure::runs; of no meaning for guides
+    std::size_t kind = 0;  ///< index into Figure::kinds
+    std::vector<double> x, y;
+    std::vector<double> error;  ///< standard error of y, NaN where unknown; may be empty
+};
+
+/// A plot, described once: the page (Plotly), the SVG (gnuplot) and the CSV are made from this.
+struct Figure {
+    struct Absence {
+        std::size_t run = 0;
+        std::string reason;
+    };
+
+    std::string name;   ///< file name of SVG and CSV, id on the page
+    std::string title;  ///< for people
+    std::string note;   ///< what to know when reading it; may be empty
+    Axis x, y;
+    bool may_be_linear = false;  ///< a button switches the logarithmic axes to linear ones
+    std::vector<std::string> runs;
+    std::vector<std::string> origins;  ///< one a run, for switching all of an origin; may be empty
+    std::vector<Kind> kinds;
+    std::vector<Series> series;
+    std::vector<Absence> absent;  ///< runs without this curve, and why
+
+    bool has_data() const;  ///< whether any run has a series
+};
+
+/// How a series looks, wherever it is drawn. One run: colour by kind; several: colour by run and
+/// symbol and dashes by kind. Guides are grey.
+struct Style {
+    Colour colour;
+    std::size_t symbol = 0;  ///< 0 circle, 1 square, 2 diamond, 3 triangle
+    std::size_t dash = 0;    ///< 0 solid, 1 dashed, 2 dotted, 3 dash-dotted
+};
+Style style_of(const Figure& figure, std::size_t run, std::size_t kind);
+
+/// "Γ = 4.5, solid"; only the run or only the kind where the other says nothing.
+std::string series_label(const Figure& figure, const Series& series);
+
+/// The smallest range that holds all finite y (x) of the shown series; on a logarithmic axis only
+/// positive values count. {0, 0} if there is none.
+std::array<double, 2> extent(const Figure& figure, const Axis& axis,
+                             std::vector<double> Series::*values);
+
+/// Adds the guide y = y0 (x/x0)^exponent between x0 and x1.
+void add_power_law(Figure& figure, std::string label, double exponent, double x0, double y0,
+                   double x1);
+
+}  // namespace grainfield::report

@@ -1,0 +1,72 @@
+#include "report/figures/figure_source.h"
+
+#include <utility>
+
+namespace grainfield::report {
+
+Figure empty_figure(const std::vector<std::string>& labels, std::string name, std::string title,
+                    Axis x, Axis y, std::string note) {
+    Figure figure;
+    figure.name = std::move(name);
+    figure.title = std::move(title);
+    figure.x = std::move(x);
+    figure.y = std::move(y);
+    figure.runs = labels;
+    figure.note = std::move(note);
+    return figure;
+}
+
+std::string absence(const Results& run, const Source& source) {
+    const ObservableResult* observable = run.find(source.observable);
+    if (observable == nullptr) return "not among the observables of this run";
+    if (!observable->reason.empty()) return observable->reason;
+    const Curve* curve = observable->find_curve(source.curve);
+    if (curve == nullptr) return "the results hold no curve '" + source.curve + "'";
+    if (curve->find(source.x) == nullptr || curve->find(source.y) == nullptr) {
+        return "the curve '" + source.curve + "' lacks the column '" +
+               (curve->find(source.x) == nullptr ? source.x : source.y) + "'";
+    }
+    return "the curve '" + source.curve + "' has no finite value";
+}
+
+const Curve* find_curve(const Results& run, const Source& source) {
+    const ObservableResult* observable = run.find(source.observable);
+    const Curve* curve = observable == nullptr ? nullptr : observable->find_curve(source.curve);
+    if (curve == nullptr) return nullptr;
+    const Column* x = curve->find(source.x);
+    const Column* y = curve->find(source.y);
+    return x == nullptr || y == nullptr || x->values.size() != y->values.size() ? nullptr : curve;
+}
+
+void add_kind(Figure& figure, const Runs& runs, Kind kind, const Source& source, bool required) {
+    const std::size_t place = figure.kinds.size();
+    bool found = false;
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        const Curve* curve = find_curve(runs[r], source);
+        std::optional<Series> series;
+        if (curve != nullptr) series = take(*curve, source, [](std::size_t) { return true; });
+        if (series) {
+            series->run = r;
+            series->kind = place;
+            figure.series.push_back(std::move(*series));
+            found = true;
+        } else if (required) {
+            figure.absent.push_back({r, absence(runs[r], source)});
+        }
+    }
+    if (found || required) figure.kinds.push_back(std::move(kind));
+}
+
+std::string common_unit(const Runs& runs, const Source& source, const std::string& otherwise) {
+    std::string unit;
+    for (const Results& run : runs) {
+        const Curve* curve = find_curve(run, source);
+        if (curve == nullptr) continue;
+        const std::string& own = curve->find(source.x)->unit;
+        if (!unit.empty() && own != unit) return unit.append(" or ").append(own);
+        unit = own;
+    }
+    return unit.empty() ? otherwise : unit;
+}
+
+}  // namespace grainfield::report

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/results.h"
+#include "report/figures/figure.h"
+
+namespace grainfield::report {
+
+/// One label a run, clean, not empty, at most 60 characters, no two the same: the label of the
+/// results, else the name of the first input, else "run 1".
+std::vector<std::string> run_labels(const std::vector<Results>& runs);
+
+/// The figures of a report, runs side by side on shared axes: S0/S1 against each control parameter,
+/// |Q4| histogram, S(k), S(k)/S1, number variance, MSD, phase fractions, S4, and the time series of
+/// simulations; S(k)/S1 and the variance also for each origin alone, where there are several. A run
+/// that lacks a curve is listed with its reason in `Figure::absent`.
+std::vector<Figure> make_figures(const std::vector<Results>& runs,
+                                 const std::vector<std::string>& labels);
+
+}  // namespace grainfield::report

@@ -1,0 +1,118 @@
+#include "report/figures/panels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+namespace grainfield::report {
+
+namespace {
+
+constexpr std::size_t left_out = std::numeric_limits<std::size_t>::max();
+
+std::string without_origin(const std::string& label, const std::string& origin) {
+    const std::string start = origin + ", ";
+    return label.starts_with(start) && label.size() > start.size() ? label.substr(start.size())
+                                                                   : label;
+}
+
+// Of "1/a or 1/l" the one that this origin has.
+std::string own_unit(const std::string& unit, bool is_field) {
+    const std::size_t bar = unit.find(" or ");
+    if (bar == std::string::npos) return unit;
+    const std::string first = unit.substr(0, bar);
+    const std::string second = unit.substr(bar + 4);
+    return (first.find('l') != std::string::npos) == is_field ? first : second;
+}
+
+// The guides of the shared figure, their exponents times `steeper`, through the lowest corner of
+// what this one shows.
+void add_guides(Figure& panel, const Figure& figure, double steeper) {
+    const auto [first, last] = extent(panel, panel.x, &Series::x);
+    const auto [low, high] = extent(panel, panel.y, &Series::y);
+    if (!(last > first) || !(low > 0)) return;
+    for (const Series& guide : figure.series) {
+        if (figure.kinds[guide.kind].mark != Mark::guide) continue;
+        const double exponent = steeper * std::log(guide.y.back() / guide.y.front()) /
+                                std::log(guide.x.back() / guide.x.front());
+        Series own;
+        own.kind = guide.kind;
+        for (std::size_t i = 0; i < guide.x.size(); ++i) {
+            const double part = static_cast<double>(i) / static_cast<double>(guide.x.size() - 1);
+            own.x.push_back(first * std::pow(last / first, part));
+            own.y.push_back(low * std::pow(own.x.back() / first, exponent));
+        }
+        panel.series.push_back(std::move(own));
+    }
+}
+
+bool has_series(const Figure& figure, std::size_t run) {
+    return std::ranges::any_of(figure.series, [&](const Series& s) {
+        return s.run == run && figure.kinds[s.kind].mark != Mark::guide;
+    });
+}
+
+Figure panel_of(const Figure& figure, const std::vector<RunIdentity>& identities,
+                const std::string& origin) {
+    Figure panel = figure;
+    panel.title += ": " + origin;
+    panel.runs.clear();
+    panel.series.clear();
+    panel.absent.clear();
+    bool is_field = false;
+    bool on_a_line = false;
+    std::vector<std::size_t> place(figure.runs.size(), left_out);
+    for (std::size_t r = 0; r < figure.runs.size(); ++r) {
+        if (identities[r].origin != origin || !has_series(figure, r)) continue;
+        place[r] = panel.runs.size();
+        is_field = identities[r].is_field;
+        on_a_line = identities[r].dimension == 1;
+        panel.runs.push_back(without_origin(figure.runs[r], origin));
+    }
+    for (const Series& series : figure.series) {
+        const bool guide = figure.kinds[series.kind].mark == Mark::guide;
+        if (guide || place[series.run] == left_out) continue;
+        panel.series.push_back(series);
+        panel.series.back().run = place[series.run];
+    }
+    panel.x.unit = own_unit(figure.x.unit, is_field);
+    // On a line σ² ∝ ⟨N⟩^(β/2) is half as steep against ℓ as in the plane.
+    add_guides(panel, figure, on_a_line && !all_on_a_line(identities) ? 0.5 : 1);
+    return panel;
+}
+
+}  // namespace
+
+std::vector<Figure> panels_by_origin(const Figure& figure,
+                                     const std::vector<RunIdentity>& identities) {
+    std::vector<Figure> panels;
+    for (const std::string& origin : origins_of(identities)) {
+        Figure panel = panel_of(figure, identities, origin);
+        if (panel.has_data()) panels.push_back(std::move(panel));
+    }
+    if (panels.size() < 2) return {};
+    for (std::size_t i = 0; i < panels.size(); ++i) {
+        panels[i].name += "_panel" + std::to_string(i + 1);
+    }
+    return panels;
+}
+
+Figure of_present_runs(Figure figure) {
+    std::vector<std::string> runs;
+    std::vector<std::size_t> place(figure.runs.size(), left_out);
+    for (std::size_t r = 0; r < figure.runs.size(); ++r) {
+        if (!has_series(figure, r)) continue;
+        place[r] = runs.size();
+        runs.push_back(figure.runs[r]);
+    }
+    for (Series& series : figure.series) {
+        if (figure.kinds[series.kind].mark != Mark::guide) series.run = place[series.run];
+    }
+    figure.runs = std::move(runs);
+    figure.absent.clear();
+    return figure;
+}
+
+}  // namespace grainfield::report

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "report/figures/figure.h"
+#include "report/run_identity.h"
+
+namespace grainfield::report {
+
+/// One figure for each origin, of its runs alone and in colours of their own, where several origins
+/// share the given figure: as the columns of Fig. 2 (`castillo2019`). Origins without data give
+/// none. Names end in "_panel1" …, titles in the origin; labels lose the origin they begin with.
+std::vector<Figure> panels_by_origin(const Figure& figure,
+                                     const std::vector<RunIdentity>& identities);
+
+/// The figure of those runs alone that have data in it, in colours of their own; nobody is listed
+/// as absent.
+Figure of_present_runs(Figure figure);
+
+}  // namespace grainfield::report

@@ -1,0 +1,201 @@
+#include "report/maps/particle_map.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
+#include "core/support/parallel.h"
+#include "report/maps/png.h"
+#include "report/run_identity.h"
+#include "report/page/text.h"
+
+namespace grainfield::report {
+
+namespace {
+
+bool is_usable(const Preview& preview) {
+    try {
+        require_consistent(preview.snapshot);
+    } catch (const InputError&) {
+        return false;
+    }
+    const std::size_t n = preview.snapshot.size();
+    return (n > 0 || !preview.frame.image.empty()) &&
+           (preview.abs_q4.empty() || preview.abs_q4.size() == n);
+}
+
+// `count` of them, evenly spread, the first and the last included.
+std::vector<const Preview*> spread(const std::vector<Preview>& previews, std::size_t count) {
+    std::vector<const Preview*> usable;
+    for (const Preview& preview : previews) {
+        if (is_usable(preview)) usable.push_back(&preview);
+    }
+    if (usable.size() <= count) return usable;
+    if (count == 1) return {usable.front()};
+    std::vector<const Preview*> chosen;
+    for (std::size_t i = 0; i < count; ++i) {
+        chosen.push_back(usable[i * (usable.size() - 1) / (count - 1)]);
+    }
+    return chosen;
+}
+
+void set_extent(ParticleMap& map, const Preview& preview) {
+    const Box& box = preview.snapshot.box;
+    const Image& image = preview.frame.image;
+    if (!image.empty()) {
+        map.x = {-0.5, image.width() - 0.5};
+        map.y = {-0.5, image.height() - 0.5};
+    } else if (is_finite(box.origin) && is_finite(box.length) && box.length.x > 0 &&
+               box.length.y > 0) {
+        map.x = {box.origin.x, box.origin.x + box.length.x};
+        map.y = {box.origin.y, box.origin.y + box.length.y};
+    } else {
+        const auto [left, right] = std::ranges::minmax(map.position, {}, &Vec2::x);
+        const auto [low, high] = std::ranges::minmax(map.position, {}, &Vec2::y);
+        const double margin = 0.5 * map.diameter;
+        map.x = {left.x - margin, right.x + margin};
+        map.y = {low.y - margin, high.y + margin};
+    }
+}
+
+// "density ρ from −2.1 to 2.3": grey runs from the least to the largest value.
+std::string field_title(const Preview& preview) {
+    const auto [low, high] = std::ranges::minmax(preview.frame.image.pixels());
+    return fmt::format("{} from {:.3g} (black) to {:.3g} (white)",
+                       preview.frame.index == 0 ? "density ρ" : "order field ψ", low, high);
+}
+
+ParticleMap describe(const Results& run, std::size_t index, const Preview& preview) {
+    ParticleMap map;
+    map.run = index;
+    map.frame = preview.snapshot.frame;
+    map.name = fmt::format("map_run{}_frame{}", index + 1, map.frame);
+    const bool is_field = identity_of(run).is_field;
+    map.title = is_field ? field_title(preview)
+                         : fmt::format("frame {}, {} particles", map.frame,
+                                       count_text(static_cast<double>(preview.snapshot.size())));
+    map.y_down = is_field || run.source.length_unit == LengthUnit::pixel;
+    map.unit = is_field ? "cells" : map.y_down ? "px" : "a";
+    const double diameter = run.source.diameter;
+    map.diameter = std::isfinite(diameter) && diameter > 0 ? diameter : 1;
+    map.position = preview.snapshot.position;
+    map.id = preview.snapshot.id;
+    const std::vector<Layer>& layer = preview.snapshot.layer;
+    const auto is_known = [](Layer l) { return l != Layer::unknown; };
+    if (std::ranges::any_of(layer, is_known)) map.layer = layer;
+    map.abs_q4 = preview.abs_q4;
+    map.order = order_symbol(run);
+    set_extent(map, preview);
+    return map;
+}
+
+void encode(ParticleMap& map, const Image& image, std::size_t budget) {
+    if (image.empty()) return;
+    const int largest = std::max(1, std::min({8, image.width(), image.height()}));
+    // The size falls with the number of pixels: most steps in between need not be tried.
+    for (map.reduction = 1;;) {
+        map.png = encode_png(image, map.reduction);
+        if (map.png.size() <= budget || map.reduction >= largest) break;
+        const double excess = static_cast<double>(map.png.size()) / static_cast<double>(budget);
+        const int guess = static_cast<int>(0.8 * map.reduction * std::sqrt(excess));
+        map.reduction = std::clamp(guess, map.reduction + 1, largest);
+    }
+    const int r = map.reduction;
+    const int width = image.width() / r * r;
+    const int height = image.height() / r * r;
+    map.image_size = {static_cast<double>(width), static_cast<double>(height)};
+    if (r > 1) map.title += fmt::format(" (image reduced {}×)", r);
+}
+
+// How many previews each run gives: one more in turn, while the budget lasts and it has more.
+std::vector<std::size_t> shares(const std::vector<Results>& runs, std::size_t budget) {
+    constexpr std::size_t most = 20;
+    std::vector<std::size_t> share(runs.size(), 1);
+    std::size_t given = runs.size();
+    for (std::size_t round = 2; round <= most && given < budget; ++round) {
+        for (std::size_t r = 0; r < runs.size() && given < budget; ++r) {
+            if (runs[r].previews.size() < round) continue;
+            share[r] = round;
+            ++given;
+        }
+    }
+    return share;
+}
+
+void append_uint16(std::vector<std::uint8_t>& bytes, double part) {
+    const auto step = static_cast<unsigned>(std::lround(std::clamp(part, 0.0, 1.0) * 65535));
+    bytes.push_back(static_cast<std::uint8_t>(step & 255U));
+    bytes.push_back(static_cast<std::uint8_t>(step >> 8U));
+}
+
+}  // namespace
+
+std::vector<ParticleMap> make_maps(const std::vector<Results>& runs, const MapBudget& budget) {
+    std::vector<ParticleMap> maps;
+    std::vector<const Image*> images;
+    const std::vector<std::size_t> share = shares(runs, budget.maps);
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        for (const Preview* preview : spread(runs[r].previews, share[r])) {
+            maps.push_back(describe(runs[r], r, *preview));
+            images.push_back(&preview->frame.image);
+        }
+    }
+    const auto count = static_cast<std::int64_t>(maps.size());
+    parallel_for(count, thread_count(budget.threads), [&](std::int64_t i) {
+        const auto m = static_cast<std::size_t>(i);
+        encode(maps[m], *images[m], budget.image_bytes / maps.size());
+    });
+    return maps;
+}
+
+std::string map_json(const ParticleMap& map) {
+    const double margin = 0.5 * map.diameter;
+    const std::array<double, 2> x{map.x[0] - margin, map.x[1] + margin};
+    const std::array<double, 2> y{map.y[0] - margin, map.y[1] + margin};
+    std::vector<std::uint8_t> points;
+    std::vector<std::uint8_t> order;
+    points.reserve(4 * map.position.size());
+    for (std::size_t i = 0; i < map.position.size(); ++i) {
+        append_uint16(points, (map.position[i].x - x[0]) / (x[1] - x[0]));
+        append_uint16(points, (map.position[i].y - y[0]) / (y[1] - y[0]));
+        if (map.abs_q4.empty()) continue;
+        const double q = map.abs_q4[i];
+        order.push_back(std::isfinite(q)
+                            ? static_cast<std::uint8_t>(std::lround(std::clamp(q, 0.0, 1.0) * 254))
+                            : std::uint8_t{255});
+    }
+    std::vector<std::uint8_t> ids;
+    for (const std::int64_t id : map.id) {
+        const auto low = static_cast<std::uint32_t>(static_cast<std::uint64_t>(id));
+        for (unsigned shift = 0; shift < 32; shift += 8) {
+            ids.push_back(static_cast<std::uint8_t>(low >> shift & 255U));
+        }
+    }
+    std::vector<std::uint8_t> layers;
+    for (const Layer layer : map.layer) {
+        layers.push_back(layer == Layer::unknown ? 255 : static_cast<std::uint8_t>(layer));
+    }
+    const std::string image = map.png.empty() ? "" : "data:image/png;base64," + base64(map.png);
+    return fmt::format(
+        R"({{"run":{},"title":{},"x":[{},{}],"y":[{},{}],"yDown":{},"unit":"{}","diameter":{},)"
+        R"("imageSize":[{},{}],"image":"{}","pointsX":[{},{}],"pointsY":[{},{}],"points":"{}",)"
+        R"("order":"{}","orderName":{},"ids":"{}","layers":"{}"}})",
+        map.run, json_string(map.title), map.x[0], map.x[1], map.y[0], map.y[1], map.y_down,
+        map.unit, map.diameter, map.image_size[0], map.image_size[1], image, x[0], x[1], y[0], y[1],
+        base64(points), base64(order), json_string(map.order), base64(ids), base64(layers));
+}
+
+std::string map_csv(const ParticleMap& map) {
+    std::string out = "frame,particle,x,y,abs_q4\n";
+    for (std::size_t i = 0; i < map.position.size(); ++i) {
+        const auto particle = map.id.empty() ? static_cast<std::int64_t>(i) : map.id[i];
+        const std::string q = map.abs_q4.empty() ? "" : csv_cell(map.abs_q4[i]);
+        out += fmt::format("{},{},{:.3f},{:.3f},{}\n", map.frame, particle, map.position[i].x,
+                           map.position[i].y, q);
+    }
+    return out;
+}
+
+}  // namespace grainfield::report

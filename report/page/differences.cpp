@@ -1,0 +1,182 @@
+#include "report/page/differences.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "report/page/key_numbers.h"
+#include "report/page/text.h"
+
+namespace grainfield::report {
+
+namespace {
+
+constexpr std::size_t most_pairs = 40;
+constexpr double remarkable = 3;  // standard errors
+
+bool same(std::optional<double> a, std::optional<double> b) {
+    return a && b && std::abs(*a - *b) <= 1e-6 * std::max(std::abs(*a), std::abs(*b));
+}
+
+bool is_known(const Measurement& m) {
+    return m.value && m.error && std::isfinite(*m.value) && std::isfinite(*m.error) && *m.error > 0;
+}
+
+// The measurement of the other run with the same name and unit, if it is known there too.
+const Measurement* counterpart(const Results& run, const std::string& observable,
+                               const Measurement& m) {
+    const ObservableResult* other = run.find(observable);
+    const Measurement* found = other == nullptr ? nullptr : other->find_measurement(m.name);
+    return found != nullptr && is_known(*found) && found->unit == m.unit ? found : nullptr;
+}
+
+TableCell difference_cell(const Measurement& a, const Measurement& b) {
+    const double difference = *a.value - *b.value;
+    const double error = std::hypot(*a.error, *b.error);
+    TableCell cell;
+    cell.value = difference / error;
+    cell.text = fmt::format("{:+.1f}", cell.value);
+    cell.failed = std::abs(cell.value) > remarkable;
+    return cell;
+}
+
+struct Rows {
+    std::vector<Table::Row> list;
+    std::map<std::string, std::size_t> place;
+
+    Table::Row& at(const std::string& name, std::size_t columns) {
+        const auto [found, fresh] = place.try_emplace(name, list.size());
+        if (fresh) list.push_back({name, std::vector<TableCell>(columns)});
+        return list[found->second];
+    }
+};
+
+// "0.1.0 (A, B)" for each value; empty if all agree.
+std::string groups(const std::vector<std::string>& labels,
+                   const std::function<std::string(std::size_t)>& value) {
+    std::map<std::string, std::vector<std::string>> who;
+    for (std::size_t r = 0; r < labels.size(); ++r) {
+        if (const std::string v = value(r); !v.empty()) who[v].push_back(labels[r]);
+    }
+    if (who.size() < 2) return "";
+    std::string text;
+    for (const auto& [v, names] : who) {
+        text += fmt::format("{}{} ({}", text.empty() ? "" : ", ", v, names.front());
+        if (names.size() > 1) text += fmt::format(" and {} more", names.size() - 1);
+        text += ")";
+    }
+    return text;
+}
+
+bool has_any_error(const Results& run) {
+    return std::ranges::any_of(run.observables, [](const ObservableResult& observable) {
+        return std::ranges::any_of(observable.measurements, is_known);
+    });
+}
+
+const char* length_unit(const RunIdentity& identity) {
+    if (identity.origin == "critical") return "";
+    return identity.is_field ? "l" : "a";
+}
+
+}  // namespace
+
+std::vector<RunPair> pairs_of(const std::vector<Results>& runs,
+                              const std::vector<RunIdentity>& identities) {
+    std::vector<std::size_t> members;
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        if (identities[r].origin != "critical") members.push_back(r);
+    }
+    if (members.size() == 2) return {{members[0], members[1]}};
+    std::vector<RunPair> pairs;
+    for (std::size_t i = 0; i < members.size(); ++i) {
+        for (std::size_t j = i + 1; j < members.size(); ++j) {
+            const RunIdentity& a = identities[members[i]];
+            const RunIdentity& b = identities[members[j]];
+            const auto& rate_a = runs[members[i]].source.frame_rate;
+            const auto& rate_b = runs[members[j]].source.frame_rate;
+            const bool rates_differ =
+                rate_a && rate_b && std::abs(*rate_a - *rate_b) > 0.01 * std::abs(*rate_a);
+            // Fields at one ν but of other dimension or b are other models.
+            const bool models_differ = a.is_field || b.is_field;
+            const bool match = !models_differ && a.origin != b.origin &&
+                               a.parameter == b.parameter && same(a.value, b.value) &&
+                               !rates_differ;
+            if (match) pairs.push_back({members[i], members[j]});
+        }
+    }
+    return pairs;
+}
+
+std::optional<Table> differences(const std::vector<Results>& runs,
+                                 const std::vector<std::string>& labels,
+                                 const std::vector<RunIdentity>& identities) {
+    std::vector<RunPair> pairs = pairs_of(runs, identities);
+    if (pairs.size() > most_pairs) pairs.resize(most_pairs);
+    Table table;
+    table.name = "differences";
+    table.title = "Differences in units of their error";
+    table.note =
+        "First run less second, over the root of the sum of both squared errors, which are taken "
+        "as "
+        "independent: two analyses of the same frames share most of theirs. Beyond 3 it stands "
+        "out.";
+    Rows rows;
+    for (std::size_t p = 0; p < pairs.size(); ++p) {
+        const auto [first, second] = pairs[p];
+        table.columns.push_back(
+            {fmt::format("pair_{}", p + 1), labels[first] + " less " + labels[second], "", false});
+        for (const ObservableResult& observable : runs[first].observables) {
+            for (const Measurement& m : observable.measurements) {
+                if (!is_known(m)) continue;
+                const Measurement* other = counterpart(runs[second], observable.name, m);
+                if (other == nullptr) continue;
+                const std::string name = quantity_title(observable.name, m.name);
+                rows.at(name, pairs.size()).cells[p] = difference_cell(m, *other);
+            }
+        }
+    }
+    if (rows.list.empty()) return std::nullopt;
+    table.rows = std::move(rows.list);
+    return table;
+}
+
+std::vector<std::string> mismatches(const std::vector<Results>& runs,
+                                    const std::vector<std::string>& labels,
+                                    const std::vector<RunIdentity>& identities) {
+    std::vector<std::string> out;
+    const auto version = groups(labels, [&](std::size_t r) { return runs[r].record.version; });
+    if (!version.empty()) out.push_back("made by different versions of the program: " + version);
+    const auto length = groups(labels, [&](std::size_t r) { return length_unit(identities[r]); });
+    if (!length.empty()) {
+        out.push_back("lengths in different units share axes, compare shapes and not scales: " +
+                      length);
+    }
+    const auto time = groups(labels, [&](std::size_t r) {
+        const bool timed = runs[r].find("msd") != nullptr || runs[r].find("phase") != nullptr;
+        return timed ? pretty_unit("time unit", runs[r].source.time_unit) : std::string();
+    });
+    if (!time.empty()) out.push_back("times in different units: " + time);
+    const auto dimension = groups(labels, [&](std::size_t r) {
+        return identities[r].origin == "critical"
+                   ? std::string()
+                   : fmt::format("{} dimension{}", identities[r].dimension,
+                                 identities[r].dimension == 1 ? "" : "s");
+    });
+    if (!dimension.empty()) out.push_back("runs of different dimension: " + dimension);
+    std::string without;
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        if (runs[r].observables.empty() || has_any_error(runs[r])) continue;
+        without += (without.empty() ? "" : ", ") + labels[r];
+    }
+    if (!without.empty() && runs.size() > 1) {
+        out.push_back("without any error, so that differences cannot be judged: " + without);
+    }
+    return out;
+}
+
+}  // namespace grainfield::report

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/results.h"
+#include "report/run_identity.h"
+#include "report/page/table.h"
+
+namespace grainfield::report {
+
+/// Two runs put side by side, indices into the runs.
+struct RunPair {
+    std::size_t first = 0;
+    std::size_t second = 0;
+};
+
+/// The runs that differ in origin only: same control parameter, same frame rate where both know
+/// one, no fields (another dimension or b is another model). Of two runs in all, those two.
+std::vector<RunPair> pairs_of(const std::vector<Results>& runs,
+                              const std::vector<RunIdentity>& identities);
+
+/// Differences in units of their error, one column a pair, one row a quantity that both runs of
+/// some pair measured with an error:
+///
+///   (first − second) / sqrt(σ_first² + σ_second²)
+///
+/// Errors are taken as independent; two analyses of the same frames share most of theirs, so that
+/// their differences are smaller than the number says. At most 40 pairs. Nothing if there is no
+/// such quantity.
+std::optional<Table> differences(const std::vector<Results>& runs,
+                                 const std::vector<std::string>& labels,
+                                 const std::vector<RunIdentity>& identities);
+
+/// What stands in the way of comparing runs, one sentence each: versions of the program, units of
+/// length and time, dimensions, runs without any error.
+std::vector<std::string> mismatches(const std::vector<Results>& runs,
+                                    const std::vector<std::string>& labels,
+                                    const std::vector<RunIdentity>& identities);
+
+}  // namespace grainfield::report

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/results.h"
+#include "core/run_plan.h"
+#include "report/figures/figure.h"
+#include "report/maps/particle_map.h"
+#include "report/page/table.h"
+
+namespace grainfield::report {
+
+/// What a page is made of.
+struct PageContent {
+    std::string title;
+    const std::vector<Results>& runs;
+    const std::vector<std::string>& labels;
+    const std::vector<Figure>& figures;
+    const std::vector<ParticleMap>& maps;
+    std::string files_folder;          ///< of the SVG and CSV files, relative to the page
+    std::vector<std::string> files;    ///< names of those that exist
+    const RunPlan& plan;               ///< of the command that writes the report
+    const std::vector<Table>& tables;  ///< before the key numbers; may be empty
+    bool key_numbers = true;           ///< a table of what an analysis measures
+};
+
+/// The whole HTML page, self-contained: styles, scripts (plotly.js with its licence) and data are
+/// inlined, a content security policy allows these two scripts by their hash, data: images and
+/// nothing else. All text of users is escaped; the same content gives the same bytes.
+std::string page_html(const PageContent& content);
+
+}  // namespace grainfield::report

@@ -1,0 +1,143 @@
+#include "report/page/run_record.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/support/progress.h"
+#include "report/page/text.h"
+
+namespace grainfield::report {
+
+namespace {
+
+std::string who(const std::vector<std::string>& some, std::size_t all) {
+    if (some.size() == all) return "all runs";
+    std::string out = some.front();
+    for (std::size_t i = 1; i < some.size(); ++i) out.append("; ").append(some[i]);
+    return out;
+}
+
+// Texts in order of first appearance, each with the runs that say it.
+class Remarks {
+ public:
+    void add(const std::string& text, const std::string& run) {
+        const auto known = std::ranges::find(items_, text, &Item::text);
+        if (known == items_.end()) {
+            items_.push_back({text, {run}});
+        } else if (std::ranges::find(known->runs, run) == known->runs.end()) {
+            known->runs.push_back(run);
+        }
+    }
+    std::string html(const std::string& heading, const std::string& style, std::size_t runs) const {
+        if (items_.empty()) return "";
+        std::string out =
+            fmt::format("<section class=\"remarks {}\"><h2>{}</h2><ul>\n", style, heading);
+        for (const Item& item : items_) {
+            out += "<li>" + escape_html(item.text);
+            if (runs > 1 && !item.runs.front().empty()) {
+                out += " <span class=\"who\">" + escape_html(who(item.runs, runs)) + "</span>";
+            }
+            out += "</li>\n";
+        }
+        return out + "</ul></section>\n";
+    }
+
+ private:
+    struct Item {
+        std::string text;
+        std::vector<std::string> runs;
+    };
+    std::vector<Item> items_;
+};
+
+// The records of a run and of what it was made from, oldest first.
+std::vector<const RunRecord*> history(const Results& run) {
+    std::vector<const RunRecord*> records;
+    for (const RunRecord& record : run.sources) records.push_back(&record);
+    records.push_back(&run.record);
+    return records;
+}
+
+std::string bytes_text(std::uint64_t bytes) {
+    return count_text(static_cast<double>(bytes)) + " B";
+}
+
+std::string inputs_html(const RunRecord& record) {
+    if (record.inputs.empty()) return "";
+    const std::size_t count = record.inputs.size();
+    constexpr std::size_t most_open = 12;
+    std::string out;
+    if (count > most_open)
+        out = fmt::format("<details><summary>Inputs ({} files)</summary>", count);
+    out +=
+        "<div class=\"scroll\"><table class=\"inputs\"><thead><tr><th>Input</th><th>Size</th>"
+        "<th>Checksum</th></tr></thead><tbody>\n";
+    for (const RunRecord::Input& input : record.inputs) {
+        out += fmt::format("<tr><td>{}</td><td>{}</td><td><code>{}</code></td></tr>\n",
+                           escape_html(input.name), bytes_text(input.bytes),
+                           escape_html(input.checksum));
+    }
+    out += "</tbody></table></div>\n";
+    return count > most_open ? out + "</details>\n" : out;
+}
+
+std::string configuration_html(const RunRecord& record) {
+    if (record.configuration.empty()) return "";
+    std::string out = fmt::format(
+        "<details><summary>Configuration ({} options)</summary><div class=\"scroll\"><table "
+        "class=\"configuration\"><tbody>\n",
+        record.configuration.size());
+    for (const auto& [name, value] : record.configuration) {
+        out += fmt::format("<tr><th><code>{}</code></th><td><code>{}</code></td></tr>\n",
+                           escape_html(name), escape_html(value));
+    }
+    return out + "</tbody></table></div></details>\n";
+}
+
+}  // namespace
+
+std::string warnings_html(const std::vector<Results>& runs, const std::vector<std::string>& labels,
+                          const RunPlan& plan) {
+    Remarks warnings;
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        for (const RunRecord* record : history(runs[r])) {
+            for (const std::string& text : record->warnings) warnings.add(text, labels[r]);
+        }
+    }
+    for (const std::string& text : plan.warnings()) warnings.add(text, "");
+    return warnings.html("Warnings", "warnings", runs.size());
+}
+
+std::string skipped_html(const std::vector<Results>& runs, const std::vector<std::string>& labels,
+                         const RunPlan& plan) {
+    Remarks skipped;
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        for (const RunRecord* record : history(runs[r])) {
+            for (const std::string& text : record->skipped) skipped.add(text, labels[r]);
+        }
+    }
+    for (const PlannedStage& stage : plan.skipped()) {
+        skipped.add(stage.stage + ": " + stage.reason, "");
+    }
+    return skipped.html("Skipped", "skipped", runs.size());
+}
+
+std::string records_html(const std::vector<Results>& runs, const std::vector<std::string>& labels) {
+    std::string out;
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        out += "<article class=\"record\"><h3>" + escape_html(labels[r]) + "</h3>\n";
+        for (const RunRecord* record : history(runs[r])) {
+            out += fmt::format("<p>grainfield {}, <code>{}</code>, seed {}, {} thread{}, {}</p>\n",
+                               escape_html(record->version), escape_html(record->command),
+                               record->seed, record->threads, record->threads == 1 ? "" : "s",
+                               format_duration(record->seconds));
+            out += inputs_html(*record) + configuration_html(*record);
+        }
+        out += "</article>\n";
+    }
+    return out;
+}
+
+}  // namespace grainfield::report

@@ -1,0 +1,82 @@
+#include "analysis/motion/van_hove.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "analysis/motion/displacement.h"
+#include "core/errors.h"
+#include "tests/analysis/synthetic_patterns.h"
+
+namespace grainfield::analysis {
+namespace {
+
+using namespace synthetic;
+
+ObservableResult of_walk(const DisplacementOptions& options, int frames, double gap) {
+    const Box box = square_box(50);
+    Displacement msd(options, frames);
+    RandomStream random(1, "walk");
+    std::vector<Vec2> points = poisson_points(2000, box, random);
+    for (int f = 0; f < frames; ++f) {
+        Pattern p;
+        p.frame = f;
+        p.time = 0.1 * f;
+        p.box = box;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            points[i] += 0.1 * Vec2{random.normal(), random.normal()};
+            if (random.uniform() < gap) continue;
+            p.position.push_back(box.wrap(points[i]));
+            p.id.push_back(static_cast<std::int64_t>(i));
+        }
+        msd.add(std::move(p));
+    }
+    return msd.result();
+}
+
+// 2000 walkers, both axes, 40 − lag starts that overlap: at least 4000 · 40/lag independent steps.
+TEST(VanHove, OfABrownianWalkIsGaussian) {
+    const ObservableResult r = of_walk({.van_hove = "1,4"}, 41, 0.1);
+    const Curve* curve = r.find_curve("van_hove");
+    ASSERT_NE(curve, nullptr);
+    ASSERT_EQ(curve->find("x")->values.size(), 2 * van_hove_bins);
+    for (std::size_t i = 0; i < curve->find("x")->values.size(); ++i) {
+        const double lag = i < van_hove_bins ? 1 : 4;
+        EXPECT_NEAR(curve->find("t")->values[i], 0.1 * lag, 1e-9);
+        const double sigma = 0.1 * std::sqrt(lag);
+        const double x = curve->find("x")->values[i] / sigma;
+        const double width = 0.2;
+        // Mean of the density over a bin of |x|.
+        const double wanted = (std::erf((x + width / 2) / std::numbers::sqrt2) -
+                               std::erf((x - width / 2) / std::numbers::sqrt2)) /
+                              (2 * width * sigma);
+        const double count = 4000 * 30 / lag * 2 * width * sigma * wanted;
+        EXPECT_NEAR(curve->find("g")->values[i], wanted,
+                    (0.02 + 6 / std::sqrt(count + 1)) * wanted + 1e-3 / sigma)
+            << x;
+    }
+    for (const char* name : {"alpha2_lag_1", "alpha2_lag_4"}) {
+        const Measurement* m = r.find_measurement(name);
+        // sqrt(24/n)/3 for n Gaussian numbers.
+        EXPECT_NEAR(*m->value, 0, 6 * std::sqrt(24.0 / 30000) / 3);
+        EXPECT_GT(*m->error, 0);
+    }
+}
+
+TEST(VanHove, IsThereOnRequestOnly) {
+    EXPECT_EQ(of_walk({}, 5, 0).find_curve("van_hove"), nullptr);
+    const ObservableResult r = of_walk({.van_hove = "100"}, 5, 0);
+    EXPECT_EQ(r.find_curve("van_hove"), nullptr);
+    EXPECT_NE(r.find_measurement("alpha2_lag_100")->reason, "");
+}
+
+TEST(VanHove, RefusesLagsThatAreNone) {
+    for (const char* lags : {"0", "-1", "x", "1;2", "1.5"}) {
+        EXPECT_THROW(Displacement({.van_hove = lags}, 10), OptionError) << lags;
+    }
+    EXPECT_EQ(van_hove_lags(" 1, 20"), (std::vector<std::int64_t>{1, 20}));
+}
+
+}  // namespace
+}  // namespace grainfield::analysis

@@ -1,0 +1,78 @@
+#include "pipelines/analyze/adjusted_snapshots.h"
+
+#include <gtest/gtest.h>
+
+#include "core/errors.h"
+
+namespace grainfield::pipelines {
+namespace {
+
+/// Frame 10 with one particle, frame 12 with three.
+class TwoSnapshots : public SnapshotSource {
+ public:
+    const TrajectoryInfo& info() const override { return info_; }
+    std::int64_t count() const override { return 2; }
+    Snapshot read(std::int64_t index) override {
+        ++reads;
+        Snapshot s;
+        s.frame = 10 + 2 * index;
+        s.time = 77;
+        s.box = {{-0.5, -0.5}, {20, 10}, {Boundary::walls, Boundary::walls}, 0};
+        s.position.resize(index == 0 ? 1 : 3);
+        return s;
+    }
+    int reads = 0;
+
+ private:
+    TrajectoryInfo info_;
+};
+
+TEST(AdjustedSnapshots, AreAsInTheFileWhenNothingIsAdjusted) {
+    TwoSnapshots file;
+    AdjustedSnapshots snapshots(file, {});
+    EXPECT_EQ(snapshots.read(1).time, 77);
+    EXPECT_EQ(snapshots.read(1).box, file.read(1).box);
+    EXPECT_EQ(snapshots.info().diameter, 1);
+    EXPECT_EQ(snapshots.info().time_unit, TimeUnit::frame);
+}
+
+TEST(AdjustedSnapshots, AFrameRateTurnsFrameNumbersIntoSeconds) {
+    TwoSnapshots file;
+    Adjustment adjustment;
+    adjustment.frame_rate = 4;
+    AdjustedSnapshots snapshots(file, adjustment);
+    EXPECT_EQ(snapshots.read(1).time, 3);
+    EXPECT_EQ(snapshots.info().time_unit, TimeUnit::second);
+    EXPECT_EQ(snapshots.info().frame_rate, 4);
+}
+
+TEST(AdjustedSnapshots, BoxBoundaryAndDiameterReplaceThoseOfTheFile) {
+    TwoSnapshots file;
+    Adjustment adjustment;
+    adjustment.box_length = Vec2{7, 8};
+    adjustment.boundary = Boundary::periodic;
+    adjustment.diameter = 9;
+    AdjustedSnapshots snapshots(file, adjustment);
+    EXPECT_EQ(snapshots.read(0).box.length, (Vec2{7, 8}));
+    EXPECT_TRUE(snapshots.read(0).box.is_periodic());
+    EXPECT_EQ(snapshots.info().diameter, 9);
+}
+
+TEST(AdjustedSnapshots, MeanNumberOfParticlesReadsOnlyWhatWasNotRead) {
+    TwoSnapshots file;
+    AdjustedSnapshots snapshots(file, {});
+    snapshots.read(1);
+    EXPECT_EQ(snapshots.particles_mean(), 2);
+    EXPECT_EQ(file.reads, 2);
+}
+
+TEST(ParseBoxLength, TakesTwoPositiveLengthsAndNothingElse) {
+    EXPECT_EQ(parse_box_length("100,50.5"), (Vec2{100, 50.5}));
+    for (const char* text :
+         {"", "100", "100,", ",5", "1,2,3", "0,5", "-1,5", "nan,5", "inf,5", "1;2", "1, 2"}) {
+        EXPECT_THROW(parse_box_length(text), OptionError) << text;
+    }
+}
+
+}  // namespace
+}  // namespace grainfield::pipelines

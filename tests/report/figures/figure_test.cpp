@@ -1,0 +1,83 @@
+#include "report/figures/figure.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace grainfield::report {
+namespace {
+
+Figure two_kinds(std::vector<std::string> runs) {
+    Figure figure;
+    figure.x = {"x", "Time t", "s", Scale::log, false};
+    figure.y = {"y", "Count", "", Scale::log, false};
+    figure.runs = std::move(runs);
+    figure.kinds = {{"solid", Mark::line, true}, {"liquid", Mark::line, true}};
+    figure.series = {{0, 0, {1, 2}, {3, -4}, {}}, {0, 1, {5}, {6}, {}}};
+    return figure;
+}
+
+TEST(Figure, AxisTitleNamesTheUnit) {
+    const Figure figure = two_kinds({"A"});
+    EXPECT_EQ(figure.x.title(), "Time t [s]");
+    EXPECT_EQ(figure.y.title(), "Count");
+}
+
+TEST(Figure, OfOneRunIsLabelledAndColouredByKind) {
+    const Figure figure = two_kinds({"A"});
+    EXPECT_EQ(series_label(figure, figure.series[1]), "liquid");
+    EXPECT_NE(style_of(figure, 0, 0).colour, style_of(figure, 0, 1).colour);
+}
+
+TEST(Figure, OfSeveralRunsIsColouredByRunAndMarkedByKind) {
+    Figure figure = two_kinds({"A", "B"});
+    EXPECT_EQ(series_label(figure, figure.series[1]), "A, liquid");
+    EXPECT_EQ(style_of(figure, 0, 0).colour, style_of(figure, 0, 1).colour);
+    EXPECT_NE(style_of(figure, 0, 0).colour, style_of(figure, 1, 0).colour);
+    EXPECT_NE(style_of(figure, 0, 0).symbol, style_of(figure, 0, 1).symbol);
+    figure.kinds[1].shown = false;
+    EXPECT_EQ(series_label(figure, figure.series[0]), "A") << "the only kind needs no name";
+    EXPECT_EQ(series_label(figure, figure.series[1]), "A, liquid");
+}
+
+TEST(Figure, GuidesDoNotChangeTheStyleOfData) {
+    Figure figure = two_kinds({"A"});
+    const Colour before = style_of(figure, 0, 1).colour;
+    add_power_law(figure, "slope 1", 1, 1, 1, 10);
+    EXPECT_EQ(style_of(figure, 0, 1).colour, before);
+    EXPECT_EQ(series_label(figure, figure.series.back()), "slope 1");
+}
+
+TEST(Figure, WithOnlyGuidesHasNoData) {
+    Figure figure;
+    add_power_law(figure, "slope 1", 1, 1, 1, 10);
+    EXPECT_FALSE(figure.has_data());
+}
+
+TEST(Extent, OnALogAxisCountsPositiveValuesOfShownSeries) {
+    Figure figure = two_kinds({"A"});
+    EXPECT_EQ(extent(figure, figure.y, &Series::y), (std::array{3.0, 6.0}));
+    figure.kinds[1].shown = false;
+    EXPECT_EQ(extent(figure, figure.y, &Series::y), (std::array{3.0, 3.0}));
+    figure.y = {"y", "Count", "", Scale::linear, true};
+    EXPECT_EQ(extent(figure, figure.y, &Series::y), (std::array{-4.0, 3.0}));
+    figure.series.clear();
+    EXPECT_EQ(extent(figure, figure.y, &Series::y), (std::array{0.0, 0.0}));
+}
+
+TEST(PowerLaw, HasItsExponentEverywhere) {
+    Figure figure;
+    add_power_law(figure, "β = 2", 2, 0.5, 3, 50);
+    const Series& guide = figure.series.front();
+    EXPECT_DOUBLE_EQ(guide.x.front(), 0.5);
+    EXPECT_DOUBLE_EQ(guide.y.front(), 3);
+    EXPECT_NEAR(guide.x.back(), 50, 1e-12);
+    for (std::size_t i = 1; i < guide.x.size(); ++i) {
+        const double slope =
+            std::log(guide.y[i] / guide.y[i - 1]) / std::log(guide.x[i] / guide.x[i - 1]);
+        EXPECT_NEAR(slope, 2, 1e-9);
+    }
+}
+
+}  // namespace
+}  // namespace grainfield::report

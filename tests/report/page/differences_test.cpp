@@ -1,0 +1,103 @@
+#include "report/page/differences.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace grainfield::report {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+Results run_of(Origin origin, double s0, double error, const char* gamma = "4.5") {
+    Results run;
+    run.source.origin = origin;
+    run.record.version = "0.1.0";
+    run.record.configuration = {{"gamma", gamma}};
+    ObservableResult fit;
+    fit.name = "fit";
+    fit.measurements = {{"s0", "-", s0, error, 10, ""}, {"k_fit", "1/a", 0.3, std::nullopt, 0, ""}};
+    run.observables = {fit};
+    return run;
+}
+
+TEST(Differences, AreInUnitsOfBothErrorsTogether) {
+    const std::vector<Results> runs{run_of(Origin::video, 0.5, 0.03),
+                                    run_of(Origin::rendered, 0.3, 0.04)};
+    const auto table = differences(runs, {"tracked", "true"}, identities_of(runs));
+    ASSERT_TRUE(table.has_value());
+    ASSERT_EQ(table->rows.size(), 1U) << "k_fit has no error";
+    EXPECT_EQ(table->rows[0].name, "Fit of S(k): S₀");
+    EXPECT_NEAR(table->rows[0].cells[0].value, 4, 1e-12);
+    EXPECT_EQ(table->rows[0].cells[0].text, "+4.0");
+    EXPECT_TRUE(table->rows[0].cells[0].failed);
+    EXPECT_EQ(table->columns[0].label, "tracked less true");
+}
+
+TEST(Differences, PairRunsThatDifferInOriginOnly) {
+    const std::vector<Results> runs{
+        run_of(Origin::video, 1, 1, "4"), run_of(Origin::video, 1, 1, "5"),
+        run_of(Origin::rendered, 1, 1, "5"), run_of(Origin::rendered, 1, 1, "6")};
+    const auto pairs = pairs_of(runs, identities_of(runs));
+    ASSERT_EQ(pairs.size(), 1U);
+    EXPECT_EQ(pairs[0].first, 1U);
+    EXPECT_EQ(pairs[0].second, 2U);
+}
+
+TEST(Differences, LeaveOutRunsOfAnotherFrameRate) {
+    std::vector<Results> runs{run_of(Origin::video, 1, 1), run_of(Origin::rendered, 1, 1),
+                              run_of(Origin::rendered, 1, 1)};
+    runs[0].source.frame_rate = 10;
+    runs[1].source.frame_rate = 500;
+    runs[2].source.frame_rate = 10.0004;
+    const auto pairs = pairs_of(runs, identities_of(runs));
+    ASSERT_EQ(pairs.size(), 1U);
+    EXPECT_EQ(pairs[0].second, 2U);
+}
+
+TEST(Differences, DoNotPairFieldsOfOtherModels) {
+    std::vector<RunIdentity> identities(3);
+    for (RunIdentity& identity : identities) {
+        identity.parameter = "ν";
+        identity.value = 0.01;
+        identity.is_field = true;
+    }
+    identities[0].origin = "field, 1D, b = 2";
+    identities[1].origin = "field, 1D, b = 4";
+    identities[2].origin = "field, 2D, b = 4";
+    EXPECT_TRUE(pairs_of(std::vector<Results>(3), identities).empty());
+}
+
+TEST(Differences, AreNotThereWithoutCommonNumbers) {
+    const std::vector<Results> runs{run_of(Origin::video, 0.5, 0), run_of(Origin::md, 0.3, 0.1)};
+    EXPECT_FALSE(differences(runs, {"A", "B"}, identities_of(runs)).has_value());
+}
+
+TEST(Mismatches, NameVersionsUnitsDimensionsAndMissingErrors) {
+    std::vector<Results> runs{run_of(Origin::video, 1, 1), run_of(Origin::md, 1, 0)};
+    runs[1].record.version = "0.2.0";
+    RunRecord field;
+    field.command = "simulate field";
+    field.configuration = {{"lattice.dimension", "1"}, {"model.nu", "1"}};
+    runs.push_back(run_of(Origin::points, 1, 1));
+    runs[2].sources = {field};
+    runs[0].source.time_unit = TimeUnit::second;
+    runs[1].source.time_unit = TimeUnit::sqrt_a_over_g;
+    for (int r : {0, 1}) runs[static_cast<std::size_t>(r)].observables.emplace_back().name = "msd";
+    const auto texts = mismatches(runs, {"A", "B", "C"}, identities_of(runs));
+    EXPECT_THAT(texts,
+                Contains(HasSubstr("versions of the program: 0.1.0 (A and 1 more), 0.2.0 (B)")));
+    EXPECT_THAT(texts, Contains(HasSubstr("lengths in different units")));
+    EXPECT_THAT(texts, Contains(HasSubstr("times in different units")));
+    EXPECT_THAT(texts, Contains(HasSubstr("1 dimension (C), 2 dimensions (A and 1 more)")));
+    EXPECT_THAT(texts,
+                Contains(HasSubstr("without any error, so that differences cannot be judged: B")));
+}
+
+TEST(Mismatches, AreNoneBetweenLikeRuns) {
+    const std::vector<Results> runs{run_of(Origin::video, 1, 1), run_of(Origin::rendered, 1, 1)};
+    EXPECT_TRUE(mismatches(runs, {"A", "B"}, identities_of(runs)).empty());
+}
+
+}  // namespace
+}  // namespace grainfield::report

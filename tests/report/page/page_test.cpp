@@ -1,0 +1,131 @@
+#include "report/page/page.h"
+
+#include <cmath>
+#include <fstream>
+#include <regex>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "report/page/embedded.h"
+#include "report/figures/figures.h"
+#include "tests/report/sample_results.h"
+
+namespace grainfield::report {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+std::string page_of(const std::vector<Results>& runs, const std::string& title = "Title",
+                    std::vector<std::string> files = {}) {
+    const auto labels = run_labels(runs);
+    const auto figures = make_figures(runs, labels);
+    const auto maps = make_maps(runs, {});
+    return page_html({title, runs, labels, figures, maps, "the figures", std::move(files), {}, {}});
+}
+
+std::string between(const std::string& text, const std::string& start, const std::string& end) {
+    const auto from = text.find(start) + start.size();
+    return text.substr(from, text.find(end, from) - from);
+}
+
+// The page without the two programs and their licence.
+std::string without_scripts(std::string page) {
+    for (std::string_view part : {plotly_script, page_script, plotly_licence}) {
+        const auto at = page.find(part);
+        EXPECT_NE(at, std::string::npos);
+        page.erase(at, part.size());
+    }
+    return page;
+}
+
+TEST(Page, IsTheSameForTheSameContent) {
+    const std::vector<Results> runs{sample::results({1, 120, 40, true, "A"})};
+    EXPECT_EQ(page_of(runs), page_of(runs));
+}
+
+TEST(Page, RefersToNothingOutside) {
+    const std::string page = without_scripts(page_of({sample::results({1, 120, 40, true, "A"})}));
+    const std::regex outside(
+        R"((src|href|action|data)\s*=\s*["']?\s*(https?:|//)|url\(\s*["']?(https?:|//)|@import)");
+    EXPECT_FALSE(std::regex_search(page, outside));
+    EXPECT_THAT(page, HasSubstr("default-src 'none'"));
+}
+
+TEST(Page, CarriesTheLicenceOfPlotly) {
+    const std::string page = page_of({Results{}});
+    EXPECT_THAT(page, HasSubstr("Permission is hereby granted, free of charge"));
+    EXPECT_THAT(page, HasSubstr("Licensed under the MIT license"));
+}
+
+TEST(Page, EmbedsItsScriptsByteForByte) {
+    std::stringstream file;
+    file << std::ifstream(std::string(GRAINFIELD_SOURCE_DIR) + "/report/page.js").rdbuf();
+    EXPECT_EQ(page_script, file.str());
+    EXPECT_EQ(plotly_script.find("</script"), std::string_view::npos);
+    EXPECT_EQ(page_script.find("</script"), std::string_view::npos);
+    EXPECT_EQ(plotly_licence.find("--"), std::string_view::npos);
+}
+
+TEST(Page, KeepsHostileTextInert) {
+    const std::string hostile =
+        "</script><script>document.title='pwned'</script>\"'><img src=x onerror=alert(1)>";
+    std::vector<Results> runs{sample::results({1, 120, 40, true, hostile}),
+                              sample::results({2, 120, 40, true, hostile})};
+    runs[0].record.inputs[0].name = hostile;
+    runs[0].record.configuration = {{hostile, hostile}};
+    runs[0].record.warnings = {hostile};
+    runs[0].observables[0].measurements[0].reason = hostile;
+    runs[0].observables[3].curves[0].title = hostile;
+    const std::string page = without_scripts(page_of(runs, hostile, {"sk.svg"}));
+    EXPECT_THAT(page, Not(HasSubstr("<script>document")));
+    EXPECT_THAT(page, Not(HasSubstr("<img")));
+    // Two programs and the data.
+    const std::regex start("<script");
+    EXPECT_EQ(std::distance(std::sregex_iterator(page.begin(), page.end(), start), {}), 3);
+}
+
+TEST(Page, DataSurviveAParser) {
+    std::vector<Results> runs{sample::results({1, 120, 40, true, "</script> \" \\ \u2028 Γ"})};
+    const std::string page = page_of(runs);
+    const auto data = nlohmann::json::parse(
+        between(page, "<script type=\"application/json\" id=\"report-data\">", "</script>"));
+    EXPECT_EQ(data["figures"].size(), 5U);
+    EXPECT_EQ(data["maps"].size(), 1U);
+    EXPECT_EQ(data["colours"].size(), 255U);
+    EXPECT_EQ(data["figures"][0]["runs"][0]["label"], run_labels(runs)[0]);
+}
+
+TEST(Page, PutsTheReasonInThePlaceOfAMissingPlot) {
+    const std::string page = page_of({sample::results({1, 120, 40, false, "A"})});
+    EXPECT_THAT(page, HasSubstr("No plot. one frame: displacements need two"));
+    EXPECT_THAT(page, Not(HasSubstr("id=\"plot-msd\"")));
+    EXPECT_THAT(page, HasSubstr("id=\"plot-sk\""));
+}
+
+TEST(Page, LinksOnlyFilesThatExist) {
+    const std::string page = page_of({sample::results({1, 120, 40, true, "A"})}, "T", {"sk.csv"});
+    EXPECT_THAT(page, HasSubstr("href=\"./the%20figures/sk.csv\""));
+    EXPECT_THAT(page, Not(HasSubstr("sk.svg")));
+}
+
+TEST(Page, NamesTheMapAfterWhatItShows) {
+    EXPECT_THAT(page_of({sample::results()}), HasSubstr("<h2>Frame with detections</h2>"));
+    Results without = sample::results();
+    for (Preview& preview : without.previews) preview.frame.image = {};
+    EXPECT_THAT(page_of({without}), HasSubstr("<h2>Positions</h2>"));
+}
+
+TEST(Page, OfEmptyResultsStillHasEveryPart) {
+    const std::string page = page_of({Results{}});
+    for (const char* part : {"Key numbers", "<h2>Positions</h2>", "No picture", "Structure factor",
+                             "How this was made"}) {
+        EXPECT_THAT(page, HasSubstr(part));
+    }
+}
+
+}  // namespace
+}  // namespace grainfield::report

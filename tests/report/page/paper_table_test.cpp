@@ -1,0 +1,66 @@
+#include "report/page/paper_table.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+namespace grainfield::report {
+namespace {
+
+const PaperValue paper{"Γc", "critical", "MD", "critical", "critical_value", 2.3, 0.03};
+
+Measurement ours(double value, std::optional<double> error) {
+    return {"critical_value", "-", value, error, 5, ""};
+}
+
+TEST(Verdict, SaysAgreesDiffersOrNotResolved) {
+    const Measurement near = ours(2.36, 0.04);
+    const Measurement far = ours(2.5, 0.04);
+    const Measurement vague = ours(2.3, 0.6);
+    const Measurement without = ours(2.3, std::nullopt);
+    EXPECT_EQ(verdict(paper, &near), "agrees") << "1.2 standard errors";
+    EXPECT_EQ(verdict(paper, &far), "differs by 4.0 σ");
+    EXPECT_EQ(verdict(paper, &vague), "not resolved at this scale");
+    EXPECT_EQ(verdict(paper, &without), "not resolved at this scale");
+    EXPECT_EQ(verdict(paper, nullptr), "not resolved at this scale");
+}
+
+TEST(PaperTable, HoldsEveryValueAndTakesTheRunOfTheCriticalPoint) {
+    Results critical;
+    critical.observables.emplace_back().name = "critical";
+    critical.observables[0].measurements = {ours(2.31, 0.02)};
+    const std::vector<Results> runs{critical};
+    const Table table = paper_table(runs, {"MD"}, identities_of(runs));
+    ASSERT_EQ(table.rows.size(), paper_values().size());
+    const auto row = std::ranges::find_if(table.rows, [](const Table::Row& r) {
+        return r.name.find("molecular") != std::string::npos;
+    });
+    ASSERT_NE(row, table.rows.end());
+    EXPECT_EQ(row->cells[1].text, "2.310 ± 0.020");
+    EXPECT_EQ(row->cells[2].text, "MD");
+    EXPECT_EQ(row->cells[3].text, "agrees");
+    EXPECT_EQ(table.rows[0].cells[1].text, "not measured");
+    EXPECT_EQ(table.rows[0].cells[3].text, "not resolved at this scale");
+}
+
+TEST(PaperTable, LetsTheRunWithTheLargestControlParameterSpeak) {
+    const auto film = [](const char* gamma, double minimum, std::optional<double> error) {
+        Results run;
+        run.source.origin = Origin::video;
+        run.record.configuration = {{"gamma", gamma}};
+        run.observables.emplace_back().name = "q4";
+        run.observables[0].measurements = {{"q4_minimum", "-", minimum, error, 5, ""}};
+        return run;
+    };
+    const std::vector<Results> runs{film("4", 0.6, 0.01), film("5", 0.7, 0.01),
+                                    film("6", 0.8, std::nullopt)};
+    const Table table = paper_table(runs, {"a", "b", "c"}, identities_of(runs));
+    const auto row = std::ranges::find_if(table.rows, [](const Table::Row& r) {
+        return r.name.find("minimum") != std::string::npos;
+    });
+    ASSERT_NE(row, table.rows.end());
+    EXPECT_EQ(row->cells[2].text, "b") << "the last one has no error";
+}
+
+}  // namespace
+}  // namespace grainfield::report

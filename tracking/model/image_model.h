@@ -1,0 +1,48 @@
+#pragma once
+
+#include "core/frame.h"
+#include "tracking/calibrate/background.h"
+#include "tracking/model/disc_profile.h"
+
+namespace grainfield::tracking {
+
+enum class Polarity { dark, bright };
+
+/// The light of one frame: what the calibration calls darkness d is seen there
+/// as offset + span · d [contrast].
+struct Illumination {
+    double offset = 0;
+    double span = 1;
+};
+
+/// How spheres and light make the image: I(x) = B(x) − [B(x) − I_dark] · (1 −
+/// Π_j (1 − P_j(x))), with the roles of bright and dark exchanged for bright
+/// spheres, and corrected where edges meet as those of a blurred union and by
+/// what was learned of the profile.
+/// Estimated once, on the frame that the calibration chose, and then frozen.
+struct ImageModel {
+    Polarity polarity = Polarity::dark;
+    DiscProfile disc;
+    EdgeMeeting meeting = EdgeMeeting::product;
+    RadialCorrection correction;   ///< to the tanh profile; zero if none was learned
+    BackgroundSurface background;  ///< B(x) [counts]
+    double dark_level = 0;         ///< I_dark, counts in the core of a sphere
+    double noise = 0;              ///< RMS of the residual away from edges [contrast]
+    double residual_rms = 0;       ///< RMS of the residual over the frame [contrast]
+
+    /// The darkness image: (B − I)/(B − I_dark), 0 on the background and 1 in the
+    /// core of a sphere, corrected for the light of the frame, clipped to
+    /// [−0.5, 1.5].
+    Image darkness(const Image& counts, const Illumination& light = {}) const;
+    /// Row y of it.
+    void darkness_row(const Image& counts, const Illumination& light, int y, float* out) const;
+
+    /// The same of one pixel, as calibrated, not clipped.
+    struct PixelDarkness {
+        float background, per_count;
+        float operator()(float count) const { return (background - count) * per_count; }
+    };
+    PixelDarkness darkness_of(int x, int y) const;
+};
+
+}  // namespace grainfield::tracking
