@@ -9,6 +9,7 @@
 
 #include "app/command.h"
 #include "core/support/checkpoint.h"
+#include "pipelines/md/snapshot_segments.h"
 #include "simulate/md/grain_state.h"
 #include "simulate/md/md_options.h"
 
@@ -21,8 +22,6 @@ class TrajectoryWriter;
 }
 
 namespace grainfield::app {
-
-class SnapshotSegments;
 
 /// `grainfield simulate md`: a vibrated layer to a trajectory file.
 class SimulateMdCommand : public Command {
