@@ -23,4 +23,5 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/grainfieldConfigVersion.c
   COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/grainfieldConfig.cmake
   ${PROJECT_BINARY_DIR}/grainfieldConfigVersion.cmake
+  ${PROJECT_SOURCE_DIR}/cmake/FindOpenCV.cmake
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/grainfield)
