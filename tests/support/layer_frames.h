@@ -56,7 +56,7 @@ class LayerMotion {
     std::uint64_t seed_, frame_ = 0;
 };
 
-/// The image model of methods.md's test cases: tanh discs (apparent diameter D, edge width w)
+/// The image model of the tracker: tanh discs (apparent diameter D, edge width w)
 /// sampled at pixel centres, product of transmissions, background 200, dark 30, Gaussian noise of
 /// `noise` times the contrast, rounded to 8 bits.
 Image tanh_frame(const LayerScene& scene, double apparent_diameter, double edge_width, double noise,

@@ -14,7 +14,7 @@ namespace grainfield::tracking {
 namespace {
 
 TEST(PositionBounds, OfAnIsolatedDiscIsTheClosedForm) {
-    // σ_x = σ sqrt(6w/πD): .00757 px at 2 % noise, 16 px, 1.2 px (methods.md).
+    // σ_x = σ sqrt(6w/πD): .00757 px at 2 % noise, 16 px, 1.2 px (docs/tracking.md).
     const auto bounds = position_bounds({{40.3, 40.8}}, {16, 1.2}, 80, 80, 0.02, 1);
     const double expected = 0.02 * std::sqrt(6 * 1.2 / (std::numbers::pi * 16));
     EXPECT_NEAR(bounds[0].x, expected, 0.01 * expected);
@@ -52,7 +52,7 @@ TEST(PositionBounds, AreReachedByTheTrackerOnItsOwnImageModel) {
     const ClassScore& all = scores.find("all");
     EXPECT_EQ(all.missed, 0);
     EXPECT_EQ(all.spurious, 0);
-    // The joint bound of this case is .00835 px (methods.md, case A).
+    // The joint bound of this case is .00835 px (JointInformation of one such frame).
     EXPECT_NEAR(all.bound(), 0.00835, 0.0003);
     // 2,400 errors scatter by 1.4 %, 8-bit rounding adds 1 %.
     EXPECT_GT(all.bound_ratio(), 0.93);
