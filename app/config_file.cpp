@@ -108,11 +108,17 @@ class ConfigReader {
 };
 
 std::string read_text(const std::filesystem::path& path) {
+    // Before it is opened: opening a pipe waits for somebody to write into it.
     std::error_code error;
-    std::ifstream file(path, std::ios::binary);
-    if (!file || std::filesystem::is_directory(path, error)) {
+    const auto type = std::filesystem::status(path, error).type();
+    const bool is_special = std::filesystem::exists(path, error) &&
+                            type != std::filesystem::file_type::regular &&
+                            type != std::filesystem::file_type::directory;
+    std::ifstream file;
+    if (type == std::filesystem::file_type::regular) file.open(path, std::ios::binary);
+    if (!file.is_open()) {
         throw InputError({.problem = fmt::format("cannot read configuration '{}'", path.string()),
-                          .actual = {},
+                          .actual = is_special ? "it is a pipe or a device" : "",
                           .expected = "a readable TOML file",
                           .suggestion = {}});
     }

@@ -25,6 +25,7 @@ void keep_freed_memory() {
 int main(int argc, char** argv) {
     keep_freed_memory();
     grainfield::catch_interrupts();
+    grainfield::ignore_file_size_signal();
     const int code = grainfield::app::run_command_line(argc, argv);
     if (code == static_cast<int>(grainfield::app::ExitCode::output_failed)) {
         // After a full disk HDF5 crashes while it cleans up at exit; all that matters is done.

@@ -30,6 +30,13 @@ void catch_interrupts() {
     sigaction(SIGTERM, &action, nullptr);
 }
 
+void ignore_file_size_signal() {
+    struct sigaction action {};
+    action.sa_handler = SIG_IGN;
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGXFSZ, &action, nullptr);
+}
+
 int caught_signal() {
     return signal_seen.load(std::memory_order_relaxed);
 }

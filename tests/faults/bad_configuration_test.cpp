@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "tests/support/disc_sequence.h"
 #include "tests/support/program.h"
@@ -32,6 +33,15 @@ class BadConfiguration : public ::testing::Test {
         EXPECT_LE(folder_.entries(), 2U) << "the frame and the configuration";
     }
 };
+
+TEST_F(BadConfiguration, APipeIsRefusedAndNotWaitedFor) {
+    const std::string pipe = folder_ / "run.toml";
+    ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+    const Outcome outcome = run_grainfield({"track", frame_, "-o", folder_ / "t.h5", "-c", pipe});
+    EXPECT_EQ(outcome.code, 3);
+    EXPECT_THAT(outcome.err, AllOf(HasSubstr("run.toml"), HasSubstr("pipe")));
+    expect_nothing_written();
+}
 
 TEST_F(BadConfiguration, NanNamesFileAndLine) {
     const Outcome outcome = with_file("[calibrate]\n\ndiameter = nan\n");

@@ -76,6 +76,40 @@ TEST_F(BadOutput, AFullDiskEndsWithFourAndNoPartialOutput) {
     }
 }
 
+TEST_F(BadOutput, ALimitOnTheSizeOfFilesIsAFullDisk) {
+    // Without a trap the system would end the process by SIGXFSZ, without a word.
+    for (const auto& words : calls_into(out_.path().string())) {
+        if (words[0] == "export") continue;  // may fit
+        std::ofstream(words.back()) << "old";
+        std::string line = "ulimit -f 8; exec \"$GRAINFIELD\"";
+        for (const std::string& word : words) line += " '" + word + "'";
+        const Outcome outcome = testing::shell(line + " --force");
+        EXPECT_EQ(outcome.code, 4) << words[0] << ": " << outcome.err;
+        EXPECT_THAT(outcome.err, HasSubstr(out_.path().string())) << words[0];
+        EXPECT_EQ(testing::read_all(words.back()), "old") << words[0];
+    }
+}
+
+TEST_F(BadOutput, ALimitOnTheSizeOfFilesEndsSimulationsAndFilmsWithFour) {
+    const std::string samples = GRAINFIELD_SOURCE_DIR "/data-samples/";
+    const std::string layer = folder_ / "layer.h5";
+    ASSERT_EQ(run_grainfield({"simulate", "md", "-c", samples + "demo-layer.toml", "--periods",
+                              "60", "--discard", "50", "-o", layer})
+                  .code,
+              0);
+    const std::vector<std::pair<std::string, std::string>> calls{
+        {"simulate md -c '" + samples + "demo-layer.toml' --periods 60 --discard 50 -o", "md.h5"},
+        {"simulate field --nx 128 --record 20 --relax 1 -o", "field.h5"},
+        {"render '" + layer + "' -c '" + samples + "demo-camera.toml' --most-frames 1 -o", "f.avi"},
+        {"export '" + tracks_ + "' --overlay", "overlay.mp4"}};
+    for (const auto& [call, output] : calls) {
+        const Outcome outcome = testing::shell("ulimit -f 8; exec \"$GRAINFIELD\" " + call + " '" +
+                                               (out_ / output) + "'");
+        EXPECT_EQ(outcome.code, 4) << call << ": " << outcome.err;
+        EXPECT_FALSE(std::filesystem::exists(out_ / output)) << call;
+    }
+}
+
 TEST_F(BadOutput, AFullDiskLeavesTheOldOutputIntact) {
     const std::string output = out_ / "t.h5";
     std::ofstream(output) << "old";

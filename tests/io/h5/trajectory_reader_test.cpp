@@ -24,7 +24,7 @@ using ::testing::ThrowsMessage;
 /// What stands beside this test; the Python of the distribution has the packages that labs use.
 testing::Outcome run_script(const std::string& name, const std::string& argument) {
     return testing::Process({"/usr/bin/env", "PYTHONDONTWRITEBYTECODE=1", "/usr/bin/python3",
-                             GRAINFIELD_SOURCE_DIR "/tests/io/" + name, argument})
+                             GRAINFIELD_SOURCE_DIR "/tests/io/h5/" + name, argument})
         .wait();
 }
 
