@@ -253,15 +253,20 @@ std::optional<std::string> unknown_command(int argc, const char* const* argv,
 }  // namespace
 
 int run_command_line(int argc, const char* const* argv) {
+    return run_command_line(argc, argv, make_commands());
+}
+
+int run_command_line(int argc, const char* const* argv,
+                     std::vector<std::unique_ptr<Command>> commands) {
     CLI::App app(about, "grainfield");
     app.formatter(std::make_shared<HelpFormatter>());
     app.set_version_flag("--version", std::string("grainfield ") + kVersion);
     app.require_subcommand(1);
-    std::vector<std::unique_ptr<BoundCommand>> commands;
+    std::vector<std::unique_ptr<BoundCommand>> bound;
     std::vector<std::string> names;
-    for (auto& command : make_commands()) {
+    for (auto& command : commands) {
         names.push_back(first_word(command->name()));
-        commands.push_back(std::make_unique<BoundCommand>(app, std::move(command)));
+        bound.push_back(std::make_unique<BoundCommand>(app, std::move(command)));
     }
     if (const auto problem = unknown_command(argc, argv, names)) {
         fmt::print(stderr, "error: {}\n", *problem);
@@ -278,7 +283,7 @@ int run_command_line(int argc, const char* const* argv) {
         return static_cast<int>(ExitCode::wrong_usage);
     }
     const auto called =
-        std::ranges::find_if(commands, [](const auto& command) { return command->was_called(); });
+        std::ranges::find_if(bound, [](const auto& command) { return command->was_called(); });
     return run(**called);
 }
 
