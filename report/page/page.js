@@ -301,7 +301,8 @@
         map.layer.forEach((layer, i) => put(["#0072b2", "#d55e00"][layer] || "#999999", i));
       } else {
         map.levels.forEach((members, level) => {
-          if (members.length) out.set(level === 255 ? "#999999" : colours[level], members);
+          // Levels may share a colour.
+          for (const i of members) put(level === 255 ? "#999999" : colours[level], i);
         });
       }
       return out;

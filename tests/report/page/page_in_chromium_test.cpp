@@ -121,6 +121,52 @@ TEST_F(PageInChromium, ShowsThePictureInTheGalleryWhereNothingWasFound) {
         << dom.substr(dom.find("data-shades"), 40);
 }
 
+TEST_F(PageInChromium, DrawsEachParticleForEveryMarkAndColour) {
+    const sample::TemporaryFolder folder("chromium_marks");
+    std::vector<Results> runs{sample::results({1, 400, 100, true, "layer"})};
+    Snapshot& snapshot = runs[0].previews[0].snapshot;
+    snapshot.layer.clear();
+    snapshot.id.clear();
+    for (std::size_t i = 0; i < snapshot.size(); ++i) {
+        snapshot.layer.push_back(i % 3 == 0 ? Layer::top : Layer::bottom);
+        snapshot.id.push_back(static_cast<std::int64_t>(i));
+    }
+    // What the canvas of the map is told to draw at each choice; the clip of the frame is one
+    // rectangle.
+    const std::string dom = drawn(folder, runs, "", "1280,900", R"(
+        let drawn = 0;
+        for (const shape of ["arc", "rect"]) {
+            const plain = CanvasRenderingContext2D.prototype[shape];
+            CanvasRenderingContext2D.prototype[shape] = function (...where) {
+                if (this.canvas.closest("#map")) ++drawn;
+                return plain.apply(this, where);
+            };
+        }
+        setTimeout(() => {
+            const colours = document.querySelector("#map .pick-colour");
+            const counts = [];
+            for (const option of colours.options) {
+                for (const button of document.querySelectorAll("#map .marks button")) {
+                    colours.value = option.value;
+                    colours.dispatchEvent(new Event("change"));
+                    drawn = 0;
+                    button.click();
+                    counts.push(option.value + "/" + button.value + "=" + (drawn - 1));
+                }
+            }
+            document.body.dataset.drawn = counts.join(" ");
+        }, 15000);)");
+    EXPECT_THAT(dom, Not(HasSubstr("data-errors")));
+    for (const char* colour : {"order", "identity", "layer"}) {
+        for (const char* mark : {"discs", "outlines", "centres"}) {
+            EXPECT_THAT(dom, HasSubstr(std::string(colour) + "/" + mark + "=" +
+                                       std::to_string(snapshot.size()) + " "))
+                << dom.substr(dom.find("data-drawn"), 300);
+        }
+        EXPECT_THAT(dom, HasSubstr(std::string(colour) + "/none=0"));
+    }
+}
+
 TEST_F(PageInChromium, DrawsResultsWithNothingInThem) {
     const sample::TemporaryFolder folder("chromium_empty");
     const std::string dom = drawn(folder, {Results{}}, "");

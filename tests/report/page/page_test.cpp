@@ -63,7 +63,7 @@ TEST(Page, CarriesTheLicenceOfPlotly) {
 
 TEST(Page, EmbedsItsScriptsByteForByte) {
     std::stringstream file;
-    file << std::ifstream(std::string(GRAINFIELD_SOURCE_DIR) + "/report/page.js").rdbuf();
+    file << std::ifstream(std::string(GRAINFIELD_SOURCE_DIR) + "/report/page/page.js").rdbuf();
     EXPECT_EQ(page_script, file.str());
     EXPECT_EQ(plotly_script.find("</script"), std::string_view::npos);
     EXPECT_EQ(page_script.find("</script"), std::string_view::npos);
