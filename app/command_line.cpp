@@ -64,7 +64,7 @@ CLI::App* place(CLI::App& app, const std::string& name) {
     return parent;
 }
 
-const char* value_name(OptionKind kind) {
+const char* element_name(OptionKind kind) {
     switch (kind) {
         case OptionKind::flag:
             return "";
@@ -78,6 +78,11 @@ const char* value_name(OptionKind kind) {
             return "NAME";
     }
     return "";
+}
+
+std::string value_name(const Option& option) {
+    const std::string name = element_name(option.kind);
+    return option.is_list ? fmt::format("{0},{0},…", name) : name;
 }
 
 /// Without CLI11's "{false}" behind --no-… flags.
@@ -140,7 +145,7 @@ class BoundCommand {
         const Option& option = entry.option;
         CLI::Option* added = option.kind == OptionKind::flag ? parser_->add_flag(spelling(entry))
                                                              : parser_->add_option(spelling(entry));
-        if (option.kind != OptionKind::flag) added->type_name(value_name(option.kind));
+        if (option.kind != OptionKind::flag) added->type_name(value_name(option));
         added->description(help_text(option))->group(group_name(entry));
         given_.push_back(added);
     }

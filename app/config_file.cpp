@@ -50,12 +50,16 @@ class ConfigReader {
                                          : fmt::format("key '{}' in [{}]", key, section);
             refuse_unknown(what, key, options_.keys(section), node.source());
         }
-        const auto value = to_value(node);
+        const auto value =
+            entry->option.is_list && node.is_array() ? to_list(*node.as_array()) : to_value(node);
         if (!value) {
             throw OptionError(
                 {.problem = fmt::format("{}: '{}' has a wrong value", place(node.source()), key),
                  .actual = "a list, table or date",
-                 .expected = "a single " + std::string(kind_name(entry->option.kind)),
+                 .expected =
+                     fmt::format(fmt::runtime(entry->option.is_list ? "a list such as [{0}, {0}]"
+                                                                    : "a single {}"),
+                                 kind_name(entry->option.kind)),
                  .suggestion = {}});
         }
         try {
@@ -71,6 +75,19 @@ class ConfigReader {
         if (const auto* real = node.as_floating_point()) return real->get();
         if (const auto* text = node.as_string()) return text->get();
         return std::nullopt;
+    }
+
+    // "1,10" for [1, 10]; nothing if an element is no single value or holds a comma.
+    static std::optional<OptionValue> to_list(const toml::array& array) {
+        std::string text;
+        for (const toml::node& node : array) {
+            const auto element = to_value(node);
+            if (!element) return std::nullopt;
+            const std::string word = to_text(*element);
+            if (word.find(',') != std::string::npos) return std::nullopt;
+            text += (text.empty() ? "" : ",") + word;
+        }
+        return text;
     }
 
     static const char* kind_name(OptionKind kind) {

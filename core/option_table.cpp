@@ -1,10 +1,12 @@
 #include "core/option_table.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+#include <limits>
+#include <type_traits>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "core/errors.h"
 
@@ -12,83 +14,9 @@ namespace grainfield {
 
 namespace {
 
-constexpr const char* automatic = "auto";
-
-template <class... F>
-struct Overloaded : F... {
-    using F::operator()...;
-};
-template <class... F>
-Overloaded(F...) -> Overloaded<F...>;
-
-template <class Number>
-std::optional<Number> parse(std::string_view text) {
-    if (text.starts_with('+')) text.remove_prefix(1);
-    Number value{};
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-    return value;
-}
-
-std::string with_unit(const Option& option) {
-    return option.unit.empty() || option.unit == "-" ? "" : " [" + option.unit + "]";
-}
-
-std::string range_text(const Option& option) {
-    const bool has_minimum = std::isfinite(option.minimum);
-    const bool has_maximum = std::isfinite(option.maximum);
-    if (has_minimum && has_maximum)
-        return fmt::format("{:g} … {:g}", option.minimum, option.maximum);
-    if (has_minimum) return fmt::format("≥ {:g}", option.minimum);
-    if (has_maximum) return fmt::format("≤ {:g}", option.maximum);
-    return {};
-}
-
-std::string joined(const std::vector<std::string>& names, bool with_auto) {
-    std::string text;
-    for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-    if (with_auto) text += std::string(text.empty() ? "" : ", ") + automatic;
-    return text;
-}
-
-std::string expectation(const Option& option) {
-    std::string text;
-    switch (option.kind) {
-        case OptionKind::flag:
-            return "true or false";
-        case OptionKind::text:
-            return "a text";
-        case OptionKind::choice:
-            return "one of " + joined(option.choices, option.may_be_auto);
-        case OptionKind::integer:
-            text = "an integer";
-            break;
-        case OptionKind::number:
-            text = "a number";
-            break;
-    }
-    if (const std::string range = range_text(option); !range.empty()) text += " " + range;
-    text += with_unit(option);
-    if (option.may_be_auto) text += " or auto";
-    return text;
-}
-
-[[noreturn]] void refuse(const Option& option, const OptionValue& value) {
-    std::string suggestion;
-    if (option.kind == OptionKind::choice) {
-        if (const auto* word = std::get_if<std::string>(&value)) {
-            const std::string nearest = nearest_name(*word, option.choices);
-            if (!nearest.empty()) suggestion = fmt::format("did you mean '{}'?", nearest);
-        }
-    }
-    throw OptionError({.problem = fmt::format("option '{}' has a wrong value", option.name),
-                       .actual = fmt::format("'{}'", to_text(value)),
-                       .expected = expectation(option),
-                       .suggestion = suggestion});
-}
-
-bool in_range(const Option& option, double value) {
-    return std::isfinite(value) && value >= option.minimum && value <= option.maximum;
+bool in_range(const Range& range, double value) {
+    if (std::isinf(value) && !range.may_be_infinite) return false;
+    return value >= range.minimum && value <= range.maximum;
 }
 
 bool is_auto(const OptionValue& value) {
@@ -96,24 +24,66 @@ bool is_auto(const OptionValue& value) {
     return text != nullptr && *text == automatic;
 }
 
-double to_number(const Option& option, const OptionValue& value) {
-    double number = std::numeric_limits<double>::quiet_NaN();
-    if (const auto* real = std::get_if<double>(&value)) number = *real;
-    if (const auto* whole = std::get_if<std::int64_t>(&value)) {
-        number = static_cast<double>(*whole);
+// Nothing if the value is of another kind or out of range.
+template <class Field>
+std::optional<Field> checked(const Option& option, const OptionValue& value) {
+    const auto* whole = std::get_if<std::int64_t>(&value);
+    if constexpr (std::is_same_v<Field, double>) {
+        double number = std::numeric_limits<double>::quiet_NaN();
+        if (const auto* real = std::get_if<double>(&value)) number = *real;
+        if (whole != nullptr) number = static_cast<double>(*whole);
+        if (in_range(option.range, number)) return number;
+    } else if constexpr (std::is_same_v<Field, std::string>) {
+        const auto* text = std::get_if<std::string>(&value);
+        if (text != nullptr && std::ranges::find(option.choices, *text) != option.choices.end()) {
+            return *text;
+        }
+    } else {
+        if (whole != nullptr && std::in_range<Field>(*whole) &&
+            in_range(option.range, static_cast<double>(*whole))) {
+            return static_cast<Field>(*whole);
+        }
     }
-    if (!in_range(option, number)) refuse(option, value);
-    return number;
+    return std::nullopt;
 }
 
-template <class Integer>
-Integer to_integer(const Option& option, const OptionValue& value) {
-    const auto* whole = std::get_if<std::int64_t>(&value);
-    if (whole == nullptr || !std::in_range<Integer>(*whole) ||
-        !in_range(option, static_cast<double>(*whole))) {
-        refuse(option, value);
+template <class Field>
+Field require(const Option& option, const OptionValue& value) {
+    const auto field = checked<Field>(option, value);
+    if (!field) option.refuse(value);
+    return *field;
+}
+
+std::string_view trimmed(std::string_view text) {
+    constexpr std::string_view blanks = " \t";
+    const std::size_t begin = std::min(text.find_first_not_of(blanks), text.size());
+    return text.substr(begin, text.find_last_not_of(blanks) + 1 - begin);
+}
+
+template <class Element>
+std::vector<Element> require_list(const Option& option, const OptionValue& value) {
+    const std::string text = to_text(value);
+    std::vector<Element> elements;
+    for (std::string_view rest = text; !trimmed(rest).empty();) {
+        const std::size_t comma = std::min(rest.find(','), rest.size());
+        const std::string_view word = trimmed(rest.substr(0, comma));
+        const auto parsed = option.parsed(word);
+        const auto element = parsed ? checked<Element>(option, *parsed) : std::nullopt;
+        if (!element) option.refuse(value, word);
+        elements.push_back(*element);
+        rest.remove_prefix(std::min(comma + 1, rest.size()));
     }
-    return static_cast<Integer>(*whole);
+    const bool is_default = elements.empty() && option.default_value == OptionValue(std::string());
+    if (!is_default &&
+        (elements.size() < option.count.minimum || elements.size() > option.count.maximum)) {
+        option.refuse(value);
+    }
+    return elements;
+}
+
+template <class Element>
+OptionValue list_text(const std::vector<Element>& elements) {
+    return fmt::format("{}", fmt::join(elements, ","));
 }
 
 Option make_row(std::string name, std::string unit, Range range, std::string meaning,
@@ -123,8 +93,7 @@ Option make_row(std::string name, std::string unit, Range range, std::string mea
     row.unit = std::move(unit);
     row.meaning = std::move(meaning);
     row.kind = kind;
-    row.minimum = range.minimum;
-    row.maximum = range.maximum;
+    row.range = range;
     return row;
 }
 
@@ -144,53 +113,28 @@ void bind_integer(std::vector<Option>& rows, Option row, Integer& field) {
         rows, std::move(row),
         [&field]() -> OptionValue { return static_cast<std::int64_t>(field); },
         [&field](const Option& option, const OptionValue& value) {
-            field = to_integer<Integer>(option, value);
+            field = require<Integer>(option, value);
+        });
+}
+
+Option make_list(std::string name, std::string unit, Range range, std::string meaning,
+                 OptionKind kind, Count count) {
+    Option row = make_row(std::move(name), std::move(unit), range, std::move(meaning), kind);
+    row.is_list = true;
+    row.count = count;
+    return row;
+}
+
+template <class Element>
+void bind_list(std::vector<Option>& rows, Option row, std::vector<Element>& field) {
+    bind(
+        rows, std::move(row), [&field]() -> OptionValue { return list_text(field); },
+        [&field](const Option& option, const OptionValue& value) {
+            field = require_list<Element>(option, value);
         });
 }
 
 }  // namespace
-
-void Option::set_from_text(std::string_view text) const {
-    const std::string word(text);
-    if (may_be_auto && text == automatic) return set(word);
-    switch (kind) {
-        case OptionKind::flag:
-            for (const char* yes : {"true", "yes", "on", "1"}) {
-                if (text == yes) return set(true);
-            }
-            for (const char* no : {"false", "no", "off", "0"}) {
-                if (text == no) return set(false);
-            }
-            break;
-        case OptionKind::integer:
-            if (const auto whole = parse<std::int64_t>(text)) return set(*whole);
-            break;
-        case OptionKind::number:
-            if (const auto real = parse<double>(text)) return set(*real);
-            break;
-        case OptionKind::text:
-        case OptionKind::choice:
-            return set(word);
-    }
-    refuse(*this, word);
-}
-
-std::string Option::domain_text() const {
-    std::string text;
-    if (kind == OptionKind::choice) text = "one of " + joined(choices, may_be_auto);
-    if (!unit.empty()) text = "[" + unit + "]";
-    if (const std::string range = range_text(*this); !range.empty()) {
-        text += (text.empty() ? "" : " ") + range;
-    }
-    if (kind == OptionKind::flag && default_value == OptionValue(false)) return text;
-    const std::string shown = to_text(default_value);
-    if (shown.empty()) return text;
-    return text +
-           (text.empty()                 ? ""
-            : kind == OptionKind::choice ? "; "
-                                         : ", ") +
-           "default " + shown;
-}
 
 void OptionTable::flag(std::string name, bool& field, std::string meaning) {
     bind(
@@ -198,7 +142,7 @@ void OptionTable::flag(std::string name, bool& field, std::string meaning) {
         [&field]() -> OptionValue { return field; },
         [&field](const Option& option, const OptionValue& value) {
             const auto* on = std::get_if<bool>(&value);
-            if (on == nullptr) refuse(option, value);
+            if (on == nullptr) option.refuse(value);
             field = *on;
         });
 }
@@ -226,7 +170,7 @@ void OptionTable::number(std::string name, double& field, std::string unit, Rang
         make_row(std::move(name), std::move(unit), range, std::move(meaning), OptionKind::number),
         [&field]() -> OptionValue { return field; },
         [&field](const Option& option, const OptionValue& value) {
-            field = to_number(option, value);
+            field = require<double>(option, value);
         });
 }
 
@@ -245,7 +189,7 @@ void OptionTable::number(std::string name, std::optional<double>& field, std::st
             if (is_auto(value)) {
                 field.reset();
             } else {
-                field = to_number(option, value);
+                field = require<double>(option, value);
             }
         });
 }
@@ -256,9 +200,57 @@ void OptionTable::text(std::string name, std::string& field, std::string meaning
         [&field]() -> OptionValue { return field; },
         [&field](const Option& option, const OptionValue& value) {
             const auto* text = std::get_if<std::string>(&value);
-            if (text == nullptr) refuse(option, value);
+            if (text == nullptr) option.refuse(value);
             field = *text;
         });
+}
+
+void OptionTable::integers(std::string name, std::vector<int>& field, std::string unit, Range range,
+                           std::string meaning, Count count) {
+    bind_list(rows_,
+              make_list(std::move(name), std::move(unit), range, std::move(meaning),
+                        OptionKind::integer, count),
+              field);
+}
+
+void OptionTable::integers(std::string name, std::vector<std::int64_t>& field, std::string unit,
+                           Range range, std::string meaning, Count count) {
+    bind_list(rows_,
+              make_list(std::move(name), std::move(unit), range, std::move(meaning),
+                        OptionKind::integer, count),
+              field);
+}
+
+void OptionTable::numbers(std::string name, std::vector<double>& field, std::string unit,
+                          Range range, std::string meaning, Count count) {
+    bind_list(rows_,
+              make_list(std::move(name), std::move(unit), range, std::move(meaning),
+                        OptionKind::number, count),
+              field);
+}
+
+void OptionTable::numbers(std::string name, std::optional<std::vector<double>>& field,
+                          std::string unit, Range range, std::string meaning, Count count) {
+    Option row = make_list(std::move(name), std::move(unit), range, std::move(meaning),
+                           OptionKind::number, count);
+    row.may_be_auto = true;
+    bind(
+        rows_, std::move(row),
+        [&field]() -> OptionValue { return field ? list_text(*field) : std::string(automatic); },
+        [&field](const Option& option, const OptionValue& value) {
+            if (is_auto(value)) {
+                field.reset();
+            } else {
+                field = require_list<double>(option, value);
+            }
+        });
+}
+
+void OptionTable::names(std::string name, std::vector<std::string>& field,
+                        std::vector<std::string> choices, std::string meaning, Count count) {
+    Option row = make_list(std::move(name), {}, {}, std::move(meaning), OptionKind::choice, count);
+    row.choices = std::move(choices);
+    bind_list(rows_, std::move(row), field);
 }
 
 void OptionTable::add_choice(std::string name, std::vector<std::string> names,
@@ -269,10 +261,7 @@ void OptionTable::add_choice(std::string name, std::vector<std::string> names,
     bind(
         rows_, std::move(row), [get]() -> OptionValue { return get(); },
         [set](const Option& option, const OptionValue& value) {
-            const auto* text = std::get_if<std::string>(&value);
-            if (text == nullptr || std::ranges::find(option.choices, *text) == option.choices.end())
-                refuse(option, value);
-            set(*text);
+            set(require<std::string>(option, value));
         });
 }
 
@@ -289,56 +278,8 @@ void OptionTable::set(std::string_view name, const OptionValue& value) const {
     throw OptionError(
         {.problem = fmt::format("'{}' has no option '{}'", section_, name),
          .actual = {},
-         .expected = "one of " + joined(names, false),
+         .expected = fmt::format("one of {}", fmt::join(names, ", ")),
          .suggestion = nearest.empty() ? "" : fmt::format("did you mean '{}'?", nearest)});
-}
-
-std::string to_text(const OptionValue& value) {
-    return std::visit(Overloaded{[](bool on) { return std::string(on ? "true" : "false"); },
-                                 [](const std::string& text) { return text; },
-                                 [](auto number) { return fmt::format("{}", number); }},
-                      value);
-}
-
-namespace {
-
-// Optimal string alignment distance: insertions, deletions, replacements and neighbour swaps.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-    std::vector<std::vector<std::size_t>> cost(a.size() + 1,
-                                               std::vector<std::size_t>(b.size() + 1));
-    for (std::size_t i = 0; i <= a.size(); ++i) {
-        for (std::size_t j = 0; j <= b.size(); ++j) {
-            if (i == 0 || j == 0) {
-                cost[i][j] = i + j;
-                continue;
-            }
-            const std::size_t replaced = cost[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
-            cost[i][j] = std::min({cost[i - 1][j] + 1, cost[i][j - 1] + 1, replaced});
-            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
-                cost[i][j] = std::min(cost[i][j], cost[i - 2][j - 2] + 1);
-            }
-        }
-    }
-    return cost[a.size()][b.size()];
-}
-
-}  // namespace
-
-std::string nearest_name(std::string_view word, const std::vector<std::string>& candidates) {
-    constexpr std::size_t shortest_prefix = 3;
-    std::string best;
-    std::size_t best_distance = std::max<std::size_t>(1, word.size() / 3) + 1;
-    for (const std::string& candidate : candidates) {
-        const std::size_t distance = edit_distance(word, candidate);
-        if (distance < best_distance) {
-            best = candidate;
-            best_distance = distance;
-        }
-    }
-    if (!best.empty() || word.size() < shortest_prefix) return best;
-    const auto longer = std::ranges::find_if(
-        candidates, [&](const std::string& candidate) { return candidate.starts_with(word); });
-    return longer == candidates.end() ? std::string() : *longer;
 }
 
 }  // namespace grainfield

@@ -2,50 +2,15 @@
 
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
-#include <variant>
 #include <vector>
 
+#include "core/option.h"
+
 namespace grainfield {
-
-using OptionValue = std::variant<bool, std::int64_t, double, std::string>;
-
-enum class OptionKind { flag, integer, number, text, choice };
-
-/// One row of an option table: everything that the command line, the TOML file, the help text, the
-/// range check and the record of a run need to know about one field.
-struct Option {
-    std::string name;     ///< kebab-case, the same on the command line and in the TOML file
-    std::string unit;     ///< "px", "a", "-"; empty for flags, text and choices
-    std::string meaning;  ///< one line for `--help`
-    OptionKind kind = OptionKind::text;
-    bool may_be_auto = false;  ///< accepts the text "auto": the program estimates it
-    double minimum = -std::numeric_limits<double>::infinity();
-    double maximum = std::numeric_limits<double>::infinity();
-    std::vector<std::string> choices;
-    OptionValue default_value;  ///< as it was when the table was made
-
-    std::function<OptionValue()> get;  ///< the present value; text "auto" where not set
-
-    /// Throws OptionError (name, value, range or choices, nearest choice) and leaves the field as
-    /// it was if the value is of the wrong kind, NaN, or out of range. Integers convert to numbers.
-    std::function<void(const OptionValue&)> set;
-
-    /// Same, from the text of a command line.
-    void set_from_text(std::string_view text) const;
-
-    /// "[px] 3 … 400, default auto" or "one of dark, bright, auto; default auto".
-    std::string domain_text() const;
-};
-
-struct Range {
-    double minimum = -std::numeric_limits<double>::infinity();
-    double maximum = std::numeric_limits<double>::infinity();
-};
 
 /// The options of one algorithm, bound to the fields of one options struct.
 ///
@@ -70,6 +35,21 @@ class OptionTable {
     void number(std::string name, std::optional<double>& field, std::string unit, Range range,
                 std::string meaning);
     void text(std::string name, std::string& field, std::string meaning);
+
+    /// Lists: "1,10" on the command line, "1,10" or [1, 10] in a TOML file. The range holds for
+    /// each element; blanks around an element do not count.
+    void integers(std::string name, std::vector<int>& field, std::string unit, Range range,
+                  std::string meaning, Count count = {});
+    void integers(std::string name, std::vector<std::int64_t>& field, std::string unit, Range range,
+                  std::string meaning, Count count = {});
+    void numbers(std::string name, std::vector<double>& field, std::string unit, Range range,
+                 std::string meaning, Count count = {});
+    /// Empty means "auto".
+    void numbers(std::string name, std::optional<std::vector<double>>& field, std::string unit,
+                 Range range, std::string meaning, Count count = {});
+    /// Some of `choices`.
+    void names(std::string name, std::vector<std::string>& field, std::vector<std::string> choices,
+               std::string meaning, Count count = {});
 
     template <class Enum>
     void choice(std::string name, Enum& field, std::vector<std::pair<std::string, Enum>> values,
@@ -107,11 +87,5 @@ class OptionTable {
     std::string section_;
     std::vector<Option> rows_;
 };
-
-/// The value as it stands on a command line ("true", "12", "0.35", "dark").
-std::string to_text(const OptionValue& value);
-
-/// The candidate closest to `word` by edit distance, empty if none is close enough to be meant.
-std::string nearest_name(std::string_view word, const std::vector<std::string>& candidates);
 
 }  // namespace grainfield

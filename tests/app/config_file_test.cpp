@@ -21,6 +21,8 @@ class ConfigFile : public testing::Test {
     bool strict_ = false;
     std::string label_;
     std::optional<double> diameter_;
+    std::vector<std::int64_t> lags_;
+    std::vector<std::string> observables_;
     std::filesystem::path path_ = std::filesystem::path(testing::TempDir()) /
                                   ("grainfield-config-" + std::to_string(getpid()) + ".toml");
 
@@ -31,6 +33,8 @@ class ConfigFile : public testing::Test {
         own.integer("threads", threads_, "-", {0, 64}, "threads");
         own.flag("strict", strict_, "strict");
         own.text("label", label_, "label");
+        own.integers("lags", lags_, "frames", {.minimum = 1}, "lags");
+        own.names("observables", observables_, {"q4", "sk"}, "observables");
         OptionTable detect("detect");
         detect.number("diameter", diameter_, "px", {3, 400}, "diameter");
         return {"track", {own, detect}};
@@ -90,6 +94,20 @@ TEST_F(ConfigFile, NanWrongKindAndOutOfRangeAreRefusedWithTheirLine) {
     EXPECT_THAT(refusal("\nthreads = [1, 2]\n"),
                 AllOf(HasSubstr("line 2"), HasSubstr("a list, table or date")));
     EXPECT_EQ(diameter_, std::nullopt);
+}
+
+TEST_F(ConfigFile, AListIsATomlArrayATextOrOneValue) {
+    apply("lags = [1, 10]\nobservables = [\"sk\", \"q4\"]\n");
+    EXPECT_EQ(lags_, (std::vector<std::int64_t>{1, 10}));
+    EXPECT_EQ(observables_, (std::vector<std::string>{"sk", "q4"}));
+    apply("lags = \"2,20\"\nobservables = \"q4\"\n");
+    EXPECT_EQ(lags_, (std::vector<std::int64_t>{2, 20}));
+    EXPECT_EQ(observables_, std::vector<std::string>{"q4"});
+    apply("lags = 3\n");
+    EXPECT_EQ(lags_, std::vector<std::int64_t>{3});
+    EXPECT_THAT(refusal("lags = [1, 0]\n"), AllOf(HasSubstr("line 1"), HasSubstr("'0' in '1,0'")));
+    EXPECT_THAT(refusal("lags = [1, [2]]\n"), HasSubstr("expected a list such as"));
+    EXPECT_THAT(refusal("observables = [\"q4,sk\"]\n"), HasSubstr("expected a list such as"));
 }
 
 TEST_F(ConfigFile, TextThatIsNotTomlIsRefusedWithItsLine) {

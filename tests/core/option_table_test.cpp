@@ -110,6 +110,94 @@ TEST(OptionTable, MessagesNameOptionValueExpectationAndTheNearestName) {
     EXPECT_THAT(refusal([&] { t.set("zzz", 1.0); }), testing::Not(HasSubstr("did you mean")));
 }
 
+struct Lists {
+    std::vector<std::int64_t> lags;
+    std::vector<int> waves{1, 2};
+    std::vector<double> edges;
+    std::optional<std::vector<double>> sides;
+    std::vector<std::string> observables{"all"};
+    std::vector<double> box;
+};
+
+OptionTable describe(Lists& o) {
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    OptionTable t("lists");
+    t.integers("lags", o.lags, "frames", {.minimum = 1}, "lags to look at");
+    t.integers("waves", o.waves, "", {1, 9}, "multiples");
+    t.numbers("edges", o.edges, "1/a", {.minimum = 0}, "edges", {.minimum = 2});
+    t.numbers("sides", o.sides, "a", {1e-9, infinite, true}, "sides");
+    t.names("observables", o.observables, {"all", "q4", "sk"}, "what to measure");
+    t.numbers("box", o.box, "a", {1e-9, 1e9}, "sides of the box", {2, 2});
+    return t;
+}
+
+TEST(OptionTable, AListIsSetFromTextAndReadsBackAsText) {
+    Lists o;
+    const OptionTable t = describe(o);
+    t.find("lags")->set_from_text(" 1, 10,100 ");
+    EXPECT_EQ(o.lags, (std::vector<std::int64_t>{1, 10, 100}));
+    EXPECT_EQ(to_text(t.find("lags")->get()), "1,10,100");
+    t.set("lags", std::int64_t{7});
+    EXPECT_EQ(o.lags, std::vector<std::int64_t>{7});
+    t.set("lags", std::string());
+    EXPECT_TRUE(o.lags.empty());
+    t.set("edges", std::string("0.05,1e-1,+2"));
+    EXPECT_EQ(o.edges, (std::vector<double>{0.05, 0.1, 2}));
+    EXPECT_EQ(to_text(t.find("edges")->get()), "0.05,0.1,2");
+    t.set("observables", std::string("q4,sk"));
+    EXPECT_EQ(o.observables, (std::vector<std::string>{"q4", "sk"}));
+}
+
+TEST(OptionTable, AListMayBeAutoAndHoldInfOnlyWhereItIsDeclared) {
+    Lists o;
+    const OptionTable t = describe(o);
+    EXPECT_EQ(to_text(t.find("sides")->get()), "auto");
+    t.find("sides")->set_from_text("80,inf");
+    ASSERT_TRUE(o.sides);
+    EXPECT_EQ(*o.sides, (std::vector<double>{80, std::numeric_limits<double>::infinity()}));
+    EXPECT_EQ(to_text(t.find("sides")->get()), "80,inf");
+    t.find("sides")->set_from_text("auto");
+    EXPECT_FALSE(o.sides);
+    EXPECT_THROW(t.set("box", std::string("1,inf")), OptionError);
+    EXPECT_THROW(t.set("box", std::string("auto")), OptionError);
+}
+
+TEST(OptionTable, AWrongElementOrCountIsRefusedAndTheListStaysAsItWas) {
+    Lists o;
+    const OptionTable t = describe(o);
+    for (const char* text : {"0", "1,,2", ",1", "1 2", "1.5", "x", "99999999999999999999"}) {
+        EXPECT_THROW(t.set("lags", std::string(text)), OptionError) << text;
+    }
+    for (const char* text : {"", "0", "10", "1,2,3000000000"}) {
+        EXPECT_THROW(t.set("waves", std::string(text)), OptionError) << text;
+    }
+    EXPECT_THROW(t.set("edges", std::string("1")), OptionError);
+    for (const char* text : {"1", "1,2,3", "0,1", "nan,1"}) {
+        EXPECT_THROW(t.set("box", std::string(text)), OptionError) << text;
+    }
+    EXPECT_THROW(t.set("observables", std::string()), OptionError);
+    EXPECT_THROW(t.set("waves", true), OptionError);
+    EXPECT_TRUE(o.lags.empty());
+    EXPECT_EQ(o.waves, (std::vector<int>{1, 2}));
+    EXPECT_TRUE(o.box.empty());
+}
+
+TEST(OptionTable, MessagesOfAListNameTheElementAndHowManyAreExpected) {
+    Lists o;
+    const OptionTable t = describe(o);
+    EXPECT_EQ(refusal([&] { t.set("lags", std::string("1,x")); }),
+              "option 'lags' has a wrong value: 'x' in '1,x'; expected integers ≥ 1 [frames], with "
+              "commas between them.");
+    EXPECT_EQ(refusal([&] { t.set("box", 3.5); }),
+              "option 'box' has a wrong value: '3.5'; expected 2 numbers 1e-09 … 1e+09 [a], with "
+              "commas between them.");
+    EXPECT_THAT(refusal([&] { t.set("observables", std::string("sk,q5")); }),
+                testing::AllOf(HasSubstr("'q5' in 'sk,q5'"), HasSubstr("some of all, q4, sk"),
+                               HasSubstr("did you mean 'q4'?")));
+    EXPECT_EQ(t.find("sides")->domain_text(), "[a] ≥ 1e-09, default auto");
+    EXPECT_EQ(t.find("observables")->domain_text(), "some of all, q4, sk; default all");
+}
+
 TEST(OptionTable, DescribesUnitRangeAndTheDefaultAtTheTimeOfBinding) {
     Options o;
     const OptionTable t = describe(o);
