@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "tracking/calibrate/coarse_size.h"
+#include "tracking/detect/distance_transform.h"
 #include "tracking/model/edge_meeting.h"
 #include "tracking/refine/joint_covariance.h"
 

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "core/support/parallel.h"
-#include "tracking/link/point_grid.h"
+#include "tracking/point_grid.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -57,14 +57,7 @@ Survey Surveyor::look(const Frame& frame) {
 std::vector<double> nearest_distances(const std::vector<Vec2>& points, double farthest) {
     std::vector<double> distances(points.size(), std::numeric_limits<double>::infinity());
     if (points.empty()) return distances;
-    double width = 0;
-    double height = 0;
-    for (const Vec2 p : points) {
-        width = std::max(width, p.x);
-        height = std::max(height, p.y);
-    }
-    PointGrid grid(static_cast<int>(width) + 1, static_cast<int>(height) + 1, farthest);
-    for (std::uint32_t i = 0; i < points.size(); ++i) grid.add(points[i], i);
+    const PointGrid grid(points, farthest);
     for (std::uint32_t i = 0; i < points.size(); ++i) {
         grid.near(points[i], farthest, [&](std::uint32_t j, Vec2 p) {
             if (j != i) distances[i] = std::min(distances[i], norm(p - points[i]));

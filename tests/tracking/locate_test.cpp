@@ -9,7 +9,7 @@
 #include "core/support/random.h"
 #include "tests/support/layer_frames.h"
 #include "tracking/calibrate/calibration.h"
-#include "tracking/link/point_grid.h"
+#include "tracking/point_grid.h"
 #include "tracking/score/position_bounds.h"
 #include "tracking/score/position_score.h"
 

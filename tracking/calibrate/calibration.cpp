@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "tracking/calibrate/background.h"
 #include "tracking/calibrate/edge_fit.h"
 #include "tracking/calibrate/first_guess.h"
 #include "tracking/calibrate/model_choice.h"
@@ -202,8 +203,7 @@ Trial try_guess(const Image& work, const FirstGuess& guess, Fitter fitter) {
 std::optional<Trial> best_trial(const Image& counts, const CalibrationOptions& options,
                                 const Fitter& fitter, RunPlan& plan) {
     const std::vector<FirstGuess> guesses = first_guesses(
-        counts, fitter.levels, options.polarity != PolarityChoice::bright,
-        options.polarity != PolarityChoice::dark, options.uniform_tolerance, fitter.visible);
+        counts, fitter.levels, options.polarity, options.uniform_tolerance, fitter.visible);
     std::optional<Trial> best;
     std::optional<Polarity> tried_given;
     int tried = 0;
@@ -245,30 +245,6 @@ std::optional<Trial> best_trial(const Image& counts, const CalibrationOptions& o
 }
 
 }  // namespace
-
-OptionTable describe(CalibrationOptions& options) {
-    OptionTable table("calibrate");
-    table.number("diameter", options.diameter, "px", {2, 2000}, "apparent diameter of a sphere");
-    table.number("edge-width", options.edge_width, "px", {0.05, 200}, "width w of its tanh edge");
-    table.choice("polarity", options.polarity,
-                 {{"auto", PolarityChoice::automatic},
-                  {"dark", PolarityChoice::dark},
-                  {"bright", PolarityChoice::bright}},
-                 "spheres darker or brighter than the background");
-    table.choice("meeting-edges", options.meeting_edges,
-                 {{"auto", EdgeChoice::automatic},
-                  {"product", EdgeChoice::product},
-                  {"blurred-union", EdgeChoice::blurred_union}},
-                 "image of edges that meet: transmissions multiply, or a lens blurs their union");
-    table.choice("profile", options.profile,
-                 {{"auto", ProfileChoice::automatic},
-                  {"tanh", ProfileChoice::tanh},
-                  {"learned", ProfileChoice::learned}},
-                 "darkness across a sphere: a tanh edge, or learned where spheres stand alone");
-    table.number("uniform-tolerance", options.uniform_tolerance, "-", {0, 1},
-                 "variation of the background, relative to the contrast, that is ignored");
-    return table;
-}
 
 std::string blank_reason(const Image& counts, const VisiblePixels& visible) {
     // Where spheres are many a few pixels show it, beyond doubt.

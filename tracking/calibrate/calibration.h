@@ -5,28 +5,13 @@
 #include <vector>
 
 #include "core/frame.h"
-#include "core/option_table.h"
 #include "core/run_plan.h"
-#include "tracking/model/image_model.h"
+#include "tracking/calibrate/calibration_options.h"
 #include "tracking/locate.h"
+#include "tracking/model/image_model.h"
 #include "tracking/model/visible_pixels.h"
 
 namespace grainfield::tracking {
-
-enum class PolarityChoice { automatic, dark, bright };
-enum class EdgeChoice { automatic, product, blurred_union };
-enum class ProfileChoice { automatic, tanh, learned };
-
-struct CalibrationOptions {
-    std::optional<double> diameter;    ///< apparent diameter D [px]; empty: estimated
-    std::optional<double> edge_width;  ///< w [px]; empty: estimated
-    PolarityChoice polarity = PolarityChoice::automatic;
-    EdgeChoice meeting_edges = EdgeChoice::automatic;  ///< which kind leaves the smaller residual
-    ProfileChoice profile = ProfileChoice::tanh;  ///< what is learned is right for one layer only
-    double uniform_tolerance = 0.003;  ///< background counts as uniform below this variation [-]
-};
-
-OptionTable describe(CalibrationOptions& options);
 
 /// Why a frame cannot hold spheres: no contrast (all black or saturated) or nothing above the
 /// noise. Empty if it can. From a sample of its pixels, O(pixels/12).

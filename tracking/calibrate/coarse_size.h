@@ -6,11 +6,6 @@
 
 namespace grainfield::tracking {
 
-/// Squared Euclidean distance of every pixel to the nearest pixel where mask ≤ 0.5, 0 there; pixels
-/// outside the image count as part of the mask. Exact (Felzenszwalb & Huttenlocher 2012,
-/// `felzenszwalb2012`), O(pixels). A mask without any zero gives (width + height)² everywhere.
-Image squared_distance_transform(const Image& mask);
-
 /// What the shape of the thresholded image says about discs of one size in it.
 struct CoarseSize {
     double radius = 0;    ///< of inscribed discs [px]; 0: none

@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "core/support/parallel.h"
-#include "tracking/calibrate/background.h"
-#include "tracking/calibrate/coarse_size.h"
+#include "tracking/detect/distance_transform.h"
+#include "tracking/model/background_surface.h"
 
 namespace grainfield::tracking {
 namespace {

@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "tracking/calibrate/background.h"
+
 namespace grainfield::tracking {
 namespace {
 
@@ -123,17 +125,17 @@ Image turned_round(const Image& counts) {
     return image;
 }
 
-std::vector<FirstGuess> first_guesses(const Image& counts, const Levels& levels, bool maybe_dark,
-                                      bool maybe_bright, double uniform_tolerance,
+std::vector<FirstGuess> first_guesses(const Image& counts, const Levels& levels,
+                                      PolarityChoice polarity, double uniform_tolerance,
                                       const VisiblePixels& visible) {
     const double contrast = levels.high - levels.low;
     std::vector<FirstGuess> dark;
     std::vector<FirstGuess> bright;
-    if (maybe_dark) {
+    if (polarity != PolarityChoice::bright) {
         dark =
             guesses_for(counts, Polarity::dark, levels.low, contrast, uniform_tolerance, visible);
     }
-    if (maybe_bright) {
+    if (polarity != PolarityChoice::dark) {
         bright = guesses_for(turned_round(counts), Polarity::bright, -levels.high, contrast,
                              uniform_tolerance, visible);
     }

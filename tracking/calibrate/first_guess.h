@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/frame.h"
-#include "tracking/calibrate/background.h"
+#include "tracking/calibrate/calibration_options.h"
 #include "tracking/calibrate/coarse_size.h"
 #include "tracking/model/image_model.h"
 #include "tracking/model/visible_pixels.h"
@@ -38,8 +38,8 @@ struct FirstGuess {
 /// From the shape of the image thresholded halfway between background and core: for each polarity
 /// allowed the sizes of coarse_sizes(), at least one guess; first those of the polarity whose
 /// likeliest discs cover more of their mask.
-std::vector<FirstGuess> first_guesses(const Image& counts, const Levels& levels, bool maybe_dark,
-                                      bool maybe_bright, double uniform_tolerance,
+std::vector<FirstGuess> first_guesses(const Image& counts, const Levels& levels,
+                                      PolarityChoice polarity, double uniform_tolerance,
                                       const VisiblePixels& visible = {});
 
 }  // namespace grainfield::tracking

@@ -8,7 +8,7 @@
 
 #include <Eigen/Dense>
 
-#include "tracking/link/point_grid.h"
+#include "tracking/point_grid.h"
 
 namespace grainfield::tracking {
 namespace {

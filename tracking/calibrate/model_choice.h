@@ -5,7 +5,8 @@
 #include "core/frame.h"
 #include "core/run_plan.h"
 #include "core/vec2.h"
-#include "tracking/calibrate/calibration.h"
+#include "tracking/calibrate/calibration_options.h"
+#include "tracking/locate.h"
 #include "tracking/model/image_model.h"
 #include "tracking/model/visible_pixels.h"
 

@@ -7,7 +7,7 @@
 
 #include "tracking/detect/local_maxima.h"
 #include "tracking/detect/residual_blocks.h"
-#include "tracking/link/point_grid.h"
+#include "tracking/point_grid.h"
 
 namespace grainfield::tracking {
 namespace {

@@ -8,7 +8,7 @@
 #include "core/option_table.h"
 #include "tracking/detect/disc_correlation.h"
 #include "tracking/detect/residual_blocks.h"
-#include "tracking/link/point_grid.h"
+#include "tracking/point_grid.h"
 #include "tracking/refine/joint_fit.h"
 
 namespace grainfield::tracking {

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "tracking/point_grid.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -49,69 +50,6 @@ void require_valid(const SphereCell& cell, const std::vector<Vec2>& positions,
     }
 }
 
-/// Points sorted into square cells (counting sort).
-struct SortedPoints {
-    SortedPoints(const std::vector<Vec2>& points, double range) {
-        Vec2 low = points[0];
-        Vec2 high = points[0];
-        for (const Vec2 p : points) {
-            low = {std::min(low.x, p.x), std::min(low.y, p.y)};
-            high = {std::max(high.x, p.x), std::max(high.y, p.y)};
-        }
-        const double extent = std::max(high.x - low.x, high.y - low.y);
-        const double finest = extent / (2 * std::sqrt(static_cast<double>(points.size())) + 1);
-        const double size = std::max(range, finest);
-        columns = static_cast<std::size_t>((high.x - low.x) / size) + 1;
-        rows = static_cast<std::size_t>((high.y - low.y) / size) + 1;
-        first.assign(columns * rows + 1, 0);
-        std::vector<std::uint32_t> cell(points.size());
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            cell[i] = static_cast<std::uint32_t>(
-                static_cast<std::size_t>((points[i].y - low.y) / size) * columns +
-                static_cast<std::size_t>((points[i].x - low.x) / size));
-            ++first[cell[i] + 1];
-        }
-        for (std::size_t c = 1; c < first.size(); ++c) first[c] += first[c - 1];
-        auto next = first;
-        order.resize(points.size());
-        point.resize(points.size());
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            const std::uint32_t k = next[cell[i]]++;
-            order[k] = static_cast<std::uint32_t>(i);
-            point[k] = points[i];
-        }
-    }
-
-    /// Calls action(k, l, squared distance) once for every two points within `range`.
-    template <class Action>
-    void each_pair(double range, Action&& action) const {
-        const double limit = range * range;
-        const auto scan = [&](std::uint32_t k, std::uint32_t begin, std::uint32_t end) {
-            const Vec2 p = point[k];
-            for (std::uint32_t l = begin; l < end; ++l) {
-                const double square = squared_norm(point[l] - p);
-                if (square < limit) action(k, l, square);
-            }
-        };
-        for (std::size_t y = 0; y < rows; ++y) {
-            for (std::size_t x = 0; x < columns; ++x) {
-                const std::size_t here = y * columns + x;
-                const std::size_t right = x + 1 < columns ? here + 1 : here;
-                const std::size_t below = here + columns;
-                for (std::uint32_t k = first[here]; k < first[here + 1]; ++k) {
-                    scan(k, k + 1, first[right + 1]);
-                    if (y + 1 == rows) continue;
-                    scan(k, first[x > 0 ? below - 1 : below], first[(right - here) + below + 1]);
-                }
-            }
-        }
-    }
-
-    std::size_t columns = 0, rows = 0;
-    std::vector<std::uint32_t> first, order;
-    std::vector<Vec2> point;
-};
-
 /// Standard error of the distance of two points [px].
 double distance_error(Vec2 step, double distance, Vec2 one, Vec2 other) {
     const Vec2 variance{one.x * one.x + other.x * other.x, one.y * one.y + other.y * other.y};
@@ -132,10 +70,9 @@ OverlapGraph::OverlapGraph(const SphereCell& cell, const std::vector<Vec2>& posi
     : slack_(cell.slack()) {
     require_valid(cell, positions, errors, options);
     if (!positions.empty()) {
-        const SortedPoints sorted(positions, cell.diameter);
         pairs_.reserve(2 * positions.size());
-        const auto add = [&](std::uint32_t k, std::uint32_t l, double square) {
-            const auto [i, j] = std::minmax(sorted.order[k], sorted.order[l]);
+        const auto add = [&](std::uint32_t one, std::uint32_t other, double square) {
+            const auto [i, j] = std::minmax(one, other);
             const double distance = std::sqrt(square) / cell.diameter;
             double error = 0;
             if (!errors.empty()) {
@@ -149,7 +86,7 @@ OverlapGraph::OverlapGraph(const SphereCell& cell, const std::vector<Vec2>& posi
             if (rise <= 0) return;
             pairs_.push_back({i, j, rise, rise_at(most + options.label_significance * error)});
         };
-        sorted.each_pair(kContact * cell.diameter, add);
+        PointGrid(positions, cell.diameter).each_pair(kContact * cell.diameter, add);
     }
     link_pairs(positions.size());
 }

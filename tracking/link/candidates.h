@@ -24,38 +24,6 @@ struct StepCost {
     double operator()(Vec2 step, Vec2 track_error, Vec2 particle_error) const;
 };
 
-/// The points of a frame, or of the tracks, in square cells.
-class TrackGrid {
- public:
-    /// `range`: of the queries [px]. Points must be finite.
-    TrackGrid(const std::vector<Vec2>& points, double range);
-
-    /// Calls action(index) for all points within `range` of p, and for some farther away.
-    template <class Action>
-    void near(Vec2 p, Action&& action) const {
-        if (order_.empty()) return;
-        const Block b = block(p);
-        for (std::int64_t y = b.first_row; y <= b.last_row; ++y) {
-            // The cells of a row stand side by side.
-            const auto begin = first_[static_cast<std::size_t>(y * columns_ + b.first_column)];
-            const auto end = first_[static_cast<std::size_t>(y * columns_ + b.last_column + 1)];
-            for (std::uint32_t i = begin; i < end; ++i) action(order_[i]);
-        }
-    }
-
- private:
-    struct Block {
-        std::int64_t first_row, last_row, first_column, last_column;
-    };
-    Block block(Vec2 p) const;
-    std::size_t cell_of(Vec2 p) const;
-
-    Vec2 low_;
-    double size_ = 1;
-    std::int64_t columns_ = 0, rows_ = 0;
-    std::vector<std::uint32_t> first_, order_;
-};
-
 /// Places with standard errors per axis; no errors: all alike.
 struct Places {
     const std::vector<Vec2>& position;

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "tracking/point_grid.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -171,11 +172,11 @@ bool Linker::has_long_steps(std::int64_t frame, const Choice& choice, const Plac
         const auto is_outer = [&](Vec2 p) {
             return p.x < low.x + r || p.x > high.x - r || p.y < low.y + r || p.y > high.y - r;
         };
-        const TrackGrid grid(fresh, r);
+        const PointGrid grid(fresh, r);
         const auto paired = static_cast<double>(std::ranges::count_if(lost, [&](Vec2 from) {
             bool near = false;
-            grid.near(from,
-                      [&](std::uint32_t i) { near |= squared_norm(fresh[i] - from) <= r * r; });
+            grid.around(from,
+                        [&](std::uint32_t, Vec2 p) { near |= squared_norm(p - from) <= r * r; });
             return near;
         }));
         const auto pairs = static_cast<double>(lost.size() * fresh.size());

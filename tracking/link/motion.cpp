@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tracking/link/candidates.h"
+#include "tracking/point_grid.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -20,12 +20,12 @@ std::vector<Vec2> velocities(const std::vector<Track>& tracks, Vec2 drift, doubl
         known.push_back(i);
     }
     if (known.size() == tracks.size()) return velocity;
-    const TrackGrid grid(place, range);
+    const PointGrid grid(place, range);
     for (std::size_t i = 0; i < tracks.size(); ++i) {
         if (tracks[i].velocity) continue;
         double nearest = range * range;
-        grid.near(tracks[i].position, [&](std::uint32_t k) {
-            const double d2 = squared_norm(place[k] - tracks[i].position);
+        grid.around(tracks[i].position, [&](std::uint32_t k, Vec2 p) {
+            const double d2 = squared_norm(p - tracks[i].position);
             if (d2 > nearest) return;
             nearest = d2;
             velocity[i] = *tracks[known[k]].velocity;

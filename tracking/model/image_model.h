@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/frame.h"
-#include "tracking/calibrate/background.h"
+#include "tracking/model/background_surface.h"
 #include "tracking/model/disc_profile.h"
 
 namespace grainfield::tracking {

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "core/support/parallel.h"
-#include "tracking/link/point_grid.h"
+#include "tracking/point_grid.h"
 #include "tracking/refine/disc_kernel.h"
 
 namespace grainfield::tracking {

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <utility>
 
-#include "tracking/link/point_grid.h"
+#include "tracking/point_grid.h"
 
 namespace grainfield::tracking {
 namespace {

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
-#include "tracking/link/candidates.h"
+#include "tracking/point_grid.h"
 #include "tracking/score/position_score.h"
 
 namespace grainfield::tracking {
@@ -28,19 +28,19 @@ double ratio(Integer part, Integer whole) {
 }
 
 /// The index of the point nearest to p; −1 if there are none.
-int nearest_point(const std::vector<Vec2>& points, const TrackGrid& grid, double range, Vec2 p) {
+int nearest_point(const std::vector<Vec2>& points, const PointGrid& grid, double range, Vec2 p) {
     int nearest = -1;
     double least = std::numeric_limits<double>::infinity();
-    const auto consider = [&](std::uint32_t j) {
-        const double d2 = squared_norm(points[j] - p);
+    const auto consider = [&](std::uint32_t j, Vec2 point) {
+        const double d2 = squared_norm(point - p);
         if (d2 < least || (d2 == least && static_cast<int>(j) < nearest)) {
             least = d2;
             nearest = static_cast<int>(j);
         }
     };
-    grid.near(p, consider);
+    grid.around(p, consider);
     if (nearest >= 0 && least <= range * range) return nearest;
-    for (std::uint32_t j = 0; j < points.size(); ++j) consider(j);
+    for (std::uint32_t j = 0; j < points.size(); ++j) consider(j, points[j]);
     return nearest;
 }
 
@@ -206,7 +206,7 @@ FrameMatch DetectionScores::add(const TruthFrame& truth, const std::vector<Vec2>
         add_pulls(error, bound, reported);
     }
     const double range = 4 * gate_;
-    const TrackGrid grid(truth.position, range);
+    const PointGrid grid(truth.position, range);
     for (std::size_t j = 0; j < found.size(); ++j) {
         if (used[j]) continue;
         const int nearest = nearest_point(truth.position, grid, range, found[j]);

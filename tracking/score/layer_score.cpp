@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include "tracking/link/candidates.h"
+#include "tracking/point_grid.h"
 
 namespace grainfield::tracking {
 
@@ -24,10 +24,10 @@ std::vector<std::uint32_t> clusters(const std::vector<Vec2>& points, double cont
         while (parent[i] != i) i = parent[i] = parent[parent[i]];
         return i;
     };
-    const TrackGrid grid(points, contact);
+    const PointGrid grid(points, contact);
     for (std::uint32_t i = 0; i < points.size(); ++i) {
-        grid.near(points[i], [&](std::uint32_t j) {
-            if (j >= i || norm(points[j] - points[i]) >= contact) return;
+        grid.around(points[i], [&](std::uint32_t j, Vec2 p) {
+            if (j >= i || norm(p - points[i]) >= contact) return;
             const std::uint32_t a = root(i);
             const std::uint32_t b = root(j);
             parent[std::max(a, b)] = std::min(a, b);

@@ -5,17 +5,17 @@
 #include <cstdint>
 #include <tuple>
 
-#include "tracking/link/candidates.h"
+#include "tracking/point_grid.h"
 
 namespace grainfield::tracking {
 
 std::vector<int> match_positions(const std::vector<Vec2>& found, const std::vector<Vec2>& truth,
                                  double gate) {
-    const TrackGrid grid(found, gate);
+    const PointGrid grid(found, gate);
     std::vector<std::tuple<double, std::size_t, std::uint32_t>> pairs;
     for (std::size_t i = 0; i < truth.size(); ++i) {
-        grid.near(truth[i], [&](std::uint32_t j) {
-            const double d2 = squared_norm(found[j] - truth[i]);
+        grid.around(truth[i], [&](std::uint32_t j, Vec2 p) {
+            const double d2 = squared_norm(p - truth[i]);
             if (d2 <= gate * gate) pairs.emplace_back(d2, i, j);
         });
     }

@@ -6,7 +6,7 @@
 #include <unordered_map>
 
 #include "tracking/link/assignment.h"
-#include "tracking/link/candidates.h"
+#include "tracking/point_grid.h"
 #include "tracking/score/position_score.h"
 
 namespace grainfield::tracking {
@@ -52,10 +52,10 @@ SharedOf shared_tracks(const std::vector<IdentifiedFrame>& found, const Numberin
     SharedOf shared;
     const std::size_t frames = std::min(found.size(), truth.size());
     for (std::size_t f = 0; f < frames; ++f) {
-        const TrackGrid grid(found[f].position, epsilon);
+        const PointGrid grid(found[f].position, epsilon);
         for (std::size_t i = 0; i < truth[f].position.size(); ++i) {
-            grid.near(truth[f].position[i], [&](std::uint32_t j) {
-                const double d = norm(found[f].position[j] - truth[f].position[i]);
+            grid.around(truth[f].position[i], [&](std::uint32_t j, Vec2 p) {
+                const double d = norm(p - truth[f].position[i]);
                 if (d >= epsilon) return;
                 Shared& s = shared[{true_numbers.number[f][i], found_numbers.number[f][j]}];
                 s.saved += epsilon - d;
