@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "tracking/score/position_score.h"
+#include "tracking/score/match_positions.h"
 
 namespace grainfield::bench {
 

@@ -47,11 +47,11 @@ ordered_json summary_facts(const ValidationOutcome& outcome, const tracking::Tra
         facts_of_run["classes"][detection.classes()[c].name] = facts(detection.classes()[c]);
     }
     const auto& t = outcome.tracks;
-    facts_of_run["tracks"] = {{"alpha", t.alpha},
-                              {"beta", t.beta},
-                              {"jsc", t.jaccard_points},
-                              {"jsc_theta", t.jaccard_tracks},
-                              {"correct_links", t.correct_link_fraction()},
+    facts_of_run["tracks"] = {{"alpha", number(t.alpha)},
+                              {"beta", number(t.beta)},
+                              {"jsc", number(t.jaccard_points)},
+                              {"jsc_theta", number(t.jaccard_tracks)},
+                              {"correct_links", number(t.correct_link_fraction())},
                               {"links", t.links},
                               {"switches", t.switches},
                               {"fragments", t.fragments},

@@ -8,15 +8,17 @@
 
 #include "core/support/random.h"
 #include "tests/support/layer_frames.h"
+#include "tests/support/position_score.h"
 #include "tracking/calibrate/calibration.h"
 #include "tracking/point_grid.h"
 #include "tracking/score/position_bounds.h"
-#include "tracking/score/position_score.h"
 
 namespace grainfield::tracking {
 namespace {
 
 using testing::LayerScene;
+using testing::PositionScore;
+using testing::score_positions;
 
 Located located(const Image& frame, int threads = 2) {
     RunPlan plan;

@@ -10,7 +10,7 @@
 #include "core/support/random.h"
 #include "tests/support/layer_frames.h"
 #include "tests/support/memory_frames.h"
-#include "tracking/score/position_score.h"
+#include "tests/support/position_score.h"
 #include "tracking/score/track_scores.h"
 #include "tracking/tracker.h"
 
@@ -20,6 +20,7 @@ namespace {
 using testing::Collect;
 using testing::LayerScene;
 using testing::MemoryFrames;
+using testing::score_positions;
 
 constexpr int kSide = 300;
 constexpr double kDiameter = 12;

@@ -9,7 +9,7 @@
 #include "tracking/calibrate/calibration.h"
 #include "tracking/calibrate/edge_fit.h"
 #include "tracking/refine/disc_kernel.h"
-#include "tracking/score/position_score.h"
+#include "tracking/score/match_positions.h"
 
 namespace grainfield::tracking {
 namespace {

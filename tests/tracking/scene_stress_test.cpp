@@ -11,8 +11,8 @@
 #include "core/support/random.h"
 #include "tests/support/layer_frames.h"
 #include "tests/support/memory_frames.h"
+#include "tests/support/position_score.h"
 #include "tracking/score/position_bounds.h"
-#include "tracking/score/position_score.h"
 #include "tracking/tracker.h"
 
 namespace grainfield::tracking {
@@ -21,6 +21,8 @@ namespace {
 using testing::Collect;
 using testing::LayerScene;
 using testing::MemoryFrames;
+using testing::PositionScore;
+using testing::score_positions;
 
 struct Tracked {
     std::vector<Snapshot> snapshots;

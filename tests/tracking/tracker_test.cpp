@@ -11,13 +11,14 @@
 #include "core/errors.h"
 #include "tests/support/layer_frames.h"
 #include "tests/support/memory_frames.h"
-#include "tracking/score/position_score.h"
+#include "tests/support/position_score.h"
 
 namespace grainfield::tracking {
 namespace {
 
 using testing::Collect;
 using testing::MemoryFrames;
+using testing::score_positions;
 
 struct Movie {
     std::vector<Frame> frames;

@@ -10,22 +10,14 @@
 
 #include "core/errors.h"
 #include "tracking/point_grid.h"
-#include "tracking/score/position_score.h"
+#include "tracking/score/match_positions.h"
+#include "tracking/score/share.h"
 
 namespace grainfield::tracking {
 
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
-double ratio(double part, double whole) {
-    return whole > 0 ? part / whole : kNone;
-}
-
-template <class Integer>
-double ratio(Integer part, Integer whole) {
-    return ratio(static_cast<double>(part), static_cast<double>(whole));
-}
 
 /// The index of the point nearest to p; −1 if there are none.
 int nearest_point(const std::vector<Vec2>& points, const PointGrid& grid, double range, Vec2 p) {
@@ -61,41 +53,41 @@ void require_columns(const TruthFrame& truth, const std::vector<Vec2>& found,
 }  // namespace
 
 double ClassScore::recall() const {
-    return ratio(matched, matched + missed);
+    return share(matched, matched + missed);
 }
 
 double ClassScore::precision() const {
-    return ratio(matched, matched + spurious);
+    return share(matched, matched + spurious);
 }
 
 double ClassScore::jaccard() const {
-    return ratio(matched, matched + missed + spurious);
+    return share(matched, matched + missed + spurious);
 }
 
 Vec2 ClassScore::bias() const {
     const auto n = static_cast<double>(matched);
-    return {ratio(error_sum.x, n), ratio(error_sum.y, n)};
+    return {share(error_sum.x, n), share(error_sum.y, n)};
 }
 
 Vec2 ClassScore::rmse() const {
     const auto n = static_cast<double>(matched);
-    return {std::sqrt(ratio(square_sum.x, n)), std::sqrt(ratio(square_sum.y, n))};
+    return {std::sqrt(share(square_sum.x, n)), std::sqrt(share(square_sum.y, n))};
 }
 
 double ClassScore::rmse_per_axis() const {
-    return std::sqrt(ratio(square_sum.x + square_sum.y, 2 * static_cast<double>(matched)));
+    return std::sqrt(share(square_sum.x + square_sum.y, 2 * static_cast<double>(matched)));
 }
 
 double ClassScore::bound() const {
-    return std::sqrt(ratio(bound_squares, 2 * static_cast<double>(resolved)));
+    return std::sqrt(share(bound_squares, 2 * static_cast<double>(resolved)));
 }
 
 double ClassScore::bound_ratio() const {
-    return std::sqrt(ratio(resolved_squares, bound_squares));
+    return std::sqrt(share(resolved_squares, bound_squares));
 }
 
 double ClassScore::pull_rms() const {
-    return std::sqrt(ratio(pull_squares, static_cast<double>(pulls)));
+    return std::sqrt(share(pull_squares, static_cast<double>(pulls)));
 }
 
 DetectionScores::DetectionScores(std::vector<std::string> classes, double gate) : gate_(gate) {

@@ -2,19 +2,14 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <limits>
 #include <numeric>
 
 #include "tracking/point_grid.h"
+#include "tracking/score/share.h"
 
 namespace grainfield::tracking {
 
 namespace {
-
-double share(std::int64_t part, std::int64_t whole) {
-    if (whole == 0) return std::numeric_limits<double>::quiet_NaN();
-    return static_cast<double>(part) / static_cast<double>(whole);
-}
 
 /// The representative of each particle's cluster.
 std::vector<std::uint32_t> clusters(const std::vector<Vec2>& points, double contact) {

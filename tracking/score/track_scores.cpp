@@ -7,7 +7,8 @@
 
 #include "tracking/link/assignment.h"
 #include "tracking/point_grid.h"
-#include "tracking/score/position_score.h"
+#include "tracking/score/match_positions.h"
+#include "tracking/score/share.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -109,6 +110,10 @@ void count_identities(const std::vector<IdentifiedFrame>& found, const Numbering
 
 }  // namespace
 
+double TrackScores::correct_link_fraction() const {
+    return share(links - switches, links);
+}
+
 TrackScores score_tracks(const std::vector<IdentifiedFrame>& found,
                          const std::vector<IdentifiedFrame>& truth, double epsilon) {
     const Numbering y(found);
@@ -144,13 +149,12 @@ TrackScores score_tracks(const std::vector<IdentifiedFrame>& found,
     }
     const double nothing = epsilon * x.points();
     const double spurious = epsilon * (y.points() - paired_points);
-    const auto ratio = [](double a, double b) { return b > 0 ? a / b : 1.0; };
     TrackScores scores;
-    scores.alpha = ratio(nothing - distance, nothing);
-    scores.beta = ratio(nothing - distance, nothing + spurious);
-    scores.jaccard_points = ratio(close, x.points() + y.points() - close);
+    scores.alpha = share(nothing - distance, nothing);
+    scores.beta = share(nothing - distance, nothing + spurious);
+    scores.jaccard_points = share(close, x.points() + y.points() - close);
     scores.jaccard_tracks =
-        ratio(paired, static_cast<double>(x.length.size() + y.length.size()) - paired);
+        share(paired, static_cast<double>(x.length.size() + y.length.size()) - paired);
     count_identities(found, y, truth, x, epsilon, scores);
     return scores;
 }

@@ -18,7 +18,8 @@ struct IdentifiedFrame {
 ///
 /// The distance of a true track X and a found one Y is the sum over frames of min(|x − y|, ε), ε
 /// where only one of them exists. Tracks are paired one-to-one so that the sum of distances is
-/// least; a true track may stay alone at the cost of ε a frame.
+/// least; a true track may stay alone at the cost of ε a frame. Shares of nothing have no value
+/// (NaN): α and β without true tracks, the Jaccard indices without any.
 struct TrackScores {
     double alpha = 0;  ///< 1 − d(X, Y)/d(X, ∅): 1 perfect, 0 nothing found
     double beta = 0;   ///< α less what spurious tracks cost: (d₀ − d)/(d₀ + d(Ȳ, ∅))
@@ -29,10 +30,8 @@ struct TrackScores {
     std::int64_t fragments = 0;  ///< of those, after frames in which it existed and was not found
     std::int64_t wrong_links = 0;  ///< steps of a found track from one true particle to another
 
-    /// The share of links under the identity of last time; 1 where there was nothing to link.
-    double correct_link_fraction() const {
-        return links > 0 ? 1 - static_cast<double>(switches) / static_cast<double>(links) : 1.0;
-    }
+    /// The share of links under the identity of last time; NaN where there was nothing to link.
+    double correct_link_fraction() const;
 };
 
 /// Frames are counted by index in both lists; a frame that was not tracked is an empty one.

@@ -6,8 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "pipelines/validate/validation_report.h"
 #include "core/errors.h"
+#include "pipelines/validate/validation_report.h"
 #include "tests/pipelines/validate/validation_samples.h"
 #include "tests/support/scratch_folder.h"
 
@@ -31,7 +31,10 @@ TEST(Validation, ScoresEveryClassOfAFilm) {
     const auto& all = detection.find("all");
     EXPECT_GE(all.recall(), 0.995);
     EXPECT_GE(all.precision(), 0.995);
-    EXPECT_LT(all.rmse_per_axis(), 0.25);
+    // 3.6 times the bound of 0.0076 px: rim and blur of this camera are not the tracker's model. A
+    // tenth above that is ten times what the number of spheres lets an RMS scatter.
+    EXPECT_LT(all.rmse_per_axis(), 1.1 * 3.6 * all.bound());
+    EXPECT_NEAR(all.bound(), 0.0076, 0.0002);
     EXPECT_GT(all.bound_ratio(), 0.9);
     const auto& liquid = detection.find("liquid");
     const auto& crystal = detection.find("crystal");

@@ -8,14 +8,15 @@
 
 #include "core/support/random.h"
 #include "tests/support/layer_frames.h"
+#include "tests/support/position_score.h"
 #include "tests/support/pull.h"
 #include "tracking/calibrate/calibration.h"
-#include "tracking/score/position_score.h"
 
 namespace grainfield::tracking {
 namespace {
 
 using testing::LayerScene;
+using testing::score_positions;
 
 const DiscProfile kDisc{16, 1.2};
 

@@ -1,6 +1,7 @@
 #include "tracking/score/track_scores.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include <gtest/gtest.h>
@@ -105,7 +106,20 @@ TEST(TrackScores, TheCorrectLinkFractionCountsSwitches) {
     found[3].id[0] = 9;
     const TrackScores s = score_tracks(found, two_still(), 4);
     EXPECT_DOUBLE_EQ(s.correct_link_fraction(), 5.0 / 6);
-    EXPECT_EQ(TrackScores{}.correct_link_fraction(), 1);
+}
+
+TEST(TrackScores, OfNothingHaveNoValue) {
+    EXPECT_TRUE(std::isnan(TrackScores{}.correct_link_fraction()));
+    const TrackScores none = score_tracks(Movie(4), Movie(4), 4);
+    for (const double value : {none.alpha, none.beta, none.jaccard_points, none.jaccard_tracks,
+                               none.correct_link_fraction()}) {
+        EXPECT_TRUE(std::isnan(value));
+    }
+    // Found where nothing is: no recall, but a Jaccard index of zero.
+    const TrackScores false_only = score_tracks(two_still(), Movie(4), 4);
+    EXPECT_TRUE(std::isnan(false_only.alpha));
+    EXPECT_EQ(false_only.jaccard_points, 0);
+    EXPECT_EQ(false_only.jaccard_tracks, 0);
 }
 
 /// α by its definition: every pairing of true tracks with found ones or with nobody.
