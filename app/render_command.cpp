@@ -1,6 +1,7 @@
 #include "app/render_command.h"
 
 #include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <cmath>
 
@@ -33,6 +34,17 @@ void explain_inputs(const TrajectoryInfo& info, const Snapshot& first, RunPlan& 
     if (info.time_unit == TimeUnit::frame) {
         plan.warn("the trajectory has no clock: no motion blur; --frame-rate gives one");
     }
+}
+
+std::vector<std::pair<std::string, const io::ImageFormat*>> writable_formats() {
+    std::vector<std::pair<std::string, const io::ImageFormat*>> formats;
+    for (const io::ImageFormat& format : io::image_formats()) {
+        if (format.write == nullptr) continue;
+        std::string name(format.name);
+        for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+        formats.emplace_back(name, &format);
+    }
+    return formats;
 }
 
 }  // namespace
@@ -68,9 +80,7 @@ std::vector<OptionTable> RenderCommand::options() {
     own.text("output", output_, "FILE.avi or FILE.mkv, else a folder for pictures");
     own.text("truth", truth_, "trajectory file for the true positions in pixels");
     own.integer("most-frames", most_frames_, "-", {0, 1e12}, "render no more than these, 0: all");
-    own.choice("format", format_,
-               {{"tiff", io::PictureFormat::tiff}, {"png", io::PictureFormat::png}},
-               "of pictures in a folder");
+    own.choice("format", format_, writable_formats(), "of pictures in a folder");
     std::vector<OptionTable> tables{own};
     for (OptionTable& table : simulate::describe(render_)) tables.push_back(std::move(table));
     return tables;

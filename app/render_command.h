@@ -8,8 +8,8 @@
 
 #include "app/command.h"
 #include "core/trajectory.h"
+#include "io/frame_files.h"
 #include "io/h5/trajectory_file.h"
-#include "io/images/frame_writer.h"
 #include "simulate/render/renderer.h"
 #include "simulate/render/sampling_check.h"
 
@@ -44,7 +44,7 @@ class RenderCommand : public Command {
     std::string output_;
     std::string truth_;
     std::int64_t most_frames_ = 0;
-    io::PictureFormat format_ = io::PictureFormat::tiff;
+    const io::ImageFormat* format_ = io::find_image_format_named("TIFF");
     simulate::RenderOptions render_;
 };
 

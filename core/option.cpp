@@ -141,8 +141,8 @@ std::string Option::domain_text() const {
     std::string text;
     if (kind == OptionKind::choice) text = words_for(*this) + joined(choices, may_be_auto);
     if (!unit.empty()) text = "[" + unit + "]";
-    if (const std::string range = range_text(*this); !range.empty()) {
-        text += (text.empty() ? "" : " ") + range;
+    if (const std::string limits = range_text(*this); !limits.empty()) {
+        text += (text.empty() ? "" : " ") + limits;
     }
     if (kind == OptionKind::flag && default_value == OptionValue(false)) return text;
     const std::string shown = to_text(default_value);

@@ -6,7 +6,6 @@
 #include <type_traits>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "core/errors.h"
 
@@ -83,7 +82,16 @@ std::vector<Element> require_list(const Option& option, const OptionValue& value
 
 template <class Element>
 OptionValue list_text(const std::vector<Element>& elements) {
-    return fmt::format("{}", fmt::join(elements, ","));
+    std::string text;
+    for (const Element& element : elements) {
+        if (!text.empty()) text += ',';
+        if constexpr (std::is_same_v<Element, std::string>) {
+            text += element;
+        } else {
+            text += fmt::format("{}", element);
+        }
+    }
+    return text;
 }
 
 Option make_row(std::string name, std::string unit, Range range, std::string meaning,
@@ -273,12 +281,16 @@ const Option* OptionTable::find(std::string_view name) const {
 void OptionTable::set(std::string_view name, const OptionValue& value) const {
     if (const Option* option = find(name)) return option->set(value);
     std::vector<std::string> names;
-    for (const Option& row : rows_) names.push_back(row.name);
+    std::string known;
+    for (const Option& row : rows_) {
+        names.push_back(row.name);
+        known += (known.empty() ? "" : ", ") + row.name;
+    }
     const std::string nearest = nearest_name(name, names);
     throw OptionError(
         {.problem = fmt::format("'{}' has no option '{}'", section_, name),
          .actual = {},
-         .expected = fmt::format("one of {}", fmt::join(names, ", ")),
+         .expected = "one of " + known,
          .suggestion = nearest.empty() ? "" : fmt::format("did you mean '{}'?", nearest)});
 }
 

@@ -1,21 +1,22 @@
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <optional>
+#include <span>
 #include <vector>
 
 #include "core/frame_source.h"
+#include "io/frame_file_options.h"
+#include "io/frame_writer.h"
+#include "io/images/image_formats.h"
+#include "io/output_file.h"
 
 namespace grainfield::io {
 
-struct FrameFileOptions {
-    std::optional<double> fps;              ///< [1/s]; gives or overrides the frame rate
-    std::int64_t max_pixels = 200'000'000;  ///< [px] larger frames are refused before allocating
-};
-
 /// Opens camera frames: one image, a list of images, one multi-page TIFF, or one video.
+///
+/// What no image format of `formats` recognises is opened as a video. The formats must outlive the
+/// frames.
 ///
 /// Pixels keep the counts of the file: 8 to 16 bit, bit-exact where the file is lossless; of YUV
 /// the Y plane, of RGB the luma (299 R + 587 G + 114 B) / 1000; alpha is dropped. Lists are put in
@@ -29,6 +30,20 @@ struct FrameFileOptions {
 /// it, with the frame number, when size or bit depth change. Throws OptionError unless fps is a
 /// finite positive number and max_pixels at least 1.
 std::unique_ptr<FrameSource> open_frames(const std::vector<std::filesystem::path>& inputs,
-                                         const FrameFileOptions& options);
+                                         const FrameFileOptions& options,
+                                         std::span<const ImageFormat> formats = image_formats());
+
+/// True for names ending in .avi or .mkv.
+bool is_video_name(const std::filesystem::path& path);
+
+/// A video (FFV1 version 3, lossless, with a checksum a slice; gray, gray10, gray12 or gray16)
+/// where the name says so; else a folder, made if absent, of pictures frame-000000.tif numbered by
+/// Frame::index, each appearing under its name when complete. Same frames → same bytes.
+///
+/// Throws OptionError if a video has no frame rate, OutputError as OutputFile does, or if an
+/// existing folder holds frames already and Overwrite is refuse.
+std::unique_ptr<FrameWriter> make_frame_writer(const std::filesystem::path& path,
+                                               const FrameWriterOptions& options,
+                                               Overwrite overwrite);
 
 }  // namespace grainfield::io

@@ -11,17 +11,15 @@
 
 #include <fmt/format.h>
 
+#include "io/detail/libav.h"
 #include "io/input_file.h"
-#include "io/video/libav.h"
 
 namespace grainfield::io {
 
 namespace {
 
-AVCodecID codec_of(ImageKind kind, char pnm_digit) {
-    if (kind == ImageKind::jpeg) return AV_CODEC_ID_MJPEG;
-    if (kind == ImageKind::bmp) return AV_CODEC_ID_BMP;
-    switch (pnm_digit) {
+AVCodecID pnm_codec(std::string_view content) {
+    switch (content.size() > 1 ? content[1] : '5') {
         case '1':
         case '4':
             return AV_CODEC_ID_PBM;
@@ -89,18 +87,17 @@ LibavPointer<AVPacket> make_packet(std::string_view content) {
     return packet;
 }
 
-}  // namespace
-
-Picture read_coded_image(const std::filesystem::path& path, ImageKind kind,
-                         std::int64_t max_pixels) {
+std::string coded_content(const std::filesystem::path& path) {
     require_input_file(path);
-    const std::string content = read_content(path, std::size_t{1} << 30U);
-    if (kind == ImageKind::jpeg) require_end_marker(path, content);
+    return read_content(path, std::size_t{1} << 30U);
+}
 
+Picture decode(const std::filesystem::path& path, std::string_view content, AVCodecID codec,
+               std::int64_t max_pixels) {
     const std::unique_ptr<AVCodecParameters, ParametersDeleter> parameters(
         avcodec_parameters_alloc());
     parameters->codec_type = AVMEDIA_TYPE_VIDEO;
-    parameters->codec_id = codec_of(kind, content.size() > 1 ? content[1] : '5');
+    parameters->codec_id = codec;
     LibavLog log;
     const auto decoder = open_decoder(*parameters, log, max_pixels);
     const auto packet = make_packet(content);
@@ -115,9 +112,53 @@ Picture read_coded_image(const std::filesystem::path& path, ImageKind kind,
     if (code < 0 || !message.empty() || (frame->flags & AV_FRAME_FLAG_CORRUPT) != 0) {
         throw CorruptPicture(path, message.empty() ? libav_error(code) : message);
     }
-    Picture picture = to_grey(path, *frame);
-    if (kind == ImageKind::pnm) restore_counts(content, picture);
+    return to_grey(path, *frame);
+}
+
+bool is_jpeg(std::string_view head) {
+    return head.starts_with("\xff\xd8\xff");
+}
+
+Picture read_jpeg(const std::filesystem::path& path, std::int64_t max_pixels) {
+    const std::string content = coded_content(path);
+    require_end_marker(path, content);
+    return decode(path, content, AV_CODEC_ID_MJPEG, max_pixels);
+}
+
+// The two reserved words of a BMP header are zero: "BM" alone would match text.
+bool is_bmp(std::string_view head) {
+    using namespace std::string_view_literals;
+    return head.starts_with("BM") && head.size() >= 10 && head.substr(6, 4) == "\0\0\0\0"sv;
+}
+
+Picture read_bmp(const std::filesystem::path& path, std::int64_t max_pixels) {
+    return decode(path, coded_content(path), AV_CODEC_ID_BMP, max_pixels);
+}
+
+bool is_pnm(std::string_view head) {
+    return head.size() >= 3 && head[0] == 'P' && head[1] >= '1' && head[1] <= '6' &&
+           std::string_view(" \t\r\n").find(head[2]) != std::string_view::npos;
+}
+
+Picture read_pnm(const std::filesystem::path& path, std::int64_t max_pixels) {
+    const std::string content = coded_content(path);
+    Picture picture = decode(path, content, pnm_codec(content), max_pixels);
+    restore_counts(content, picture);
     return picture;
+}
+
+}  // namespace
+
+ImageFormat jpeg_format() {
+    return {.name = "JPEG", .recognises = is_jpeg, .read = read_jpeg};
+}
+
+ImageFormat bmp_format() {
+    return {.name = "BMP", .recognises = is_bmp, .read = read_bmp};
+}
+
+ImageFormat pnm_format() {
+    return {.name = "PNM", .recognises = is_pnm, .read = read_pnm};
 }
 
 }  // namespace grainfield::io

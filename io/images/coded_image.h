@@ -1,16 +1,16 @@
 #pragma once
 
-#include <cstdint>
-#include <filesystem>
-
-#include "io/images/image_sequence.h"
-#include "io/images/picture.h"
+#include "io/images/image_format.h"
 
 namespace grainfield::io {
 
-/// Decodes a JPEG, BMP or PNM file through libavcodec; JPEG gives its luma plane. Throws
-/// CorruptPicture for damaged or cut files, InputError above `max_pixels`. Thread-safe.
-Picture read_coded_image(const std::filesystem::path& path, ImageKind kind,
-                         std::int64_t max_pixels);
+/// JPEG through libavcodec: its luma plane.
+ImageFormat jpeg_format();
+
+/// BMP through libavcodec.
+ImageFormat bmp_format();
+
+/// PBM, PGM and PPM through libavcodec, with the counts of the file: exact up to 14 bit.
+ImageFormat pnm_format();
 
 }  // namespace grainfield::io

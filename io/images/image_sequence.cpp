@@ -5,43 +5,33 @@
 
 #include <fmt/format.h>
 
-#include "io/images/coded_image.h"
 #include "io/images/file_numbering.h"
-#include "io/input_file.h"
+#include "io/images/image_formats.h"
 #include "io/images/picture.h"
-#include "io/images/png_image.h"
-#include "io/images/tiff_frames.h"
+#include "io/input_file.h"
 
 namespace grainfield::io {
 
 namespace {
 
-Picture read_image(const std::filesystem::path& path, std::int64_t max_pixels) {
+Picture read_image(const std::filesystem::path& path, std::int64_t max_pixels,
+                   std::span<const ImageFormat> formats) {
     require_input_file(path);
-    const std::string head = read_head(path, 16);
-    const ImageKind kind = identify_image(head);
-    switch (kind) {
-        case ImageKind::png:
-            return read_png(path, max_pixels);
-        case ImageKind::tiff:
-            return read_tiff(path, max_pixels);
-        case ImageKind::jpeg:
-        case ImageKind::bmp:
-        case ImageKind::pnm:
-            return read_coded_image(path, kind, max_pixels);
-        case ImageKind::none:
-            break;
+    const std::string head = read_head(path, bytes_to_recognise);
+    if (const ImageFormat* format = find_image_format(head, formats)) {
+        return format->read(path, max_pixels);
     }
     throw InputError({.problem = fmt::format("'{}' is not an image", path.string()),
                       .actual = fmt::format("it starts with '{}'", printable(head)),
-                      .expected = "PNG, TIFF, JPEG, BMP or PNM, like the other files of the list",
+                      .expected = names_of(formats) + ", like the other files of the list",
                       .suggestion = "leave it out"});
 }
 
 class ImageSequence : public FrameSource {
  public:
-    ImageSequence(std::vector<std::filesystem::path> files, const FrameFileOptions& options)
-        : options_(options) {
+    ImageSequence(std::vector<std::filesystem::path> files, const FrameFileOptions& options,
+                  std::span<const ImageFormat> formats)
+        : options_(options), formats_(formats) {
         for (const auto& file : files) require_input_file(file);
         given_ = files.size();
         auto [numbered, missing, warnings] = number_files(std::move(files));
@@ -78,7 +68,7 @@ class ImageSequence : public FrameSource {
             return frame;
         }
         try {
-            Picture picture = read_image(file, options_.max_pixels);
+            Picture picture = read_image(file, options_.max_pixels, formats_);
             require_same_shape(file, index, picture.shape(), shape_);
             frame.image = std::move(picture.image);
         } catch (const CorruptPicture& damage) {
@@ -109,7 +99,7 @@ class ImageSequence : public FrameSource {
         for (const auto& file : files_) {
             if (file.empty()) continue;
             try {
-                shape_ = read_image(file, options_.max_pixels).shape();
+                shape_ = read_image(file, options_.max_pixels, formats_).shape();
                 return;
             } catch (const CorruptPicture& damage) {
                 if (!first_damage) first_damage = damage;
@@ -119,6 +109,7 @@ class ImageSequence : public FrameSource {
     }
 
     FrameFileOptions options_;
+    std::span<const ImageFormat> formats_;
     std::size_t given_ = 0;
     std::vector<std::filesystem::path> files_;
     std::vector<std::filesystem::path> missing_names_;
@@ -128,27 +119,10 @@ class ImageSequence : public FrameSource {
 
 }  // namespace
 
-ImageKind identify_image(std::string_view head) {
-    using namespace std::string_view_literals;
-    if (head.starts_with("\x89PNG\r\n\x1a\n"sv)) return ImageKind::png;
-    for (const auto magic : {"II*\0"sv, "MM\0*"sv, "II+\0"sv, "MM\0+"sv}) {
-        if (head.starts_with(magic)) return ImageKind::tiff;
-    }
-    if (head.starts_with("\xff\xd8\xff"sv)) return ImageKind::jpeg;
-    // The two reserved words of a BMP header are zero: "BM" alone would match text.
-    if (head.starts_with("BM"sv) && head.size() >= 10 && head.substr(6, 4) == "\0\0\0\0"sv) {
-        return ImageKind::bmp;
-    }
-    if (head.size() >= 3 && head[0] == 'P' && head[1] >= '1' && head[1] <= '6' &&
-        " \t\r\n"sv.find(head[2]) != std::string_view::npos) {
-        return ImageKind::pnm;
-    }
-    return ImageKind::none;
-}
-
 std::unique_ptr<FrameSource> open_image_sequence(std::vector<std::filesystem::path> files,
-                                                 const FrameFileOptions& options) {
-    return std::make_unique<ImageSequence>(std::move(files), options);
+                                                 const FrameFileOptions& options,
+                                                 std::span<const ImageFormat> formats) {
+    return std::make_unique<ImageSequence>(std::move(files), options, formats);
 }
 
 }  // namespace grainfield::io

@@ -2,21 +2,18 @@
 
 #include <filesystem>
 #include <memory>
-#include <string_view>
+#include <span>
 #include <vector>
 
 #include "core/frame_source.h"
-#include "io/frame_files.h"
+#include "io/frame_file_options.h"
+#include "io/images/image_format.h"
 
 namespace grainfield::io {
 
-enum class ImageKind { png, tiff, jpeg, bmp, pnm, none };
-
-/// What the first bytes of a file say that it is.
-ImageKind identify_image(std::string_view head);
-
-/// Image files as frames, one each, in natural order; see open_frames.
+/// Image files as frames, one each, in natural order; see open_frames. `formats` must outlive it.
 std::unique_ptr<FrameSource> open_image_sequence(std::vector<std::filesystem::path> files,
-                                                 const FrameFileOptions& options);
+                                                 const FrameFileOptions& options,
+                                                 std::span<const ImageFormat> formats);
 
 }  // namespace grainfield::io

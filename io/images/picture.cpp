@@ -45,4 +45,11 @@ void require_frame_index(std::int64_t index, std::int64_t count, const std::stri
                        .suggestion = {}});
 }
 
+void fail_to_write(const std::filesystem::path& path, const std::string& reason) {
+    throw OutputError({.problem = fmt::format("cannot write '{}'", path.string()),
+                       .actual = reason,
+                       .expected = {},
+                       .suggestion = "check the free space and quota of that disk"});
+}
+
 }  // namespace grainfield::io

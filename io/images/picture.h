@@ -52,6 +52,9 @@ void require_pixel_count(const std::filesystem::path& path, std::int64_t width, 
 void require_same_shape(const std::filesystem::path& path, std::int64_t frame,
                         const PictureShape& found, const PictureShape& expected);
 
+/// Throws OutputError.
+[[noreturn]] void fail_to_write(const std::filesystem::path& path, const std::string& reason);
+
 /// Throws OptionError unless 0 ≤ index < count.
 void require_frame_index(std::int64_t index, std::int64_t count, const std::string& source);
 

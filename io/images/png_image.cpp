@@ -101,6 +101,23 @@ void convert_row(const png_byte* bytes, int channels, int width, float* out) {
     }
 }
 
+bool is_png(std::string_view head) {
+    return head.starts_with("\x89PNG\r\n\x1a\n");
+}
+
+void write_png(const std::filesystem::path& path, std::span<const std::uint8_t> counts,
+               const PictureShape& shape) {
+    png_image header{};
+    header.version = PNG_IMAGE_VERSION;
+    header.width = static_cast<png_uint_32>(shape.width);
+    header.height = static_cast<png_uint_32>(shape.height);
+    header.format = shape.bit_depth > 8 ? PNG_FORMAT_LINEAR_Y : PNG_FORMAT_GRAY;
+    header.flags = PNG_IMAGE_FLAG_FAST;
+    if (png_image_write_to_file(&header, path.c_str(), 0, counts.data(), 0, nullptr) == 0) {
+        fail_to_write(path, header.message);
+    }
+}
+
 }  // namespace
 
 Picture read_png(const std::filesystem::path& path, std::int64_t max_pixels) {
@@ -129,6 +146,14 @@ Picture read_png(const std::filesystem::path& path, std::int64_t max_pixels) {
         convert(reader.rows[y], reader.channels, picture.image.width(), out);
     }
     return picture;
+}
+
+ImageFormat png_format() {
+    return {.name = "PNG",
+            .recognises = is_png,
+            .read = read_png,
+            .extension = "png",
+            .write = write_png};
 }
 
 }  // namespace grainfield::io

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "io/images/picture.h"
+#include "io/images/image_format.h"
 
 namespace grainfield::io {
 
@@ -11,5 +11,8 @@ namespace grainfield::io {
 /// the pixel data is verified. Throws CorruptPicture for damaged or cut files, InputError above
 /// `max_pixels`. Thread-safe.
 Picture read_png(const std::filesystem::path& path, std::int64_t max_pixels);
+
+/// PNG; written as grey of 8 or 16 bit.
+ImageFormat png_format();
 
 }  // namespace grainfield::io

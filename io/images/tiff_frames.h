@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "core/frame_source.h"
-#include "io/frame_files.h"
+#include "io/frame_file_options.h"
 #include "io/images/picture.h"
 
 namespace grainfield::io {

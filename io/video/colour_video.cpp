@@ -12,7 +12,7 @@ extern "C" {
 }
 
 #include "core/errors.h"
-#include "io/video/video_encoder.h"
+#include "io/video/detail/video_encoder.h"
 
 namespace grainfield::io {
 

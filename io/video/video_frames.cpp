@@ -11,8 +11,8 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
-#include "io/video/frame_decoder.h"
-#include "io/video/packet_index.h"
+#include "io/video/detail/frame_decoder.h"
+#include "io/video/detail/packet_index.h"
 
 namespace grainfield::io {
 

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "core/frame_source.h"
-#include "io/frame_files.h"
+#include "io/frame_file_options.h"
 
 namespace grainfield::io {
 

@@ -30,7 +30,7 @@ TEST(CodedImage, OfPgmKeepsItsCountsAtAnyMaximum) {
     const testing::ScratchFolder folder;
     for (const int depth : {8, 10, 12, 14, 16}) {
         write_content(folder / "x.pgm", pgm(151, 127, (1 << depth) - 1));
-        const Picture picture = read_coded_image(folder / "x.pgm", ImageKind::pnm, cap);
+        const Picture picture = pnm_format().read(folder / "x.pgm", cap);
         EXPECT_EQ(picture.bit_depth, depth);
         EXPECT_TRUE(holds_counts(picture.image, 151, 127, depth)) << depth;
     }
@@ -41,7 +41,7 @@ TEST(CodedImage, CutAnywhereIsRefused) {
     const std::string whole = pgm(20, 10, 255);
     for (std::size_t n = 3; n < whole.size(); n += 5) {
         write_content(folder / "x.pgm", whole.substr(0, n));
-        EXPECT_THROW(read_coded_image(folder / "x.pgm", ImageKind::pnm, cap), InputError) << n;
+        EXPECT_THROW(pnm_format().read(folder / "x.pgm", cap), InputError) << n;
     }
 }
 
@@ -52,18 +52,19 @@ TEST(CodedImage, OfBmpAndJpegAreTheSamePictureAsTheirSource) {
                 folder / "x.jpg")) {
         GTEST_SKIP() << "no ffmpeg program";
     }
-    const Picture bmp = read_coded_image(folder / "x.bmp", ImageKind::bmp, cap);
+    const Picture bmp = bmp_format().read(folder / "x.bmp", cap);
     EXPECT_TRUE(holds_counts(bmp.image, 64, 48, 8));
-    const Picture jpeg = read_coded_image(folder / "x.jpg", ImageKind::jpeg, cap);
+    const Picture jpeg = jpeg_format().read(folder / "x.jpg", cap);
     ASSERT_EQ(jpeg.shape(), bmp.shape());
 
     for (const char* name : {"x.bmp", "x.jpg"}) {
         const std::string whole = content_of(folder / name);
-        const ImageKind kind = identify_image(whole);
-        EXPECT_THROW(read_coded_image(folder / name, kind, 64 * 48 - 1), InputError);
+        const ImageFormat format = name == std::string("x.bmp") ? bmp_format() : jpeg_format();
+        EXPECT_TRUE(format.recognises(whole)) << name;
+        EXPECT_THROW(format.read(folder / name, 64 * 48 - 1), InputError);
         for (std::size_t n = 12; n + 3 < whole.size(); n += 1 + whole.size() / 50) {
             write_content(folder / "cut", whole.substr(0, n));
-            EXPECT_THROW(read_coded_image(folder / "cut", kind, cap), InputError) << name << n;
+            EXPECT_THROW(format.read(folder / "cut", cap), InputError) << name << n;
         }
     }
 }

@@ -1,4 +1,4 @@
-#include "io/video/frame_writer_video.h"
+#include "io/video/lossless_video.h"
 
 #include <cmath>
 #include <cstring>
@@ -12,7 +12,7 @@ extern "C" {
 }
 
 #include "core/errors.h"
-#include "io/video/video_encoder.h"
+#include "io/video/detail/video_encoder.h"
 
 namespace grainfield::io {
 
@@ -80,7 +80,7 @@ std::unique_ptr<FrameWriter> make_video_writer(const fs::path& path,
         throw OptionError({.problem = fmt::format("'{}' needs a frame rate", path.string()),
                            .actual = "none is known",
                            .expected = {},
-                           .suggestion = "give --frame-rate, or write pictures into a folder"});
+                           .suggestion = "give a frame rate, or write pictures into a folder"});
     }
     return std::make_unique<VideoWriter>(path, options, overwrite);
 }

@@ -1,4 +1,4 @@
-#include "io/video/libav.h"
+#include "io/detail/libav.h"
 
 #include <algorithm>
 #include <array>

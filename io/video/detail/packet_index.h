@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "io/video/libav.h"
+#include "io/detail/libav.h"
 
 namespace grainfield::io {
 

@@ -1,4 +1,4 @@
-#include "io/images/frame_writer.h"
+#include "io/frame_writer.h"
 
 #include <filesystem>
 #include <fstream>
@@ -58,7 +58,8 @@ TEST(FrameWriter, VideosGiveBackEveryCountAndTheFrameRate) {
 }
 
 TEST(FrameWriter, PicturesGiveBackEveryCountAndKeepTheirNumbers) {
-    for (const PictureFormat format : {PictureFormat::tiff, PictureFormat::png}) {
+    for (const char* name : {"TIFF", "PNG"}) {
+        const ImageFormat* format = find_image_format_named(name);
         for (const int bits : {8, 12, 16}) {
             const testing::ScratchFolder folder;
             const auto writer = make_frame_writer(

@@ -5,7 +5,7 @@
 #include <functional>
 #include <memory>
 
-#include "io/video/libav.h"
+#include "io/detail/libav.h"
 #include "io/output_file.h"
 
 namespace grainfield::io {

@@ -1,4 +1,4 @@
-#include "io/video/frame_decoder.h"
+#include "io/video/detail/frame_decoder.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "io/video/video_encoder.h"
+#include "io/video/detail/video_encoder.h"
 
 #include <new>
 #include <string>

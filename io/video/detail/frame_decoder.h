@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "io/video/libav.h"
-#include "io/video/packet_index.h"
+#include "io/detail/libav.h"
 #include "io/images/picture.h"
+#include "io/video/detail/packet_index.h"
 
 namespace grainfield::io {
 

@@ -1,4 +1,4 @@
-#include "io/video/packet_index.h"
+#include "io/video/detail/packet_index.h"
 
 #include <limits>
 
