@@ -9,12 +9,12 @@
 
 #include <fmt/format.h>
 
-#include "analysis/order/bond_statistics.h"
-#include "analysis/spectra/listed_modes.h"
 #include "analysis/observable_set.h"
+#include "analysis/order/bond_statistics.h"
 #include "analysis/order/order_correlation.h"
 #include "analysis/order/order_examples.h"
 #include "analysis/order/solid_clusters.h"
+#include "analysis/spectra/listed_modes.h"
 #include "core/errors.h"
 #include "core/support/interrupt.h"
 #include "core/support/parallel.h"
@@ -459,19 +459,6 @@ std::vector<ObservableResult> analyze(SnapshotSource& source, const AnalysisOpti
         plan.warn(fmt::format("{} positions that are not finite were left out", run.dropped()));
     }
     return run.results();
-}
-
-std::vector<double> abs_q4(const Snapshot& snapshot, double diameter,
-                           const BondOrderOptions& options) {
-    std::vector<double> result(snapshot.size(), std::numeric_limits<double>::quiet_NaN());
-    const BondOrderField field = bond_order(pattern_of(snapshot, diameter), options);
-    std::size_t next = 0;
-    for (std::size_t i = 0; i < snapshot.size(); ++i) {
-        const Vec2 p = snapshot.position[i];
-        if (!is_finite({p.x / diameter, p.y / diameter})) continue;
-        result[i] = std::abs(field.q[next++]);
-    }
-    return result;
 }
 
 }  // namespace grainfield::analysis

@@ -3,17 +3,17 @@
 #include <string>
 #include <vector>
 
-#include "analysis/order/bond_order.h"
-#include "analysis/motion/displacement.h"
-#include "analysis/statistics/fit_result.h"
 #include "analysis/density/number_variance.h"
-#include "analysis/spectra/order_structure_factor.h"
-#include "analysis/order/phase.h"
-#include "analysis/spectra/structure_factor.h"
 #include "analysis/density/synthetic_result.h"
-#include "core/support/progress.h"
+#include "analysis/motion/displacement.h"
+#include "analysis/order/bond_order.h"
+#include "analysis/order/phase.h"
+#include "analysis/spectra/fit_result.h"
+#include "analysis/spectra/order_structure_factor.h"
+#include "analysis/spectra/structure_factor.h"
 #include "core/results.h"
 #include "core/run_plan.h"
+#include "core/support/progress.h"
 #include "core/trajectory.h"
 
 namespace grainfield::analysis {
@@ -51,10 +51,5 @@ void plan_analysis(SnapshotSource& source, const AnalysisOptions& options, RunPl
 /// box that changes), Interrupted.
 std::vector<ObservableResult> analyze(SnapshotSource& source, const AnalysisOptions& options,
                                       int threads, RunPlan& plan, Progress& progress);
-
-/// |Q_k| of each particle of one snapshot, NaN where it is undefined (no neighbour, or a position
-/// that is not finite). `diameter` [length unit of the snapshot].
-std::vector<double> abs_q4(const Snapshot& snapshot, double diameter,
-                           const BondOrderOptions& options);
 
 }  // namespace grainfield::analysis

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "analysis/statistics/fit_result.h"
+#include "analysis/spectra/fit_result.h"
 #include "app/interrupt_deadline.h"
 #include "core/errors.h"
 #include "core/support/interrupt.h"

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "analysis/analysis.h"
+#include "analysis/order/bond_order.h"
 #include "core/errors.h"
 #include "core/frame_source.h"
 #include "core/support/interrupt.h"

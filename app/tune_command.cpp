@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "analysis/analysis.h"
+#include "analysis/order/bond_order.h"
 #include "app/figures_folder.h"
 #include "app/interrupt_deadline.h"
 #include "core/errors.h"

@@ -23,13 +23,13 @@ namespace grainfield::app {
 namespace {
 
 /// A run in memory, without what no renderer looks at.
-class MovingGrains : public pipelines::StoredSnapshots {
+class MovingGrains : public StoredTrajectory {
  public:
     void write(const Snapshot& snapshot) override {
         Snapshot lean = snapshot;
         lean.spin.clear();
         lean.spin.shrink_to_fit();
-        pipelines::StoredSnapshots::write(lean);
+        StoredTrajectory::write(lean);
     }
 };
 

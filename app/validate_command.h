@@ -8,8 +8,8 @@
 
 #include "app/command.h"
 #include "app/figures_folder.h"
+#include "core/stored_trajectory.h"
 #include "pipelines/render/rendered_frames.h"
-#include "pipelines/stored_snapshots.h"
 #include "pipelines/validate/validation.h"
 #include "pipelines/validate/validation_thresholds.h"
 #include "report/report.h"

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "analysis/order/bond_statistics.h"
 #include "core/errors.h"
 #include "core/support/parallel.h"
 
@@ -193,7 +192,7 @@ ObservableResult NumberVariance::result() const {
     ObservableResult result;
     result.name = "variance";
     NumberVarianceOptions options = options_;
-    result.options = recorded(describe(options));
+    result.options = describe(options).values();
     if (added_ == 0) {
         result.reason = "no frames";
         return result;

@@ -11,10 +11,9 @@
 
 #include <fmt/format.h>
 
-#include "analysis/statistics/blocks.h"
-#include "analysis/order/bond_statistics.h"
-#include "analysis/statistics/fit_result.h"
 #include "analysis/density/synthetic_variance.h"
+#include "analysis/spectra/fit_result.h"
+#include "analysis/statistics/blocks.h"
 #include "core/errors.h"
 
 namespace grainfield::analysis {
@@ -201,7 +200,7 @@ ObservableResult synthetic_result(const SyntheticInput& input, const SyntheticOp
     ObservableResult result;
     result.name = "synthetic";
     SyntheticOptions copy = options;
-    result.options = recorded(describe(copy));
+    result.options = describe(copy).values();
     const std::vector<double> sides = sides_of(options, input.side);
     const std::optional<SpectrumModel::Line> line = line_of(input.fit);
     result.reason = input.reason;

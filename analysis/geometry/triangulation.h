@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "analysis/geometry/neighbours.h"
+#include "analysis/geometry/neighbour_list.h"
 #include "core/box.h"
 
 namespace grainfield::analysis {

@@ -8,11 +8,10 @@
 
 #include <fmt/format.h>
 
-#include "analysis/statistics/blocks.h"
-#include "analysis/order/bond_statistics.h"
 #include "analysis/motion/msd_result.h"
 #include "analysis/motion/pair_sums.h"
 #include "analysis/motion/van_hove.h"
+#include "analysis/statistics/blocks.h"
 #include "core/support/parallel.h"
 
 namespace grainfield::analysis {
@@ -285,7 +284,7 @@ ObservableResult Displacement::result(const PhaseHistory* phases) const {
     ObservableResult result;
     result.name = "msd";
     DisplacementOptions options = options_;
-    result.options = recorded(describe(options));
+    result.options = describe(options).values();
     if (frame_.size() < 2) {
         result.reason = frame_.empty() ? "no frames" : "one frame: nothing has moved yet";
         return result;

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "analysis/accumulator.h"
-#include "analysis/pattern.h"
 #include "analysis/order/phase.h"
-#include "analysis/motion/track_index.h"
+#include "analysis/pattern.h"
+#include "analysis/track_index.h"
 #include "core/option_table.h"
 
 namespace grainfield::analysis {

@@ -9,25 +9,12 @@
 #include <fmt/format.h>
 
 #include "analysis/statistics/blocks.h"
-#include "analysis/motion/displacement.h"
 #include "core/errors.h"
 
 namespace grainfield::analysis {
 namespace {
 
 constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
-
-VanHoveGroup sum_of(std::span<const VanHoveGroup> groups, std::size_t without) {
-    VanHoveGroup sum{std::vector<double>(van_hove_bins, 0.0)};
-    for (std::size_t g = 0; g < groups.size(); ++g) {
-        if (g == without) continue;
-        for (std::size_t b = 0; b < van_hove_bins; ++b) sum.counts[b] += groups[g].counts[b];
-        sum.number += groups[g].number;
-        sum.squares += groups[g].squares;
-        sum.fourths += groups[g].fourths;
-    }
-    return sum;
-}
 
 double non_gaussian(const VanHoveGroup& sum) {
     if (!(sum.squares > 0)) return undefined;
@@ -50,6 +37,18 @@ Curve& curve_of(ObservableResult& result) {
 }
 
 }  // namespace
+
+VanHoveGroup pooled(std::span<const VanHoveGroup> groups, std::size_t without) {
+    VanHoveGroup sum{std::vector<double>(van_hove_bins, 0.0)};
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        if (g == without) continue;
+        for (std::size_t b = 0; b < van_hove_bins; ++b) sum.counts[b] += groups[g].counts[b];
+        sum.number += groups[g].number;
+        sum.squares += groups[g].squares;
+        sum.fourths += groups[g].fourths;
+    }
+    return sum;
+}
 
 std::vector<std::int64_t> van_hove_lags(const std::string& list) {
     std::vector<std::int64_t> lags;
@@ -83,7 +82,7 @@ void VanHoveGroup::add(Vec2 d, double width) {
 void add_van_hove_lag(std::span<const VanHoveGroup> groups, double width, std::int64_t lag,
                       double time, ObservableResult& result) {
     const std::size_t none = groups.size();
-    const VanHoveGroup all = sum_of(groups, none);
+    const VanHoveGroup all = pooled(groups, none);
     const std::string name = fmt::format("alpha2_lag_{}", lag);
     if (!(all.number > 0) || !(all.squares > 0)) {
         result.measurements.push_back(missing(
@@ -92,7 +91,7 @@ void add_van_hove_lag(std::span<const VanHoveGroup> groups, double width, std::i
     }
     Curve& curve = curve_of(result);
     std::vector<VanHoveGroup> left;
-    for (std::size_t g = 0; g < groups.size(); ++g) left.push_back(sum_of(groups, g));
+    for (std::size_t g = 0; g < groups.size(); ++g) left.push_back(pooled(groups, g));
     for (std::size_t b = 0; b < van_hove_bins; ++b) {
         // Both signs fall in a bin of |x|.
         const auto density = [&](const VanHoveGroup& sum) {
@@ -119,37 +118,6 @@ void add_van_hove_lag(std::span<const VanHoveGroup> groups, double width, std::i
         m.reason += "; too few particles for an error";
     }
     result.measurements.push_back(std::move(m));
-}
-
-void Displacement::add_van_hove(const Clock& clock, ObservableResult& result) const {
-    for (const std::int64_t frames : van_hove_lags(options_.van_hove)) {
-        const auto lag = static_cast<std::size_t>(frames) * static_cast<std::size_t>(clock.parts);
-        // First the root mean square, which sets the bins.
-        double width = 0;
-        std::vector<VanHoveGroup> sums;
-        for (const bool counts : {false, true}) {
-            sums.assign(groups, VanHoveGroup{std::vector<double>(van_hove_bins, 0.0)});
-            for (const Track& track : tracks_) {
-                const std::size_t group = (identity_hash(track.id) >> 56) % groups;
-                std::size_t later = 0;
-                for (std::size_t i = 0; i < track.step.size(); ++i) {
-                    const std::size_t wanted = clock.slot[track.first + i] + lag;
-                    while (later < track.step.size() && clock.slot[track.first + later] < wanted) {
-                        ++later;
-                    }
-                    if (later == track.step.size()) break;
-                    if (clock.slot[track.first + later] != wanted) continue;
-                    const Vec2 d = track.step[later] - track.step[i];
-                    if (is_finite(d)) sums[group].add(d, counts ? width : 1);
-                }
-            }
-            const VanHoveGroup all = sum_of(sums, groups);
-            if (!counts && all.number > 0) width = 0.2 * std::sqrt(all.squares / all.number);
-            if (!(width > 0)) break;
-        }
-        add_van_hove_lag(sums, width > 0 ? width : 1, frames, lag_times(clock, {lag}).front(),
-                         result);
-    }
 }
 
 }  // namespace grainfield::analysis

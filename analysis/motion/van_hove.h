@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -26,6 +27,9 @@ struct VanHoveGroup {
 
 /// Number of bins of |Δx|; what lies beyond the last is counted in `number` only.
 constexpr std::size_t van_hove_bins = 30;
+
+/// The sum of the groups, all but number `without`.
+VanHoveGroup pooled(std::span<const VanHoveGroup> groups, std::size_t without);
 
 /// Appends the rows of one lag to the curve `van_hove` (x, t as text "lag", g, err) of `result`,
 /// which is made when it is not there, and the measurement alpha2_lag_<lag>.

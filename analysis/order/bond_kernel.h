@@ -2,8 +2,8 @@
 
 #include <cstddef>
 
-#include "analysis/order/bond_order.h"
 #include "analysis/geometry/neighbours.h"
+#include "analysis/order/bond_order_options.h"
 
 namespace grainfield::analysis {
 

@@ -7,9 +7,9 @@
 #include <numeric>
 #include <span>
 
-#include "analysis/order/bond_kernel.h"
 #include "analysis/geometry/neighbours.h"
 #include "analysis/geometry/triangulation.h"
+#include "analysis/order/bond_kernel.h"
 
 namespace grainfield::analysis {
 namespace {
@@ -199,35 +199,22 @@ BondOrderField by_triangulation(const Pattern& pattern, const BondOrderOptions& 
 
 }  // namespace
 
-OptionTable describe(BondOrderOptions& options) {
-    OptionTable table("q4");
-    table.choice("neighbours", options.rule,
-                 {{"near-four", NeighbourRule::near_four},
-                  {"near-delaunay", NeighbourRule::near_delaunay},
-                  {"four-nearest", NeighbourRule::four_nearest},
-                  {"delaunay", NeighbourRule::delaunay},
-                  {"fixed-cutoff", NeighbourRule::fixed_cutoff},
-                  {"voronoi-edge", NeighbourRule::voronoi_edge},
-                  {"edge-weighted", NeighbourRule::edge_weighted}},
-                 "which particles count as neighbours");
-    table.integer("symmetry", options.symmetry, "-", {1, 24}, "k of the k-fold order");
-    table.number("factor", options.factor, "-", {1, 3},
-                 "largest distance of a neighbour over the mean of the four nearest");
-    table.number("cutoff", options.cutoff, "a", {0.01, 100}, "radius of fixed-cutoff");
-    table.number("edge", options.edge, "-", {0, 4},
-                 "least length of the edge to a neighbour of voronoi-edge over a quarter of the "
-                 "perimeter of the Voronoi cell");
-    return table;
-}
-
-bool needs_triangulation(NeighbourRule rule) {
-    return rule == NeighbourRule::delaunay || rule == NeighbourRule::near_delaunay ||
-           rule == NeighbourRule::voronoi_edge || rule == NeighbourRule::edge_weighted;
-}
-
 BondOrderField bond_order(const Pattern& pattern, const BondOrderOptions& options) {
     return needs_triangulation(options.rule) ? by_triangulation(pattern, options)
                                              : by_cell_list(pattern, options);
+}
+
+std::vector<double> abs_q4(const Snapshot& snapshot, double diameter,
+                           const BondOrderOptions& options) {
+    std::vector<double> result(snapshot.size(), std::numeric_limits<double>::quiet_NaN());
+    const BondOrderField field = bond_order(pattern_of(snapshot, diameter), options);
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < snapshot.size(); ++i) {
+        const Vec2 p = snapshot.position[i];
+        if (!is_finite({p.x / diameter, p.y / diameter})) continue;
+        result[i] = std::abs(field.q[next++]);
+    }
+    return result;
 }
 
 }  // namespace grainfield::analysis

@@ -4,31 +4,10 @@
 #include <cstddef>
 #include <vector>
 
+#include "analysis/order/bond_order_options.h"
 #include "analysis/pattern.h"
-#include "core/option_table.h"
 
 namespace grainfield::analysis {
-
-/// Which particles count as neighbours of a particle; r̄4 is the mean distance of its four nearest.
-enum class NeighbourRule {
-    near_four,      ///< all with r < factor · r̄4 (cell list)
-    near_delaunay,  ///< Delaunay neighbours with r < factor · r̄4
-    four_nearest,   ///< the four nearest
-    delaunay,       ///< all Delaunay neighbours; blind to a square lattice (docs/analysis.md)
-    fixed_cutoff,   ///< all with r < cutoff
-    voronoi_edge,   ///< Delaunay neighbours with an edge longer than `edge` · perimeter/4
-    edge_weighted   ///< Delaunay neighbours, each with the share of its edge in the perimeter
-};
-
-struct BondOrderOptions {
-    NeighbourRule rule = NeighbourRule::near_four;
-    int symmetry = 4;     ///< k of Q_k [-]: 4 square, 6 hexagonal
-    double factor = 1.2;  ///< of near_four and near_delaunay [r̄4]
-    double cutoff = 1.2;  ///< of fixed_cutoff [a]
-    double edge = 0.3;    ///< of voronoi_edge [perimeter/4]
-};
-
-OptionTable describe(BondOrderOptions& options);
 
 /// Bond-orientational order of one pattern, particle by particle.
 struct BondOrderField {
@@ -55,7 +34,9 @@ struct BondOrderField {
 /// Thread-safe.
 BondOrderField bond_order(const Pattern& pattern, const BondOrderOptions& options);
 
-/// Whether the rule needs the triangulation.
-bool needs_triangulation(NeighbourRule rule);
+/// |Q_k| of each particle of one snapshot, NaN where it is undefined (no neighbour, or a position
+/// that is not finite). `diameter` [length unit of the snapshot].
+std::vector<double> abs_q4(const Snapshot& snapshot, double diameter,
+                           const BondOrderOptions& options);
 
 }  // namespace grainfield::analysis

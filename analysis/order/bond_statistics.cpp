@@ -13,7 +13,6 @@ namespace {
 
 constexpr int bins = 50;
 constexpr std::size_t most_blocks = 32;
-constexpr double ordered = 0.7;  // |Q4| of a solid particle (castillo2019)
 
 struct Mean {
     double sum = 0;
@@ -43,7 +42,8 @@ std::optional<double> positive(double error) {
 }
 
 // Whether particle i and all its neighbours are ordered.
-bool inside_crystal(const BondOrderField& field, const std::vector<double>& abs_q, std::size_t i) {
+bool inside_crystal(const BondOrderField& field, const std::vector<double>& abs_q, std::size_t i,
+                    double ordered) {
     if (!(abs_q[i] >= ordered)) return false;
     const auto count = static_cast<std::size_t>(field.neighbours[i]);
     for (std::size_t n = field.first[i]; n < field.first[i] + count; ++n) {
@@ -54,14 +54,8 @@ bool inside_crystal(const BondOrderField& field, const std::vector<double>& abs_
 
 }  // namespace
 
-std::vector<std::pair<std::string, OptionValue>> recorded(const OptionTable& table) {
-    std::vector<std::pair<std::string, OptionValue>> values;
-    for (const Option& option : table.rows()) values.emplace_back(option.name, option.get());
-    return values;
-}
-
-BondStatistics::BondStatistics(const BondOrderOptions& options)
-    : options_(options), histogram_(bins, 0.0), squares_(bins, 0.0) {}
+BondStatistics::BondStatistics(const BondOrderOptions& options, double solid_above)
+    : options_(options), solid_above_(solid_above), histogram_(bins, 0.0), squares_(bins, 0.0) {}
 
 BondStatistics::Sample BondStatistics::measure(const Pattern& pattern,
                                                const BondOrderOptions& options) {
@@ -83,7 +77,8 @@ void BondStatistics::add(Sample sample) {
         order.add(q);
         const int bin = std::min(static_cast<int>(q * bins), bins - 1);
         counts[static_cast<std::size_t>(bin)] += 1;
-        if (inside_crystal(sample.field, abs_q, i) && std::isfinite(sample.field.mean_four[i])) {
+        if (inside_crystal(sample.field, abs_q, i, solid_above_) &&
+            std::isfinite(sample.field.mean_four[i])) {
             spacing.push_back(sample.field.mean_four[i]);
         }
     }
@@ -284,7 +279,7 @@ void BondStatistics::add_measurements(ObservableResult& result) const {
         result.measurements.push_back(
             missing("lattice_spacing", "a",
                     fmt::format("no particle has |Q{}| of {} or more together with its neighbours",
-                                options_.symmetry, ordered)));
+                                options_.symmetry, solid_above_)));
     } else {
         say(spacing_, "lattice_spacing", "a", single_spacing_, single_inside_);
     }
@@ -294,7 +289,7 @@ ObservableResult BondStatistics::result() const {
     ObservableResult result;
     result.name = "q4";
     BondOrderOptions options = options_;
-    result.options = recorded(describe(options));
+    result.options = describe(options).values();
     if (defined_ <= 0) {
         result.reason = frames_ == 0 ? "no frames" : "no particle has a neighbour in any frame";
         return result;

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "analysis/accumulator.h"
-#include "analysis/statistics/blocks.h"
 #include "analysis/order/bond_order.h"
+#include "analysis/statistics/blocks.h"
 
 namespace grainfield::analysis {
 
@@ -15,8 +15,9 @@ namespace grainfield::analysis {
 ///
 ///   ⟨|Q_k|⟩ over particles, then over frames; histogram in bins of 0.02;
 ///   lattice spacing: median of the mean distance of the four nearest over the particles inside a
-///   crystal (|Q_k| ≥ 0.7, theirs and that of all their neighbours), then mean over frames. Without
-///   the condition on the neighbours, liquid particles that look ordered by chance would raise it.
+///   crystal (|Q_k| ≥ `solid_above`, 0.7, theirs and that of all their neighbours), then mean over
+///   frames. Without the condition on the neighbours, liquid particles that look ordered by chance
+///   would raise it.
 ///
 /// Measurements are called after the symmetry: q4_mean, q6_mean.
 ///
@@ -41,7 +42,8 @@ class BondStatistics {
         BondOrderField field;
     };
 
-    explicit BondStatistics(const BondOrderOptions& options);
+    /// `solid_above`: least |Q_k| of an ordered particle.
+    explicit BondStatistics(const BondOrderOptions& options, double solid_above = solid_order);
 
     static Sample measure(const Pattern& pattern, const BondOrderOptions& options);
     void add(Sample sample);
@@ -65,6 +67,7 @@ class BondStatistics {
     Curve field_curve() const;
 
     BondOrderOptions options_;
+    double solid_above_;
     std::vector<double> histogram_;
     std::vector<double> squares_;  // Σ over frames of the squared counts of a bin
     std::vector<Block> blocks_;
@@ -81,8 +84,5 @@ class BondStatistics {
 };
 
 static_assert(Accumulator<BondStatistics>);
-
-/// The options of a table as they are recorded with a result.
-std::vector<std::pair<std::string, OptionValue>> recorded(const OptionTable& table);
 
 }  // namespace grainfield::analysis

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "analysis/statistics/blocks.h"
-#include "analysis/order/bond_statistics.h"
 #include "core/errors.h"
 
 namespace grainfield::analysis {
@@ -274,7 +273,7 @@ ObservableResult PhaseHistory::result() const {
     ObservableResult result;
     result.name = "phase";
     PhaseOptions options = options_;
-    result.options = recorded(describe(options));
+    result.options = describe(options).values();
 
     Curve curve;
     curve.name = "phase";

@@ -10,17 +10,18 @@
 #include <vector>
 
 #include "analysis/accumulator.h"
+#include "analysis/order/bond_order_options.h"
 #include "analysis/statistics/blocks.h"
-#include "analysis/motion/track_index.h"
+#include "analysis/track_index.h"
 #include "core/option_table.h"
 #include "core/trajectory.h"
 
 namespace grainfield::analysis {
 
 struct PhaseOptions {
-    double liquid_below = 0.4;       ///< largest mean |Q4| of a liquid particle [-]
-    double solid_above = 0.7;        ///< least mean |Q4| of a solid particle [-]
-    std::optional<double> window{};  ///< averaging time T_o [time unit]; auto: see PhaseWindow
+    double liquid_below = 0.4;         ///< largest mean |Q4| of a liquid particle [-]
+    double solid_above = solid_order;  ///< least mean |Q4| of a solid particle [-]
+    std::optional<double> window{};    ///< averaging time T_o [time unit]; auto: see PhaseWindow
 };
 
 OptionTable describe(PhaseOptions& options);

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "analysis/statistics/blocks.h"
-#include "analysis/order/bond_statistics.h"
 #include "analysis/statistics/ornstein_zernike.h"
 
 namespace grainfield::analysis {
@@ -53,7 +52,7 @@ ObservableResult OrderStructureFactor::result() const {
     ObservableResult result;
     result.name = "s4";
     OrderStructureFactorOptions options = options_;
-    result.options = recorded(describe(options));
+    result.options = describe(options).values();
     result.reason = modes.reason;
     if (!result.reason.empty()) return result;
 

@@ -11,7 +11,6 @@
 
 #include <fmt/format.h>
 
-#include "analysis/order/bond_statistics.h"
 #include "core/errors.h"
 
 namespace grainfield::analysis {

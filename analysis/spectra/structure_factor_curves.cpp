@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "analysis/order/bond_statistics.h"
 #include "analysis/spectra/mode_overlap.h"
 #include "analysis/spectra/structure_factor.h"
 
@@ -360,7 +359,7 @@ ObservableResult StructureFactor::result() const {
     ObservableResult result;
     result.name = "sk";
     StructureFactorOptions options = options_;
-    result.options = recorded(describe(options));
+    result.options = describe(options).values();
     const Block sums = total(std::nullopt);
     if (grid_.modes().empty()) {
         result.reason =

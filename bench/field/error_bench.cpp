@@ -14,7 +14,7 @@
 
 #include <fmt/format.h>
 
-#include "analysis/statistics/field_statistics.h"
+#include "analysis/density/field_statistics.h"
 #include "simulate/field/adjoint.h"
 #include "simulate/field/field_run.h"
 #include "tests/simulate/field/plain_adjoint.h"

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "analysis/density/field_statistics.h"
 #include "analysis/spectra/adjoint_spectrum.h"
-#include "analysis/statistics/field_statistics.h"
 #include "core/errors.h"
 #include "core/support/interrupt.h"
 #include "core/support/progress.h"

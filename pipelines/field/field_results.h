@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "analysis/statistics/field_analysis.h"
+#include "analysis/density/field_analysis.h"
 #include "core/results.h"
 #include "pipelines/session.h"
 

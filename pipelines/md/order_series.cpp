@@ -3,13 +3,15 @@
 #include <cmath>
 #include <limits>
 
-#include "analysis/analysis.h"
+#include <fmt/format.h>
+
+#include "analysis/order/bond_order.h"
 
 namespace grainfield::pipelines {
 
 namespace {
 
-constexpr double solid_above = 0.7;
+using analysis::solid_order;
 
 }  // namespace
 
@@ -19,7 +21,10 @@ OrderSeries::OrderSeries(SnapshotSink& next, double period, double diameter)
         .name = "order", .title = "Order of the snapshots", .columns = {}, .text_columns = {}};
     curve_.columns = {{"t", "periods", "time", {}},
                       {"q4_mean", "-", "mean |Q4|", {}},
-                      {"solid_share", "-", "share of grains with |Q4| ≥ 0.7 in the snapshot", {}}};
+                      {"solid_share",
+                       "-",
+                       fmt::format("share of grains with |Q4| ≥ {} in the snapshot", solid_order),
+                       {}}};
 }
 
 void OrderSeries::write(const Snapshot& snapshot) {
@@ -28,7 +33,7 @@ void OrderSeries::write(const Snapshot& snapshot) {
     for (const double q4 : analysis::abs_q4(snapshot, diameter_, {})) {
         if (!std::isfinite(q4)) continue;
         sum += q4;
-        solid += q4 >= solid_above ? 1 : 0;
+        solid += q4 >= solid_order ? 1 : 0;
         count += 1;
     }
     constexpr double nothing = std::numeric_limits<double>::quiet_NaN();

@@ -15,8 +15,6 @@ namespace grainfield::pipelines {
 namespace {
 
 using report::Figure;
-using report::Mark;
-using report::Scale;
 using report::Series;
 using report::Table;
 using tracking::Polarity;
@@ -84,8 +82,7 @@ Histogram histogram(const std::vector<double>& values, double low, double high, 
     return h;
 }
 
-Figure figure_of(std::string name, std::string title, std::string note, report::Axis x,
-                 report::Axis y) {
+Figure figure_of(std::string name, std::string title, std::string note, Axis x, Axis y) {
     return report::empty_figure({"frames"}, std::move(name), std::move(title), std::move(x),
                                 std::move(y), std::move(note));
 }

@@ -9,9 +9,9 @@
 
 #include "analysis/analysis.h"
 #include "core/errors.h"
+#include "core/stored_trajectory.h"
 #include "core/support/interrupt.h"
 #include "pipelines/film/watched_frames.h"
-#include "pipelines/stored_snapshots.h"
 #include "tracking/score/edge_noise.h"
 
 namespace grainfield::pipelines {
@@ -88,8 +88,8 @@ ScoredView view_of(const ValidationCase& scene, const ValidationSettings& settin
 /// Takes what the tracker writes, scores it, and keeps it beside its truth.
 class ScoringSink : public SnapshotSink {
  public:
-    ScoringSink(SnapshotSource& truth, ValidationScores& scores, StoredSnapshots& found,
-                StoredSnapshots& seen)
+    ScoringSink(SnapshotSource& truth, ValidationScores& scores, StoredTrajectory& found,
+                StoredTrajectory& seen)
         : truth_(truth), scores_(scores), found_(found), seen_(seen) {}
 
     void write(const Snapshot& snapshot) override {
@@ -122,12 +122,12 @@ class ScoringSink : public SnapshotSink {
 
     SnapshotSource& truth_;
     ValidationScores& scores_;
-    StoredSnapshots& found_;
-    StoredSnapshots& seen_;
+    StoredTrajectory& found_;
+    StoredTrajectory& seen_;
     std::int64_t next_ = 0;
 };
 
-Results run_of(const std::string& label, const StoredSnapshots& snapshots) {
+Results run_of(const std::string& label, const StoredTrajectory& snapshots) {
     Results run;
     run.label = label;
     run.source = snapshots.info();
@@ -141,7 +141,7 @@ Results run_of(const std::string& label, const StoredSnapshots& snapshots) {
     return run;
 }
 
-void analyse(Results& run, StoredSnapshots& snapshots, const ValidationSettings& settings,
+void analyse(Results& run, StoredTrajectory& snapshots, const ValidationSettings& settings,
              ValidationOutcome& outcome, RunPlan& plan) {
     Progress progress("analysing " + run.label + " positions", snapshots.count(), "frames",
                       settings.verbosity);
@@ -206,7 +206,7 @@ ValidationOutcome validate(const ValidationCase& scene, const ValidationSettings
         .runs = {},
         .free_fits = {},
         .effects = {}};
-    StoredSnapshots found, seen;
+    StoredTrajectory found, seen;
     TrajectoryInfo info = tracker.info();
     info.vibration_frequency = scene.vibration_frequency;
     if (info.time_unit == TimeUnit::frame) info.time_unit = scene.truth.info().time_unit;

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "analysis/statistics/fit_result.h"
+#include "analysis/spectra/fit_result.h"
 #include "core/frame_source.h"
 #include "core/run_plan.h"
 #include "core/support/progress.h"

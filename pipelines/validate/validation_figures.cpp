@@ -14,11 +14,8 @@ namespace grainfield::pipelines {
 
 namespace {
 
-using report::Axis;
 using report::Figure;
 using report::Kind;
-using report::Mark;
-using report::Scale;
 using report::Series;
 using tracking::ClassScore;
 using tracking::DetectionScores;

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/order/bond_order_options.h"
 #include "pipelines/validate/validation_figures.h"
 #include "report/page/text.h"
 
@@ -42,12 +43,12 @@ Table class_table(const DetectionScores& scores) {
     table.title = "Positions, by class of true particle";
     table.note = fmt::format(
         "{} frames. Matched one-to-one within {:.2f} px (D/4). all: at least D inside the frame; "
-        "border: nearer, where at least D/4 inside. Crystal: |Q4| ≥ 0.7. Ratio: RMSE over the "
+        "border: nearer, where at least D/4 inside. Crystal: |Q4| ≥ {}. Ratio: RMSE over the "
         "joint "
         "Cramér–Rao bound, both over particles whose bound is below a third of the gate "
         "(resolved). "
         "Pull: error over the reported standard error, RMS.",
-        scores.frames(), scores.gate());
+        scores.frames(), scores.gate(), analysis::solid_order);
     table.columns = {
         {"particles", "True", ""},    {"missed", "Missed", ""},       {"spurious", "False", ""},
         {"recall", "Recall", ""},     {"precision", "Precision", ""}, {"jaccard", "Jaccard", ""},

@@ -5,15 +5,13 @@
 
 #include <fmt/format.h>
 
-#include "analysis/analysis.h"
 #include "analysis/geometry/neighbours.h"
+#include "analysis/order/bond_order.h"
 #include "tracking/score/position_bounds.h"
 
 namespace grainfield::pipelines {
 
 namespace {
-
-constexpr double kSolidAbove = 0.7;  // as PhaseOptions
 
 std::uint64_t bit(TruthClass c) {
     return std::uint64_t{1} << static_cast<unsigned>(c);
@@ -80,7 +78,8 @@ tracking::TruthFrame classify_truth(const Snapshot& truth, const ScoredView& vie
         }
         std::uint64_t classes = bit(TruthClass::all);
         if (nearest[i] > diameter + 4 * view.disc.edge_width) classes |= bit(TruthClass::isolated);
-        classes |= bit(abs_q4[i] >= kSolidAbove ? TruthClass::crystal : TruthClass::liquid);
+        classes |=
+            bit(abs_q4[i] >= analysis::solid_order ? TruthClass::crystal : TruthClass::liquid);
         if (!truth.layer.empty()) {
             if (truth.layer[i] == Layer::top) classes |= bit(TruthClass::top);
             if (truth.layer[i] == Layer::bottom) classes |= bit(TruthClass::bottom);

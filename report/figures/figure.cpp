@@ -7,10 +7,6 @@
 
 namespace grainfield::report {
 
-std::string Axis::title() const {
-    return unit.empty() ? label : label + " [" + unit + "]";
-}
-
 bool Figure::has_data() const {
     return std::ranges::any_of(series,
                                [&](const Series& s) { return kinds[s.kind].mark != Mark::guide; });

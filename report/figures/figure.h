@@ -5,28 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "core/figure_hint.h"
 #include "report/figures/colours.h"
 
 namespace grainfield::report {
-
-enum class Scale { linear, log };
-
-struct Axis {
-    std::string name;   ///< column in the CSV: "k"
-    std::string label;  ///< "Wavevector k"
-    std::string unit;   ///< for people, "1/a"; empty if dimensionless
-    Scale scale = Scale::linear;
-    bool from_zero = false;  ///< a linear axis shows zero
-
-    std::string title() const;  ///< "Wavevector k [1/a]"
-};
-
-enum class Mark {
-    line,   ///< points joined by a line, with error bars
-    curve,  ///< a smooth line without points: a fit
-    steps,  ///< a histogram's outline, x at the centres of the bins
-    guide   ///< a line to compare slopes with; belongs to no run
-};
 
 /// One kind of quantity in a figure; every run may have a series of each kind.
 struct Kind {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "analysis/statistics/field_statistics.h"
+#include "analysis/density/field_statistics.h"
 #include "simulate/field/adjoint.h"
 #include "simulate/field/field_run.h"
 #include "simulate/field/order_spectrum.h"

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "analysis/statistics/fit_result.h"
+#include "analysis/spectra/fit_result.h"
 #include "tests/analysis/synthetic_patterns.h"
 #include "tests/support/pull.h"
 

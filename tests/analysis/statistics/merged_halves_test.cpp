@@ -7,14 +7,14 @@
 
 #include <gtest/gtest.h>
 
-#include "analysis/order/bond_statistics.h"
-#include "analysis/motion/displacement.h"
-#include "analysis/statistics/fit_result.h"
 #include "analysis/density/number_variance.h"
+#include "analysis/motion/displacement.h"
+#include "analysis/order/bond_statistics.h"
 #include "analysis/order/order_correlation.h"
-#include "analysis/spectra/order_structure_factor.h"
 #include "analysis/order/phase.h"
 #include "analysis/order/solid_clusters.h"
+#include "analysis/spectra/fit_result.h"
+#include "analysis/spectra/order_structure_factor.h"
 #include "analysis/spectra/structure_factor.h"
 #include "tests/analysis/synthetic_patterns.h"
 

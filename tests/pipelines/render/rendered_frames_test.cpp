@@ -6,14 +6,14 @@
 
 #include <gtest/gtest.h>
 
-#include "pipelines/stored_snapshots.h"
+#include "core/stored_trajectory.h"
 
 namespace grainfield::pipelines {
 namespace {
 
 /// One sphere that stands still and one that leaves the frame in the second of three snapshots.
-StoredSnapshots two_spheres() {
-    StoredSnapshots trajectory;
+StoredTrajectory two_spheres() {
+    StoredTrajectory trajectory;
     TrajectoryInfo info;
     info.origin = Origin::md;
     info.time_unit = TimeUnit::sqrt_a_over_g;
@@ -40,7 +40,7 @@ simulate::RenderOptions small_view() {
 }
 
 TEST(RenderedFrames, CarryTheTruthOfEachFrameInAnyOrder) {
-    StoredSnapshots trajectory = two_spheres();
+    StoredTrajectory trajectory = two_spheres();
     RunPlan plan;
     RenderedFrames frames(trajectory, trajectory.at(0).box, small_view(), 1, 2, plan);
     RenderedTruth truth(frames);
@@ -59,8 +59,8 @@ TEST(RenderedFrames, CarryTheTruthOfEachFrameInAnyOrder) {
 }
 
 /// A grain that goes round in a periodic box, out of the frame on one side and in on the other.
-StoredSnapshots going_round() {
-    StoredSnapshots trajectory;
+StoredTrajectory going_round() {
+    StoredTrajectory trajectory;
     TrajectoryInfo info;
     info.origin = Origin::md;
     info.time_unit = TimeUnit::sqrt_a_over_g;
@@ -82,7 +82,7 @@ StoredSnapshots going_round() {
 TEST(RenderedFrames, GiveTheSameIdentitiesInWhateverOrderTheyAreRead) {
     std::vector<std::vector<std::int64_t>> ids[2];
     for (const bool backwards : {false, true}) {
-        StoredSnapshots trajectory = going_round();
+        StoredTrajectory trajectory = going_round();
         RunPlan plan;
         RenderedFrames frames(trajectory, trajectory.at(0).box, small_view(), 1, 1, plan);
         auto& seen = ids[backwards ? 1 : 0];
@@ -102,7 +102,7 @@ TEST(RenderedFrames, GiveTheSameIdentitiesInWhateverOrderTheyAreRead) {
 }
 
 TEST(RenderedFrames, AreTheSameWhenReadAgain) {
-    StoredSnapshots trajectory = two_spheres();
+    StoredTrajectory trajectory = two_spheres();
     RunPlan plan;
     RenderedFrames frames(trajectory, trajectory.at(0).box, small_view(), 1, 2, plan);
     const Image first = frames.read(0).image;
@@ -113,7 +113,7 @@ TEST(RenderedFrames, AreTheSameWhenReadAgain) {
 }
 
 TEST(RenderedFrames, KeepTheTruthOfLostFrames) {
-    StoredSnapshots trajectory = two_spheres();
+    StoredTrajectory trajectory = two_spheres();
     simulate::RenderOptions options = small_view();
     options.exposure.drop_rate = 1;
     RunPlan plan;

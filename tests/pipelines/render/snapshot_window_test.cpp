@@ -2,13 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include "pipelines/stored_snapshots.h"
+#include "core/stored_trajectory.h"
 
 namespace grainfield::pipelines {
 namespace {
 
 /// Counts how often it is read.
-class Counted : public StoredSnapshots {
+class Counted : public StoredTrajectory {
  public:
     explicit Counted(int count) {
         for (int i = 0; i < count; ++i) {
@@ -20,7 +20,7 @@ class Counted : public StoredSnapshots {
     }
     Snapshot read(std::int64_t index) override {
         ++reads;
-        return StoredSnapshots::read(index);
+        return StoredTrajectory::read(index);
     }
     int reads = 0;
 };

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "pipelines/stored_snapshots.h"
 #include "core/frame_source.h"
+#include "core/stored_trajectory.h"
 #include "tests/support/layer_frames.h"
 
 namespace grainfield::pipelines::sample {
@@ -32,7 +32,7 @@ class FilmFrames : public FrameSource {
 /// A crystal patch in a liquid that moves, filmed by a camera that is not the tracker's model.
 struct Film {
     std::unique_ptr<FilmFrames> frames;
-    StoredSnapshots truth;
+    StoredTrajectory truth;
 };
 
 inline Film film(int frames, int size = 300, double diameter = 12, int missing = -1) {

@@ -1,11 +1,11 @@
-#include "analysis/statistics/field_analysis.h"
+#include "analysis/density/field_analysis.h"
 
 #include <cmath>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "analysis/statistics/field_statistics.h"
+#include "analysis/density/field_statistics.h"
 #include "core/support/random.h"
 
 namespace grainfield::analysis {

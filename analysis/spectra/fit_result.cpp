@@ -1,4 +1,4 @@
-#include "analysis/statistics/fit_result.h"
+#include "analysis/spectra/fit_result.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "analysis/statistics/blocks.h"
-#include "analysis/order/bond_statistics.h"
 #include "core/support/random.h"
 
 namespace grainfield::analysis {
@@ -153,7 +152,7 @@ ObservableResult blank(const FitOptions& options, std::string reason) {
     ObservableResult result;
     result.name = "fit";
     FitOptions copy = options;
-    result.options = recorded(describe(copy));
+    result.options = describe(copy).values();
     result.reason = std::move(reason);
     return result;
 }

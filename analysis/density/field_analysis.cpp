@@ -1,11 +1,11 @@
-#include "analysis/statistics/field_analysis.h"
+#include "analysis/density/field_analysis.h"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
 
-#include "analysis/statistics/field_statistics.h"
+#include "analysis/density/field_statistics.h"
 #include "core/support/interrupt.h"
 
 namespace grainfield::analysis {

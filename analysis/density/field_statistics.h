@@ -7,9 +7,9 @@
 
 #include "analysis/density/field_variance.h"
 #include "analysis/spectra/structure_factor.h"
-#include "core/support/checkpoint.h"
 #include "core/density_field.h"
 #include "core/results.h"
+#include "core/support/checkpoint.h"
 
 namespace grainfield::analysis {
 

@@ -3,12 +3,12 @@
 #include <string>
 #include <vector>
 
-#include "analysis/statistics/fit_result.h"
-#include "analysis/spectra/structure_factor.h"
 #include "analysis/density/synthetic_result.h"
+#include "analysis/spectra/fit_result.h"
+#include "analysis/spectra/structure_factor.h"
 #include "core/density_field.h"
-#include "core/support/progress.h"
 #include "core/results.h"
+#include "core/support/progress.h"
 
 namespace grainfield::analysis {
 

@@ -1,4 +1,4 @@
-#include "analysis/statistics/field_statistics.h"
+#include "analysis/density/field_statistics.h"
 
 #include <cmath>
 #include <complex>
@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "analysis/statistics/field_analysis.h"
+#include "analysis/density/field_analysis.h"
 #include "core/errors.h"
 #include "core/support/random.h"
 

@@ -1,15 +1,17 @@
 #pragma once
 
 #include <utility>
-#include <vector>
 
 #include "core/trajectory.h"
 
-namespace grainfield::pipelines {
+namespace grainfield {
 
 /// A trajectory in memory: written once, read as often as needed.
-class StoredSnapshots : public SnapshotSink, public SnapshotSource {
+class StoredTrajectory : public SnapshotSink, public SnapshotSource {
  public:
+    StoredTrajectory() = default;
+    explicit StoredTrajectory(Trajectory trajectory) : trajectory_(std::move(trajectory)) {}
+
     void write(const Snapshot& snapshot) override { trajectory_.snapshots.push_back(snapshot); }
     const TrajectoryInfo& info() const override { return trajectory_.info; }
     void set_info(TrajectoryInfo info) { trajectory_.info = std::move(info); }
@@ -17,6 +19,8 @@ class StoredSnapshots : public SnapshotSink, public SnapshotSource {
         return static_cast<std::int64_t>(trajectory_.snapshots.size());
     }
     Snapshot read(std::int64_t index) override { return at(index); }
+
+    /// Without a copy. Throws std::out_of_range.
     const Snapshot& at(std::int64_t index) const {
         return trajectory_.snapshots.at(static_cast<std::size_t>(index));
     }
@@ -26,4 +30,4 @@ class StoredSnapshots : public SnapshotSink, public SnapshotSource {
     Trajectory trajectory_;
 };
 
-}  // namespace grainfield::pipelines
+}  // namespace grainfield

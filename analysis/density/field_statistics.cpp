@@ -1,4 +1,4 @@
-#include "analysis/statistics/field_statistics.h"
+#include "analysis/density/field_statistics.h"
 
 #include <numeric>
 

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace grainfield {
+
+enum class Scale { linear, log };
+
+/// An axis of a figure.
+struct Axis {
+    std::string name;   ///< column in the CSV: "k"
+    std::string label;  ///< "Wavevector k"
+    std::string unit;   ///< for people, "1/a"; empty if dimensionless; "time unit": that of the run
+    Scale scale = Scale::linear;
+    bool from_zero = false;  ///< a linear axis shows zero
+
+    std::string title() const;  ///< "Wavevector k [1/a]"
+};
+
+enum class Mark {
+    line,   ///< points joined by a line, with error bars
+    curve,  ///< a smooth line without points: a fit
+    steps,  ///< a histogram's outline, x at the centres of the bins
+    guide   ///< a line to compare slopes with; belongs to no run
+};
+
+/// Where the values of a series stand in the results.
+struct CurveColumns {
+    std::string observable, curve, x, y, error;
+};
+
+/// One kind of series in a figure; every run may have one.
+struct SeriesHint {
+    std::string label;  ///< with `by` and no `word`: what stands before the word
+    Mark mark = Mark::line;
+    bool shown = true;  ///< false: on the page only after a click, not in the SVG
+    CurveColumns from;
+    std::string by{};       ///< text column whose words tell series apart; empty: one series
+    std::string word{};     ///< the word of `by` that is drawn; empty: each its own series
+    bool required = false;  ///< a run without it is listed with the reason
+};
+
+/// A line y ∝ x^exponent to compare slopes with.
+struct GuideHint {
+    enum class Place { lowest_corner, above_the_end };
+    std::string label;
+    double exponent = 1;
+    Place place = Place::lowest_corner;
+    bool halved_on_a_line = false;  ///< exponents of a one-dimensional system are half as large
+    std::string note{};             ///< said once a guide is drawn
+};
+
+/// When a figure stands on the page.
+enum class Presence {
+    always,           ///< where no run has data it says why
+    with_observable,  ///< if a run measured the observable
+    with_curve,       ///< if a run has the curve
+};
+
+/// How an observable wants to be drawn. Written beside the observable, read by the report.
+struct FigureHint {
+    std::string name;   ///< file name of SVG and CSV, id on the page
+    std::string title;  ///< for people
+    std::string note;   ///< what to know when reading it; may be empty
+    Axis x, y;
+    std::vector<SeriesHint> series;  ///< the first one says which curve the figure is of
+    int place = 100;                 ///< figures stand on the page by growing place
+    Presence presence = Presence::with_curve;
+    bool may_be_linear = false;          ///< a button switches the logarithmic axes to linear ones
+    bool title_of_curve = false;         ///< the title is that of the first series' curve
+    bool x_names_order = false;          ///< x is called |Q_k| after the symmetry that was measured
+    bool one_time_unit = false;          ///< runs in another time unit than the first are left out
+    bool panel_by_origin = false;        ///< also drawn for each origin alone
+    bool half_of_periodic_box = false;   ///< x ends at half the shorter side of a periodic box
+    double negligible = 0;               ///< a last value below this share of the largest is cut
+    std::size_t least_points = 1;        ///< of a series; shorter ones are left out
+    std::optional<Axis> without_time{};  ///< x where the runs do not share a time unit
+    std::vector<GuideHint> guides{};
+};
+
+}  // namespace grainfield
