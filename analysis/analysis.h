@@ -1,16 +1,11 @@
 #pragma once
 
-#include <string>
 #include <vector>
 
-#include "analysis/density/number_variance.h"
-#include "analysis/density/synthetic_result.h"
-#include "analysis/motion/displacement.h"
-#include "analysis/order/bond_order.h"
-#include "analysis/order/phase.h"
-#include "analysis/spectra/fit_result.h"
-#include "analysis/spectra/order_structure_factor.h"
-#include "analysis/spectra/structure_factor.h"
+#include "analysis/analysis_options.h"
+#include "analysis/observable.h"
+#include "analysis/observables.h"
+#include "core/option_table.h"
 #include "core/results.h"
 #include "core/run_plan.h"
 #include "core/support/progress.h"
@@ -18,38 +13,41 @@
 
 namespace grainfield::analysis {
 
-struct AnalysisOptions {
-    std::string observables = "all";  ///< comma list of the names below, or all
-    BondOrderOptions q4;
-    PhaseOptions phase;
-    DisplacementOptions msd;
-    StructureFactorOptions sk;
-    OrderStructureFactorOptions s4;
-    NumberVarianceOptions variance;
-    FitOptions fit;
-    SyntheticOptions synthetic;
-    std::vector<Vec2> wavevectors{};  ///< for S(k) beyond its grid [1/a]
+/// How a measurement is carried out; results do not depend on it.
+struct MeasureSettings {
+    int threads = 0;               ///< 0: all of the machine
+    RunPlan* plan = nullptr;       ///< takes what is measured, left out and warned of
+    Progress* progress = nullptr;  ///< advances by one a snapshot
 };
 
-/// One table per section: analysis, q4, phase, msd, sk, s4, variance, fit, synthetic.
-std::vector<OptionTable> describe(AnalysisOptions& options);
-
-/// Says in `plan` what `analyze` will run and leave out, and why, from the source's properties and
-/// its first snapshot. Throws OptionError for an unknown observable.
-void plan_analysis(SnapshotSource& source, const AnalysisOptions& options, RunPlan& plan);
-
-/// Measures the chosen observables over all snapshots of the source.
+/// Measures observables over all snapshots of a trajectory.
+///
+///     Results results = measure(trajectory);
+///     double order = *results.find("q4")->find_measurement("q4_mean")->value;
 ///
 /// Snapshots are read in order, a few at a time; each batch is measured by up to `threads` threads,
 /// while the next one is read and the one before is added in order, so the results are the same
 /// bits for any number of threads. Lengths are turned into units of a (TrajectoryInfo::diameter);
 /// times keep the unit of the trajectory. An observable that cannot be measured comes back with a
-/// `reason`. Observables come in the order q4, phase, msd, sk, s4, variance, fit, synthetic.
+/// `reason`. Observables come in the order of `known`; what several need is measured once.
 ///
 /// Memory: a few snapshots and the accumulators (see the classes); only msd grows with the number
 /// of frames, up to its bound. Throws OptionError (options), InputError (inconsistent snapshots,
 /// box that changes), Interrupted.
-std::vector<ObservableResult> analyze(SnapshotSource& source, const AnalysisOptions& options,
-                                      int threads, RunPlan& plan, Progress& progress);
+Results measure(SnapshotSource& source, const AnalysisOptions& options = {},
+                const MeasureSettings& settings = {},
+                const std::vector<Observable>& known = observables());
+Results measure(const Trajectory& trajectory, const AnalysisOptions& options = {},
+                const MeasureSettings& settings = {},
+                const std::vector<Observable>& known = observables());
+
+/// Says in `plan` what `measure` will run and leave out, and why, from the source's properties and
+/// its first snapshot. Throws OptionError for an unknown observable.
+void plan_measurement(SnapshotSource& source, const AnalysisOptions& options, RunPlan& plan,
+                      const std::vector<Observable>& known = observables());
+
+/// The choice of observables, and one table for each that has options.
+std::vector<OptionTable> describe(AnalysisOptions& options,
+                                  const std::vector<Observable>& known = observables());
 
 }  // namespace grainfield::analysis

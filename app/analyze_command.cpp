@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include "analysis/density/synthetic_result.h"
+#include "analysis/order/bond_order.h"
+#include "analysis/spectra/fit_result.h"
+#include "analysis/spectra/sk_observable.h"
 #include "analysis/statistics/run_series.h"
 #include "app/interrupt_deadline.h"
 #include "core/errors.h"
@@ -161,7 +165,10 @@ Summary AnalyzeCommand::run_fields(Session& session) const {
     std::optional<io::OutputFile> output;
     if (!session.common.explain) output.emplace(output_, overwrite);
     Results results = pipelines::field_results(
-        input, from_fields_, {analysis_.sk, analysis_.fit, analysis_.synthetic}, session);
+        input, from_fields_,
+        {analysis_.of<analysis::StructureFactorOptions>(), analysis_.of<analysis::FitOptions>(),
+         analysis_.of<analysis::SyntheticOptions>()},
+        session);
     if (session.common.explain) return explanation(session.plan);
     results.record = session.record();
     results.label = label_of(results, input);
@@ -192,7 +199,9 @@ Summary AnalyzeCommand::work(Session& session) const {
         return run_fields(session);
     }
     analysis::AnalysisOptions options = analysis_;
-    if (!wavevectors_.empty()) options.wavevectors = io::read_wavevectors(wavevectors_);
+    if (!wavevectors_.empty()) {
+        options.of<analysis::ListedWavevectors>().k = io::read_wavevectors(wavevectors_);
+    }
     if (kind == io::FileKind::points && boundary_ == BoundaryChoice::periodic && box_.empty() &&
         !io::states_box(input)) {
         throw OptionError({.problem = "a periodic boundary needs the box",
@@ -221,16 +230,15 @@ Summary AnalyzeCommand::work(Session& session) const {
         }
     }
     if (session.common.explain) {
-        analysis::plan_analysis(snapshots, options, session.plan);
+        analysis::plan_measurement(snapshots, options, session.plan);
         return explanation(session.plan);
     }
 
     Progress progress("analysing", snapshots.count(), "frames", session.common.verbosity());
-    Results results;
-    results.observables =
-        analysis::analyze(snapshots, options, session.threads(), session.plan, progress);
+    Results results = analysis::measure(
+        snapshots, options,
+        {.threads = session.threads(), .plan = &session.plan, .progress = &progress});
     progress.finish();
-    results.source = snapshots.info();
     results.observables.insert(results.observables.begin(),
                                pipelines::lengths_of(*file, results.source, adjustment));
     if (const auto* tracks = dynamic_cast<const io::TrajectoryFile*>(file.get())) {
@@ -239,12 +247,10 @@ Summary AnalyzeCommand::work(Session& session) const {
             results.observables.push_back(analysis::run_series(tracks->curves()));
         }
     }
-    results.frames = snapshots.count();
-    results.particles_mean = snapshots.particles_mean();
-    if (results.frames > 0) results.box = snapshots.read(0).box;
     results.previews = previews(*file, snapshots);
     for (Preview& preview : results.previews) {
-        preview.abs_q4 = analysis::abs_q4(preview.snapshot, results.source.diameter, analysis_.q4);
+        preview.abs_q4 = analysis::abs_q4(preview.snapshot, results.source.diameter,
+                                          analysis_.of<analysis::BondOrderOptions>());
     }
     if (results.frames == 0 || results.particles_mean == 0) {
         session.plan.warn(fmt::format("'{}' has no particles", input.string()));

@@ -37,9 +37,10 @@ struct SeriesHint {
     Mark mark = Mark::line;
     bool shown = true;  ///< false: on the page only after a click, not in the SVG
     CurveColumns from;
-    std::string by{};       ///< text column whose words tell series apart; empty: one series
-    std::string word{};     ///< the word of `by` that is drawn; empty: each its own series
-    bool required = false;  ///< a run without it is listed with the reason
+    std::string by{};           ///< text column whose words tell series apart; empty: one series
+    std::string word{};         ///< the word of `by` that is drawn; empty: each its own series
+    bool required = false;      ///< a run without it is listed with the reason
+    double negligible_end = 0;  ///< a last value below this share of the largest is left out
 };
 
 /// A line y ∝ x^exponent to compare slopes with.
@@ -71,10 +72,11 @@ struct FigureHint {
     bool may_be_linear = false;          ///< a button switches the logarithmic axes to linear ones
     bool title_of_curve = false;         ///< the title is that of the first series' curve
     bool x_names_order = false;          ///< x is called |Q_k| after the symmetry that was measured
+    std::string note_of_square_order{};  ///< said where that is |Q₄| in all runs
     bool one_time_unit = false;          ///< runs in another time unit than the first are left out
     bool panel_by_origin = false;        ///< also drawn for each origin alone
     bool half_of_periodic_box = false;   ///< x ends at half the shorter side of a periodic box
-    double negligible = 0;               ///< a last value below this share of the largest is cut
+    std::string note_of_half_box{};      ///< said where that leaves something out
     std::size_t least_points = 1;        ///< of a series; shorter ones are left out
     std::optional<Axis> without_time{};  ///< x where the runs do not share a time unit
     std::vector<GuideHint> guides{};

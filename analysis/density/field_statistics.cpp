@@ -110,4 +110,14 @@ void FieldStatistics::restore(const Checkpoint& checkpoint, const FieldFrame& li
     if (sums_->order) sums_->order->restore(checkpoint, "statistics sk_order ");
 }
 
+std::vector<FigureHint> field_figures() {
+    return {{.name = "sk_order",
+             .title = "Structure factor of the order field",
+             .note = "",
+             .x = {"k", "Wavevector k", "1/l", Scale::log, false},
+             .y = {"s", "S_ψ(k)", "", Scale::log, false},
+             .series = {{.label = "S_ψ(k)", .from = {"sk_order", "sk_order", "k", "s", "s_err"}}},
+             .place = 72}};
+}
+
 }  // namespace grainfield::analysis

@@ -8,6 +8,7 @@
 #include "analysis/density/field_variance.h"
 #include "analysis/spectra/structure_factor.h"
 #include "core/density_field.h"
+#include "core/figure_hint.h"
 #include "core/results.h"
 #include "core/support/checkpoint.h"
 
@@ -55,5 +56,8 @@ class FieldStatistics : public FieldSink {
     std::optional<Accumulators> sums_;
     MeanSeries order_squared_, diffusivity_, mean_density_;
 };
+
+/// How the curves that only fields have want to be drawn.
+std::vector<FigureHint> field_figures();
 
 }  // namespace grainfield::analysis

@@ -5,10 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "analysis/accumulator.h"
-#include "analysis/statistics/blocks.h"
 #include "analysis/density/count_grid.h"
 #include "analysis/pattern.h"
+#include "analysis/statistics/blocks.h"
 #include "core/option_table.h"
 
 namespace grainfield::analysis {
@@ -107,7 +106,5 @@ class NumberVariance {
     std::vector<Block> blocks_;
     MeanSeries density_;
 };
-
-static_assert(Accumulator<NumberVariance>);
 
 }  // namespace grainfield::analysis

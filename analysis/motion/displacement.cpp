@@ -64,7 +64,7 @@ void Displacement::place(Track& track, std::size_t ordinal, Vec2 step) {
     track.step.push_back(step);
 }
 
-void Displacement::add(Sample pattern) {
+void Displacement::add(const Pattern& pattern) {
     const std::size_t ordinal = frame_.size();
     frame_.push_back(pattern.frame);
     time_.push_back(pattern.time);

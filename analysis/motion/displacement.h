@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "analysis/accumulator.h"
 #include "analysis/order/phase.h"
 #include "analysis/pattern.h"
 #include "analysis/track_index.h"
@@ -61,7 +60,7 @@ class Displacement {
 
     Displacement(const DisplacementOptions& options, std::int64_t frames, int threads = 1);
 
-    void add(Sample pattern);
+    void add(const Pattern& pattern);
     void merge(const Displacement& later);
     ObservableResult result() const { return result(nullptr); }
 
@@ -117,7 +116,5 @@ class Displacement {
     std::uint64_t thinning_ = 0;  // identities with hash & thinning_ != 0 are left out
     bool linked_ = true;
 };
-
-static_assert(Accumulator<Displacement>);
 
 }  // namespace grainfield::analysis

@@ -59,27 +59,28 @@ BondStatistics::BondStatistics(const BondOrderOptions& options, double solid_abo
 
 BondStatistics::Sample BondStatistics::measure(const Pattern& pattern,
                                                const BondOrderOptions& options) {
-    return {pattern.frame, pattern.id, bond_order(pattern, options)};
+    return {pattern.frame, pattern.id,
+            std::make_shared<const BondOrderField>(bond_order(pattern, options))};
 }
 
 void BondStatistics::add(Sample sample) {
+    const BondOrderField& field = *sample.field;
     Mean order;
     Mean nearest;
     std::vector<double> spacing;
     std::vector<double> counts(bins, 0.0);
-    std::vector<double> abs_q(sample.field.q.size());
-    std::ranges::transform(sample.field.q, abs_q.begin(),
+    std::vector<double> abs_q(field.q.size());
+    std::ranges::transform(field.q, abs_q.begin(),
                            [](const std::complex<double>& q) { return std::sqrt(std::norm(q)); });
     for (std::size_t i = 0; i < abs_q.size(); ++i) {
         const double q = abs_q[i];
-        if (std::isfinite(sample.field.nearest[i])) nearest.add(sample.field.nearest[i]);
+        if (std::isfinite(field.nearest[i])) nearest.add(field.nearest[i]);
         if (!std::isfinite(q)) continue;
         order.add(q);
         const int bin = std::min(static_cast<int>(q * bins), bins - 1);
         counts[static_cast<std::size_t>(bin)] += 1;
-        if (inside_crystal(sample.field, abs_q, i, solid_above_) &&
-            std::isfinite(sample.field.mean_four[i])) {
-            spacing.push_back(sample.field.mean_four[i]);
+        if (inside_crystal(field, abs_q, i, solid_above_) && std::isfinite(field.mean_four[i])) {
+            spacing.push_back(field.mean_four[i]);
         }
     }
     ++frames_;
@@ -226,13 +227,13 @@ Curve BondStatistics::field_curve() const {
     Column re{"q4_re", "-", "Real part", {}};
     Column im{"q4_im", "-", "Imaginary part", {}};
     Column neighbours{"n_neighbours", "-", "Neighbours", {}};
-    for (std::size_t i = 0; i < last_.field.q.size(); ++i) {
+    for (std::size_t i = 0; i < last_.field->q.size(); ++i) {
         frame.values.push_back(static_cast<double>(last_.frame));
         particle.values.push_back(
             static_cast<double>(last_.id.empty() ? static_cast<std::int64_t>(i) : last_.id[i]));
-        re.values.push_back(last_.field.q[i].real());
-        im.values.push_back(last_.field.q[i].imag());
-        neighbours.values.push_back(last_.field.neighbours[i]);
+        re.values.push_back(last_.field->q[i].real());
+        im.values.push_back(last_.field->q[i].imag());
+        neighbours.values.push_back(last_.field->neighbours[i]);
     }
     curve.columns = {frame, particle, re, im, neighbours};
     return curve;

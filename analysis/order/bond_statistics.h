@@ -1,10 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "analysis/accumulator.h"
 #include "analysis/order/bond_order.h"
 #include "analysis/statistics/blocks.h"
 
@@ -39,7 +39,7 @@ class BondStatistics {
     struct Sample {
         std::int64_t frame = 0;
         std::vector<std::int64_t> id;
-        BondOrderField field;
+        std::shared_ptr<const BondOrderField> field = std::make_shared<BondOrderField>();
     };
 
     /// `solid_above`: least |Q_k| of an ordered particle.
@@ -49,9 +49,6 @@ class BondStatistics {
     void add(Sample sample);
     void merge(const BondStatistics& later);
     ObservableResult result() const;
-
-    /// What was added last.
-    const Sample& last() const { return last_; }
 
  private:
     struct Block {  // counts of consecutive frames
@@ -82,7 +79,5 @@ class BondStatistics {
     double single_inside_ = 0;  // particles inside a crystal in the last frame
     Sample last_;
 };
-
-static_assert(Accumulator<BondStatistics>);
 
 }  // namespace grainfield::analysis

@@ -86,6 +86,13 @@ void OrderExamples::close_window() {
     values_ = 0;
 }
 
+void OrderExamples::merge(const OrderExamples& later) {
+    longest_ = std::max(longest_, later.longest_);
+    too_large_ = too_large_ || later.too_large_;
+    if (!wants_more() || !later.chosen_) return;
+    if (!chosen_ || !later.wants_more()) chosen_ = later.chosen_;
+}
+
 void OrderExamples::add_to(ObservableResult& result) const {
     if (!chosen_) {
         const std::string why =

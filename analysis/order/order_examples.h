@@ -35,6 +35,8 @@ class OrderExamples {
     void add(PhaseHistory::Sample sample);
     /// The frames added since the last call are a window.
     void close_window();
+    /// Adds what another found in later windows; both have closed their last one.
+    void merge(const OrderExamples& later);
     /// Appends the curve, or a measurement with the reason why there is none.
     void add_to(ObservableResult& result) const;
 

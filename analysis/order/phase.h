@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "analysis/accumulator.h"
 #include "analysis/order/bond_order_options.h"
 #include "analysis/statistics/blocks.h"
 #include "analysis/track_index.h"
@@ -133,7 +132,5 @@ class PhaseHistory {
     };
     Fluctuation fluctuation(std::size_t first_bin, std::size_t last_bin) const;
 };
-
-static_assert(Accumulator<PhaseHistory>);
 
 }  // namespace grainfield::analysis

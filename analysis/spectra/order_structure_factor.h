@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <span>
 
-#include "analysis/accumulator.h"
 #include "analysis/spectra/structure_factor.h"
 
 namespace grainfield::analysis {
@@ -48,7 +47,5 @@ class OrderStructureFactor {
     OrderStructureFactorOptions options_;
     StructureFactor modes_;
 };
-
-static_assert(Accumulator<OrderStructureFactor>);
 
 }  // namespace grainfield::analysis

@@ -9,15 +9,14 @@
 #include <string>
 #include <vector>
 
-#include "analysis/accumulator.h"
-#include "analysis/statistics/blocks.h"
+#include "analysis/pattern.h"
 #include "analysis/spectra/density_modes.h"
 #include "analysis/spectra/density_transform.h"
+#include "analysis/statistics/blocks.h"
 #include "analysis/statistics/fit.h"
-#include "analysis/pattern.h"
-#include "core/support/checkpoint.h"
 #include "core/density_field.h"
 #include "core/option_table.h"
+#include "core/support/checkpoint.h"
 
 namespace grainfield::analysis {
 
@@ -204,7 +203,5 @@ class StructureFactor {
     std::vector<std::size_t> neumann_index_;  // of each mode in `cosine`, or nowhere
     std::vector<std::size_t> neumann_modes_;
 };
-
-static_assert(Accumulator<StructureFactor>);
 
 }  // namespace grainfield::analysis

@@ -36,4 +36,45 @@ ObservableResult run_series(std::vector<Curve> curves) {
     return result;
 }
 
+std::vector<FigureHint> run_series_figures() {
+    const Axis time{"t", "Time t", "periods", Scale::linear, true};
+    const auto column = [](const char* label, const char* name, bool required = false) {
+        return SeriesHint{.label = label,
+                          .mark = Mark::curve,
+                          .from = {"series", "md", "t", name, ""},
+                          .required = required};
+    };
+    return {
+        {.name = "energies",
+         .title = "Energies of the run",
+         .note = "",
+         .x = time,
+         .y = {"energy", "Energy per grain", "m g a", Scale::linear, true},
+         .series = {column("horizontal", "energy_xy", true), column("vertical", "energy_z"),
+                    column("rotation", "energy_rotation")},
+         .place = 90,
+         .presence = Presence::with_observable},
+        {.name = "collisions",
+         .title = "Collisions of the run",
+         .note = "",
+         .x = time,
+         .y = {"rate", "Collisions per grain", "1/period", Scale::linear, true},
+         .series = {column("between grains", "pair", true),
+                    column("with the low plate", "low_plate"),
+                    column("with the high plate", "high_plate")},
+         .place = 91,
+         .presence = Presence::with_observable},
+        {.name = "order",
+         .title = "Order of the snapshots",
+         .note = "",
+         .x = time,
+         .y = {"value", "Mean |Q₄|, share of solid grains", "", Scale::linear, true},
+         .series = {{.label = "mean |Q₄|",
+                     .from = {"series", "order", "t", "q4_mean", ""},
+                     .required = true},
+                    {.label = "|Q₄| ≥ 0.7", .from = {"series", "order", "t", "solid_share", ""}}},
+         .place = 92},
+    };
+}
+
 }  // namespace grainfield::analysis

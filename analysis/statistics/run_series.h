@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "core/figure_hint.h"
 #include "core/results.h"
 
 namespace grainfield::analysis {
@@ -13,5 +14,8 @@ namespace grainfield::analysis {
 ///
 /// Column units are kept. Cost: O(rows).
 ObservableResult run_series(std::vector<Curve> curves);
+
+/// How the time series of a simulation want to be drawn.
+std::vector<FigureHint> run_series_figures();
 
 }  // namespace grainfield::analysis

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "analysis/analysis.h"
+#include "analysis/order/bond_order.h"
 #include "core/errors.h"
 #include "core/stored_trajectory.h"
 #include "core/support/interrupt.h"
@@ -146,15 +147,16 @@ void analyse(Results& run, StoredTrajectory& snapshots, const ValidationSettings
     Progress progress("analysing " + run.label + " positions", snapshots.count(), "frames",
                       settings.verbosity);
     analysis::AnalysisOptions usual;
-    usual.fit = settings.fit;
-    run.observables = analysis::analyze(snapshots, usual, settings.threads, plan, progress);
+    usual.of<analysis::FitOptions>() = settings.fit;
+    run.observables =
+        analysis::measure(snapshots, usual,
+                          {.threads = settings.threads, .plan = &plan, .progress = &progress})
+            .observables;
     analysis::AnalysisOptions free = usual;
     free.observables = "fit";
-    free.fit.exponent = analysis::Exponent::free;
-    RunPlan same;
-    Progress quiet("fitting", snapshots.count(), "frames", Verbosity::quiet);
-    for (ObservableResult& result :
-         analysis::analyze(snapshots, free, settings.threads, same, quiet)) {
+    free.of<analysis::FitOptions>().exponent = analysis::Exponent::free;
+    Results fits = analysis::measure(snapshots, free, {.threads = settings.threads});
+    for (ObservableResult& result : fits.observables) {
         if (result.name == "fit") outcome.free_fits.push_back(std::move(result));
     }
 }

@@ -7,6 +7,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "analysis/order/bond_order.h"
+#include "analysis/spectra/fit_result.h"
+#include "analysis/spectra/structure_factor.h"
 #include "core/errors.h"
 #include "tests/analysis/synthetic_patterns.h"
 
@@ -50,10 +53,9 @@ MemorySource video(int frames, bool linked = true) {
 std::vector<ObservableResult> run(MemorySource& source, const AnalysisOptions& options = {},
                                   int threads = 1, RunPlan* plan_out = nullptr) {
     RunPlan plan;
-    Progress progress("analysis", source.count(), "frames", Verbosity::quiet);
-    auto results = analyze(source, options, threads, plan, progress);
+    Results results = measure(source, options, {.threads = threads, .plan = &plan});
     if (plan_out != nullptr) *plan_out = plan;
-    return results;
+    return results.observables;
 }
 
 bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
@@ -155,7 +157,7 @@ TEST(Analysis, IsTheSameAMillionDiametersFromTheOrigin) {
             }
         }
         AnalysisOptions options;
-        options.fit.k_max = 1.5;
+        options.of<FitOptions>().k_max = 1.5;
         const auto a = run(near_source, options);
         const auto b = run(far_source, options);
         ASSERT_EQ(a.size(), b.size());
@@ -195,7 +197,7 @@ TEST(Analysis, SurvivesDegeneratePatterns) {
                     source.snapshots.push_back(s);
                 }
                 AnalysisOptions options;
-                options.q4.rule = rule;
+                options.of<BondOrderOptions>().rule = rule;
                 for (const ObservableResult& r : run(source, options)) {
                     for (const Measurement& m : r.measurements) {
                         if (m.value) {
@@ -266,9 +268,9 @@ TEST(Analysis, DescribesEveryOptionOnce) {
     EXPECT_EQ(sections, (std::vector<std::string>{"analysis", "q4", "phase", "msd", "sk", "s4",
                                                   "variance", "fit", "synthetic"}));
     tables[4].find("k-max")->set_from_text("3.5");
-    EXPECT_EQ(options.sk.k_max, 3.5);
+    EXPECT_EQ(options.of<StructureFactorOptions>().k_max, 3.5);
     tables[1].find("neighbours")->set_from_text("near-delaunay");
-    EXPECT_EQ(options.q4.rule, NeighbourRule::near_delaunay);
+    EXPECT_EQ(options.of<BondOrderOptions>().rule, NeighbourRule::near_delaunay);
 }
 
 TEST(AbsQ4, KeepsOneEntryAParticleEvenForPositionsThatAreNotNumbers) {
@@ -291,7 +293,7 @@ TEST(Analysis, PlansFromTheFirstFrameThatHasParticles) {
         source.snapshots[static_cast<std::size_t>(f)].id.clear();
     }
     RunPlan plan;
-    plan_analysis(source, {}, plan);
+    plan_measurement(source, {}, plan);
     for (const PlannedStage& stage : plan.skipped()) EXPECT_NE(stage.stage, "msd") << stage.reason;
     EXPECT_EQ(run(source)[2].reason, "");
 }
@@ -299,7 +301,7 @@ TEST(Analysis, PlansFromTheFirstFrameThatHasParticles) {
 TEST(Analysis, DoesNotReportTheTriangulationAsSkippedWhereNobodyAskedForIt) {
     MemorySource source = video(3);
     RunPlan plan;
-    plan_analysis(source, {}, plan);
+    plan_measurement(source, {}, plan);
     for (const PlannedStage& stage : plan.skipped()) EXPECT_NE(stage.stage, "triangulation");
 }
 

@@ -219,11 +219,10 @@ TEST(PointProcessTheory, HoldsForTenMillionPointsStreamedThroughTheAnalysis) {
     Stream source;
     AnalysisOptions options;
     options.observables = "sk,variance";
-    options.sk.k_max = 0.1;
-    options.variance = {.smallest = 10, .largest = 20, .increment = 10, .step = 5};
-    RunPlan plan;
-    Progress progress("analysis", 2, "frames", Verbosity::quiet);
-    const auto results = analyze(source, options, 1, plan, progress);
+    options.of<StructureFactorOptions>().k_max = 0.1;
+    options.of<NumberVarianceOptions>() = {
+        .smallest = 10, .largest = 20, .increment = 10, .step = 5};
+    const auto results = measure(source, options, {.threads = 1}).observables;
     const Curve* sk = results[0].find_curve("sk");
     const double modes =
         2 * std::accumulate(sk->find("n")->values.begin(), sk->find("n")->values.end(), 0.0);
@@ -253,16 +252,14 @@ TEST(PointProcessTheory, BoxesOfAThousandthAndOfAMillionDiametersGiveNumbersOrRe
                 source.snapshots.push_back(std::move(s));
             }
             AnalysisOptions options;
-            options.sk.k_max = 30 / length;
-            options.s4.modes.k_max = 30 / length;
-            options.variance = {.smallest = length / 10,
-                                .largest = length / 2,
-                                .increment = length / 10,
-                                .step = length / 40};
-            options.fit.k_max = 20 / length;
-            RunPlan plan;
-            Progress progress("analysis", 10, "frames", Verbosity::quiet);
-            for (const ObservableResult& r : analyze(source, options, 2, plan, progress)) {
+            options.of<StructureFactorOptions>().k_max = 30 / length;
+            options.of<OrderStructureFactorOptions>().modes.k_max = 30 / length;
+            options.of<NumberVarianceOptions>() = {.smallest = length / 10,
+                                                   .largest = length / 2,
+                                                   .increment = length / 10,
+                                                   .step = length / 40};
+            options.of<FitOptions>().k_max = 20 / length;
+            for (const ObservableResult& r : measure(source, options, {.threads = 2}).observables) {
                 if (r.measurements.empty()) {
                     EXPECT_NE(r.reason, "") << r.name << length;
                 }

@@ -57,15 +57,17 @@ TEST(BondStatistics, HaveAHistogramWhoseErrorsAreTheScatterOfSuchRuns) {
         BondStatistics statistics({});
         for (int f = 0; f < 20; ++f) {
             BondStatistics::Sample sample;
+            BondOrderField field;
             sample.frame = f;
             for (int i = 0; i < 300; ++i) {
                 sample.id.push_back(i);
-                sample.field.q.emplace_back(0.9 * random.uniform(), 0.0);
+                field.q.emplace_back(0.9 * random.uniform(), 0.0);
             }
-            sample.field.nearest.assign(300, 1.0);
-            sample.field.mean_four.assign(300, 1.0);
-            sample.field.neighbours.assign(300, 0);
-            sample.field.first.assign(300, 0);
+            field.nearest.assign(300, 1.0);
+            field.mean_four.assign(300, 1.0);
+            field.neighbours.assign(300, 0);
+            field.first.assign(300, 0);
+            sample.field = std::make_shared<const BondOrderField>(std::move(field));
             statistics.add(std::move(sample));
         }
         const ObservableResult result = statistics.result();

@@ -130,14 +130,14 @@ TEST(MergedHalves, GiveTheResultOfTheWholeForEveryObservable) {
             const Pattern here = film.next(f);
             const BondStatistics::Sample sample = BondStatistics::measure(here, {});
             PhaseHistory::Sample of_phase{here.frame, here.time, here.id, {}};
-            for (const auto& q : sample.field.q) {
+            for (const auto& q : sample.field->q) {
                 of_phase.abs_q.push_back(static_cast<float>(std::abs(q)));
             }
             bonds.add(f, sample);
             phases.add(f, of_phase);
             moved.add(f, here);
             density.add(f, density.whole.measure(here));
-            order.add(f, order.whole.measure(here, sample.field.q));
+            order.add(f, order.whole.measure(here, sample.field->q));
             variance.add(f, variance.whole.measure(here));
         }
         bonds.expect_same_when_merged();

@@ -1,0 +1,53 @@
+#include "analysis/density/variance_observable.h"
+
+namespace grainfield::analysis {
+
+std::optional<OptionTable> VarianceObservable::describe(AnalysisOptions& options) {
+    return analysis::describe(options.of<NumberVarianceOptions>());
+}
+
+void VarianceObservable::plan(const PlanSetup& setup, RunPlan& plan) {
+    plan.run("variance", setup.frames < 2 ? "one frame: over positions" : "temporal, per position");
+}
+
+std::vector<FigureHint> VarianceObservable::figures() {
+    const auto beside = [](const char* label, const char* curve) {
+        return SeriesHint{
+            .label = label, .shown = false, .from = {"variance", curve, "l", "variance", "err"}};
+    };
+    const auto guide = [](const char* label, double exponent) {
+        return GuideHint{.label = label, .exponent = exponent, .halved_on_a_line = true};
+    };
+    FigureHint variance{
+        .name = "variance",
+        .title = "Number variance",
+        .note = "",
+        .x = {"l", "Window side ℓ", "a", Scale::log, false},
+        .y = {"variance", "σ²(ℓ)", "", Scale::log, false},
+        .series = {{.label = "σ²(ℓ)",
+                    .from = {"variance", "variance", "l", "variance", "err"},
+                    .required = true},
+                   beside("pooled over positions and frames", "variance_pooled"),
+                   beside("of the spatial mean", "variance_spatial_mean")},
+        .place = 30,
+        .presence = Presence::always,
+        .title_of_curve = true,
+        .panel_by_origin = true,
+        .half_of_periodic_box = true,
+        .note_of_half_box =
+            "Drawn up to half of a periodic box: the fixed number of particles pulls σ² to zero at "
+            "ℓ = L",
+        .guides = {guide("β = 1", 1), guide("β = 2", 2)}};
+    variance.guides.front().note = "Guides: σ² ∝ ⟨N⟩^(β/2), in the plane ℓ^β, on a line ℓ^(β/2).";
+    return {
+        variance,
+        {.name = "variance_slope",
+         .title = "Local exponent of the number variance",
+         .note = "β = 2: σ² ∝ ⟨N⟩; β = 1: σ² ∝ the perimeter.",
+         .x = {"l", "Window side ℓ", "a", Scale::log, false},
+         .y = {"beta", "β(ℓ) = d ln σ²/d ln ℓ", "", Scale::linear, true},
+         .series = {{.label = "β(ℓ)", .from = {"variance", "variance_slope", "l", "beta", "err"}}},
+         .place = 71}};
+}
+
+}  // namespace grainfield::analysis

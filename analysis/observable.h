@@ -1,0 +1,183 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <typeindex>
+#include <vector>
+
+#include "analysis/analysis_options.h"
+#include "analysis/pattern.h"
+#include "core/figure_hint.h"
+#include "core/option_table.h"
+#include "core/results.h"
+#include "core/run_plan.h"
+
+namespace grainfield::analysis {
+
+/// What is known when a run of the analysis begins.
+struct RunSetup {
+    const AnalysisOptions& options;
+    TrajectoryInfo info;
+    Box box;  ///< of the first snapshot [a]
+    std::int64_t frames = 0;
+    int threads = 1;
+    std::int64_t first = 0;  ///< number of the first frame, where this is a later part of a run
+    std::int64_t whole = 0;  ///< frames of the whole run, where this is a part of it; else 0
+};
+
+/// What a plan is made from: the setup and the first snapshot that has particles.
+struct PlanSetup {
+    const AnalysisOptions& options;
+    const TrajectoryInfo& info;
+    std::int64_t frames = 0;
+    const Pattern& first;
+    bool is_linked() const { return !first.id.empty(); }
+};
+
+class Accumulator;
+class Moment;
+
+/// The accumulators and results that others may take as inputs, by the type of the accumulator.
+class Inputs {
+ public:
+    virtual ~Inputs() = default;
+
+    template <class A>
+    const A& of() const {
+        return static_cast<const A&>(accumulator(typeid(A)));
+    }
+    template <class A>
+    const ObservableResult& result_of() const {
+        return result(typeid(A));
+    }
+
+ private:
+    virtual const Accumulator& accumulator(std::type_index type) const = 0;
+    virtual const ObservableResult& result(std::type_index type) const = 0;
+};
+
+/// What one snapshot contributes to one observable, whatever its type.
+class AnySample {
+ public:
+    virtual ~AnySample() = default;
+};
+
+template <class Sample>
+class StoredSample final : public AnySample {
+ public:
+    explicit StoredSample(Sample sample) : value(std::move(sample)) {}
+    Sample value;
+};
+
+/// One observable in one run: a streaming accumulator, seen without its type. Observables derive
+/// from AccumulatorOf.
+class Accumulator {
+ public:
+    virtual ~Accumulator() = default;
+    virtual std::unique_ptr<AnySample> measure_any(const Moment& moment) const = 0;
+    virtual void add_any(AnySample& sample, const Moment& moment) = 0;
+    virtual void merge_any(const Accumulator& later) = 0;
+    /// Called once, before it is merged and after the last snapshot and before any result.
+    virtual void finish(const Inputs& /*inputs*/) {}
+    virtual ObservableResult result(const Inputs& inputs) const = 0;
+};
+
+/// One snapshot on its way through the observables of a run.
+class Moment {
+ public:
+    Moment(const Pattern& pattern, std::int64_t ordinal, const Inputs& inputs)
+        : pattern_(pattern), ordinal_(ordinal), inputs_(inputs) {}
+    virtual ~Moment() = default;
+
+    const Pattern& pattern() const { return pattern_; }
+    std::int64_t ordinal() const { return ordinal_; }  ///< number of the snapshot in its run
+
+    /// What accumulator A, which must be among the needs, measured of this snapshot.
+    template <class A>
+    const typename A::Sample& sample_of() const {
+        return static_cast<const StoredSample<typename A::Sample>&>(sample(typeid(A))).value;
+    }
+
+    /// Accumulator A, which has this snapshot already. Only while snapshots are added.
+    template <class A>
+    const A& of() const {
+        return inputs_.of<A>();
+    }
+
+ private:
+    virtual const AnySample& sample(std::type_index type) const = 0;
+
+    const Pattern& pattern_;
+    std::int64_t ordinal_;
+    const Inputs& inputs_;
+};
+
+/// Everything that the analysis, the command line and the report know about an observable. Made by
+/// `observable_of`.
+struct Observable {
+    std::string name;        ///< of its section of options, its result and its main curve
+    bool has_result = true;  ///< false: work that several observables share
+    std::type_index type;    ///< of the accumulator
+
+    /// What must be measured before it, of each snapshot and of the run.
+    std::function<std::vector<Observable>(const AnalysisOptions&)> needs;
+    /// Its table of options, if it has any.
+    std::function<std::optional<OptionTable>(AnalysisOptions&)> describe;
+    std::function<void(const PlanSetup&, RunPlan&)> plan;
+    std::function<std::unique_ptr<Accumulator>(const RunSetup&)> start;
+    std::function<std::vector<FigureHint>()> figures;
+};
+
+/// What an observable's accumulator derives from. The work of a snapshot has two halves, so that
+/// snapshots can be measured by many threads and still give the same bits for any number of them:
+///
+///   Sample measure(const Moment&) const        heavy; any thread, any order; a pure function
+///   void add(Sample&, const Moment&)           light; one thread, in the order of the snapshots
+///   void merge(const Derived& later)           adds what was gathered from later snapshots
+///   ObservableResult result(const Inputs&) const
+///
+/// Derived is built from a RunSetup. It has static members `name` and, where the defaults here do
+/// not fit, `has_result`, `needs`, `describe`, `plan` and `figures`. Memory must not grow with the
+/// number of snapshots beyond what the class comment states.
+template <class Derived, class SampleType>
+class AccumulatorOf : public Accumulator {
+ public:
+    using Sample = SampleType;
+
+    static constexpr bool has_result = true;
+    static std::vector<Observable> needs(const AnalysisOptions& /*options*/) { return {}; }
+    static std::optional<OptionTable> describe(AnalysisOptions& /*options*/) { return {}; }
+    static void plan(const PlanSetup& /*setup*/, RunPlan& /*plan*/) {}
+    static std::vector<FigureHint> figures() { return {}; }
+
+    std::unique_ptr<AnySample> measure_any(const Moment& moment) const final {
+        return std::make_unique<StoredSample<Sample>>(self().measure(moment));
+    }
+    void add_any(AnySample& sample, const Moment& moment) final {
+        static_cast<Derived&>(*this).add(static_cast<StoredSample<Sample>&>(sample).value, moment);
+    }
+    void merge_any(const Accumulator& later) final {
+        static_cast<Derived&>(*this).merge(static_cast<const Derived&>(later));
+    }
+    ObservableResult result(const Inputs& /*inputs*/) const override { return {}; }
+
+ private:
+    const Derived& self() const { return static_cast<const Derived&>(*this); }
+};
+
+template <class A>
+Observable observable_of() {
+    return {.name = A::name,
+            .has_result = A::has_result,
+            .type = typeid(A),
+            .needs = &A::needs,
+            .describe = &A::describe,
+            .plan = &A::plan,
+            .start = [](const RunSetup& setup) { return std::make_unique<A>(setup); },
+            .figures = &A::figures};
+}
+
+}  // namespace grainfield::analysis

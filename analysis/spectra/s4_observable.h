@@ -1,0 +1,28 @@
+#pragma once
+
+#include "analysis/observable.h"
+#include "analysis/spectra/order_structure_factor.h"
+
+namespace grainfield::analysis {
+
+/// The observable "s4": structure factor of the bond-orientational order (OrderStructureFactor).
+class S4Observable final : public AccumulatorOf<S4Observable, OrderStructureFactor::Sample> {
+ public:
+    static constexpr const char* name = "s4";
+    static std::vector<Observable> needs(const AnalysisOptions& options);
+    static std::optional<OptionTable> describe(AnalysisOptions& options);
+    static void plan(const PlanSetup& setup, RunPlan& plan);
+    static std::vector<FigureHint> figures();
+
+    explicit S4Observable(const RunSetup& setup)
+        : sums_(setup.options.of<OrderStructureFactorOptions>(), setup.box, setup.frames) {}
+    Sample measure(const Moment& moment) const;
+    void add(Sample& sample, const Moment& /*moment*/) { sums_.add(std::move(sample)); }
+    void merge(const S4Observable& later) { sums_.merge(later.sums_); }
+    ObservableResult result(const Inputs& /*inputs*/) const override { return sums_.result(); }
+
+ private:
+    OrderStructureFactor sums_;
+};
+
+}  // namespace grainfield::analysis
