@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/observables.h"
 #include "app/figures_folder.h"
 #include "app/interrupt_deadline.h"
 #include "core/errors.h"
@@ -75,6 +76,7 @@ Summary CompareCommand::work(Session& session) const {
     if (report_.figures) figures.emplace(figures_folder(output_), overwrite);
     report::ReportOptions options = report_;
     options.threads = session.threads();
+    options.hints = analysis::figure_hints();
     report::write_report(results, options, html.temporary(), figures_folder(output_), session.plan);
     html.commit();
     session.outputs.push_back(output_);

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/observables.h"
 #include "app/figures_folder.h"
 #include "app/optics_summary.h"
 #include "core/errors.h"
@@ -202,6 +203,7 @@ Summary ValidateCommand::finish(Session& session, const pipelines::ValidationOut
     }
     report::ReportOptions options = report_;
     options.threads = session.threads();
+    options.hints = analysis::figure_hints();
     if (options.title.empty()) options.title = "Validation of the tracker";
     report::write_report(runs, options, html.temporary(), figures_folder(output_), session.plan,
                          pipelines::validation_report(outcome, checks));

@@ -39,7 +39,6 @@ struct SeriesHint {
     CurveColumns from;
     std::string by{};           ///< text column whose words tell series apart; empty: one series
     std::string word{};         ///< the word of `by` that is drawn; empty: each its own series
-    bool required = false;      ///< a run without it is listed with the reason
     double negligible_end = 0;  ///< a last value below this share of the largest is left out
 };
 
@@ -66,8 +65,9 @@ struct FigureHint {
     std::string title;  ///< for people
     std::string note;   ///< what to know when reading it; may be empty
     Axis x, y;
-    std::vector<SeriesHint> series;  ///< the first one says which curve the figure is of
-    int place = 100;                 ///< figures stand on the page by growing place
+    /// The first one says which curve the figure is of: runs without it are listed with the reason.
+    std::vector<SeriesHint> series;
+    int place = 100;  ///< figures stand on the page by growing place
     Presence presence = Presence::with_curve;
     bool may_be_linear = false;          ///< a button switches the logarithmic axes to linear ones
     bool title_of_curve = false;         ///< the title is that of the first series' curve

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/figure_hint.h"
 #include "core/results.h"
 #include "core/run_plan.h"
 #include "report/figures/figure.h"
@@ -15,8 +16,9 @@ struct ReportOptions {
     std::string title;    ///< heading of the page; empty: made from the runs
     bool figures = true;  ///< also write every figure as SVG, PDF and CSV into the folder beside
     int threads = 0;      ///< 0: all of the machine
-    bool observables = true;  ///< figures and key numbers of what an analysis measures
-    bool paper = false;       ///< begin with the table of the paper's values (paper_table)
+    bool observables = true;          ///< figures and key numbers of what an analysis measures
+    bool paper = false;               ///< begin with the table of the paper's values (paper_table)
+    std::vector<FigureHint> hints{};  ///< how what was measured wants to be drawn
 };
 
 /// What a command adds to a report of its own: tables before the key numbers, figures before those

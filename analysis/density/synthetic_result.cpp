@@ -32,7 +32,7 @@ double side_from(std::string text) {
     throw OptionError({.problem = "synthetic.sides holds something that is no side of a box",
                        .actual = "'" + text + "'",
                        .expected = "positive lengths in a, or inf, with commas between them",
-                       .suggestion = "--sides 100,1000,inf"});
+                       .suggestion = "for example 100,1000,inf"});
 }
 
 std::vector<double> sides_of(const SyntheticOptions& options, double own) {

@@ -26,8 +26,7 @@ std::vector<FigureHint> MsdObservable::figures() {
         return SeriesHint{.label = phase,
                           .from = {"msd", "msd", "t", "msd", "err"},
                           .by = "phase",
-                          .word = phase,
-                          .required = true};
+                          .word = phase};
     };
     const auto fit_of = [](const std::string& phase) {
         return SeriesHint{.label = phase + ", 4 D t + c",

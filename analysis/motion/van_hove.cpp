@@ -62,7 +62,7 @@ std::vector<std::int64_t> van_hove_lags(const std::string& list) {
             throw OptionError({.problem = "msd.van-hove holds something that is no lag",
                                .actual = "'" + entry + "'",
                                .expected = "whole numbers of frames from 1 on, with commas",
-                               .suggestion = "--van-hove 1,10,100"});
+                               .suggestion = "for example 1,10,100"});
         }
         lags.push_back(lag);
     }

@@ -34,9 +34,8 @@ void PhaseObservable::plan(const PlanSetup& setup, RunPlan& plan) {
 }
 
 std::vector<FigureHint> PhaseObservable::figures() {
-    const auto share = [](const char* label, const char* column, bool required) {
-        return SeriesHint{
-            .label = label, .from = {"phase", "phase", "t", column, ""}, .required = required};
+    const auto share = [](const char* label, const char* column) {
+        return SeriesHint{.label = label, .from = {"phase", "phase", "t", column, ""}};
     };
     return {
         {.name = "phase",
@@ -44,8 +43,7 @@ std::vector<FigureHint> PhaseObservable::figures() {
          .note = "",
          .x = {"t", "Time t", "time unit", Scale::linear, false},
          .y = {"fraction", "Fraction of particles", "", Scale::linear, true},
-         .series = {share("solid", "solid_fraction", true),
-                    share("liquid", "liquid_fraction", false)},
+         .series = {share("solid", "solid_fraction"), share("liquid", "liquid_fraction")},
          .place = 50,
          .presence = Presence::always,
          .least_points = 2,

@@ -40,8 +40,7 @@ SpectrumFit fit_of(const Spectrum& spectrum, const FitOptions& options) {
     const Range range = range_of(spectrum, options);
     if (range.end) return fit_spectrum(spectrum, *range.end, alpha_of(options), options.method);
     SpectrumFit none;
-    none.reason = range.peak.reason +
-                  ", which sets the range of the fit; give --fit-k-max (fit.k-max in a file)";
+    none.reason = range.peak.reason + ", which sets the range of the fit; set its end, k-max";
     return none;
 }
 

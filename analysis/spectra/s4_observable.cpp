@@ -20,20 +20,19 @@ void S4Observable::plan(const PlanSetup& setup, RunPlan& plan) {
 }
 
 std::vector<FigureHint> S4Observable::figures() {
-    return {
-        {.name = "s4",
-         .title = "Structure factor of the order",
-         .note = "",
-         .x = {"k", "Wavevector k", "1/a", Scale::log, true},
-         .y = {"s", "S₄(k)", "", Scale::log, true},
-         .series = {{.label = "S₄(k)", .from = {"s4", "s4", "k", "s", "s_err"}, .required = true},
-                    {.label = "Ornstein–Zernike, S₄(0)/(1 + (ξ₄k)²)",
-                     .mark = Mark::curve,
-                     .from = {"s4", "s4_fit", "k", "s", ""}}},
-         .place = 60,
-         .presence = Presence::with_observable,
-         .may_be_linear = true,
-         .title_of_curve = true}};
+    return {{.name = "s4",
+             .title = "Structure factor of the order",
+             .note = "",
+             .x = {"k", "Wavevector k", "1/a", Scale::log, true},
+             .y = {"s", "S₄(k)", "", Scale::log, true},
+             .series = {{.label = "S₄(k)", .from = {"s4", "s4", "k", "s", "s_err"}},
+                        {.label = "Ornstein–Zernike, S₄(0)/(1 + (ξ₄k)²)",
+                         .mark = Mark::curve,
+                         .from = {"s4", "s4_fit", "k", "s", ""}}},
+             .place = 60,
+             .presence = Presence::with_observable,
+             .may_be_linear = true,
+             .title_of_curve = true}};
 }
 
 S4Observable::Sample S4Observable::measure(const Moment& moment) const {

@@ -36,7 +36,7 @@ std::vector<FigureHint> SkObservable::figures() {
          .note = "",
          .x = {"k", "Wavevector k", "1/a", Scale::log, true},
          .y = {"s", "S(k)", "", Scale::log, true},
-         .series = {{.label = "S(k)", .from = {"sk", "sk", "k", "s", "s_err"}, .required = true},
+         .series = {{.label = "S(k)", .from = {"sk", "sk", "k", "s", "s_err"}},
                     {.label = "raw, ⟨|ρ|²⟩/N",
                      .shown = false,
                      .from = {"sk", "sk_raw", "k", "s", "s_err"}},

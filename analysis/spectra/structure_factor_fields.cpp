@@ -28,7 +28,7 @@ std::vector<double> numbers(const Checkpoint& checkpoint, const std::string& nam
                                     ? "it is missing"
                                     : fmt::format("{} numbers", found->second.size()),
                       .expected = fmt::format("{} numbers", count),
-                      .suggestion = "start again without --resume"});
+                      .suggestion = "begin the run anew"});
 }
 
 }  // namespace

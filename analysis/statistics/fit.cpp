@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include <Eigen/LU>
 #include <fmt/format.h>
 
 namespace grainfield::analysis {
@@ -154,36 +155,6 @@ double best_alpha(const Objective& objective) {
     return 0.5 * (low + high);
 }
 
-// The inverse of a symmetric 3 × 3 matrix (2 × 2 if the last row is not used) by elimination.
-bool invert(std::array<std::array<double, 3>, 3>& m, std::size_t n) {
-    std::array<std::array<double, 3>, 3> out{};
-    for (std::size_t i = 0; i < n; ++i) out[i][i] = 1;
-    for (std::size_t c = 0; c < n; ++c) {
-        std::size_t pivot = c;
-        for (std::size_t r = c; r < n; ++r) {
-            if (std::abs(m[r][c]) > std::abs(m[pivot][c])) pivot = r;
-        }
-        if (!(std::abs(m[pivot][c]) > 0)) return false;
-        std::swap(m[c], m[pivot]);
-        std::swap(out[c], out[pivot]);
-        const double inverse = 1 / m[c][c];
-        for (std::size_t j = 0; j < n; ++j) {
-            m[c][j] *= inverse;
-            out[c][j] *= inverse;
-        }
-        for (std::size_t r = 0; r < n; ++r) {
-            if (r == c) continue;
-            const double f = m[r][c];
-            for (std::size_t j = 0; j < n; ++j) {
-                m[r][j] -= f * m[c][j];
-                out[r][j] -= f * out[c][j];
-            }
-        }
-    }
-    m = out;
-    return true;
-}
-
 SpectrumFit without(std::string reason) {
     SpectrumFit fit;
     fit.reason = std::move(reason);
@@ -201,23 +172,24 @@ SpectrumFit finish(const Points& points, const Line& line, double alpha, bool al
     const std::vector<double> x = powers(points, alpha);
     // Scaled to the largest x, so that the matrix is well conditioned.
     const double scale = x.back();
-    std::array<std::array<double, 3>, 3> information{};
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
     for (std::size_t i = 0; i < x.size(); ++i) {
         const double mu = line.s0 + line.s1 * x[i];
         const bool whittle = method == FitMethod::whittle;
         const double w = whittle ? points.weight[i] / (mu * mu) : points.weight[i];
-        const std::array<double, 3> g{1, x[i] / scale, line.s1 * x[i] * points.log_k[i]};
-        for (std::size_t a = 0; a < 3; ++a) {
-            for (std::size_t b = 0; b < 3; ++b) information[a][b] += w * g[a] * g[b];
-        }
+        const Eigen::Vector3d g{1, x[i] / scale, line.s1 * x[i] * points.log_k[i]};
+        information += w * g * g.transpose();
         fit.chi2 += w * (points.s[i] - mu) * (points.s[i] - mu);
     }
-    if (!invert(information, alpha_is_free ? 3 : 2)) {
+    const int free = alpha_is_free ? 3 : 2;
+    const Eigen::PartialPivLU<Eigen::MatrixXd> lu(information.topLeftCorner(free, free));
+    if (!(lu.matrixLU().diagonal().cwiseAbs().minCoeff() > 0)) {
         return without("the points do not determine the parameters");
     }
-    fit.error = {std::sqrt(information[0][0]), std::sqrt(information[1][1]) / scale,
-                 alpha_is_free ? std::sqrt(information[2][2]) : 0};
-    fit.covariance = information[0][1] / scale;
+    const Eigen::MatrixXd covariance = lu.inverse();
+    fit.error = {std::sqrt(covariance(0, 0)), std::sqrt(covariance(1, 1)) / scale,
+                 alpha_is_free ? std::sqrt(covariance(2, 2)) : 0};
+    fit.covariance = covariance(0, 1) / scale;
     for (double e : fit.error) {
         if (!std::isfinite(e)) return without("the points do not determine the parameters");
     }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include <Eigen/LU>
 #include <fmt/format.h>
 
 namespace grainfield::analysis {
@@ -21,7 +22,8 @@ struct Line {
 
 // Gradient and minus the second derivatives of ln L.
 struct Slope {
-    double p = 0, q = 0, pp = 0, pq = 0, qq = 0;
+    Eigen::Vector2d gradient = Eigen::Vector2d::Zero();
+    Eigen::Matrix2d information = Eigen::Matrix2d::Zero();  // minus the second derivatives
 };
 
 double log_likelihood(const std::vector<Shell>& shells, const Line& line) {
@@ -38,13 +40,9 @@ Slope slope_at(const std::vector<Shell>& shells, const Line& line) {
     Slope slope;
     for (const Shell& shell : shells) {
         const double mean = 1 / (line.p + line.q * shell.k2);
-        const double pull = shell.nu * (mean - shell.s);
-        const double weight = shell.nu * mean * mean;
-        slope.p += pull;
-        slope.q += pull * shell.k2;
-        slope.pp += weight;
-        slope.pq += weight * shell.k2;
-        slope.qq += weight * shell.k2 * shell.k2;
+        const Eigen::Vector2d of_shell{1, shell.k2};
+        slope.gradient += shell.nu * (mean - shell.s) * of_shell;
+        slope.information += shell.nu * mean * mean * of_shell * of_shell.transpose();
     }
     return slope;
 }
@@ -61,9 +59,8 @@ Line maximum(const std::vector<Shell>& shells) {
     double best = log_likelihood(shells, line);
     for (int step = 0; step < 200; ++step) {
         const Slope slope = slope_at(shells, line);
-        const double determinant = slope.pp * slope.qq - slope.pq * slope.pq;
-        const Line along{(slope.qq * slope.p - slope.pq * slope.q) / determinant,
-                         (slope.pp * slope.q - slope.pq * slope.p) / determinant};
+        const Eigen::Vector2d step_along = slope.information.inverse() * slope.gradient;
+        const Line along{step_along[0], step_along[1]};
         double share = 1;
         bool better = false;
         for (int halving = 0; halving < 60 && !better; ++halving, share /= 2) {
@@ -113,12 +110,11 @@ OrnsteinZernikeFit fit_ornstein_zernike(const Spectrum& spectrum, double k_max) 
         chi2 += shell.nu * (ratio - 1) * (ratio - 1);
     }
     fit.chi2_per_dof = chi2 / (fit.points - 2);
-    const Slope slope = slope_at(shells, line);
-    const double determinant = slope.pp * slope.qq - slope.pq * slope.pq;
-    const double scale = std::max(1.0, fit.chi2_per_dof);
-    const double var_p = scale * slope.qq / determinant;
-    const double var_q = scale * slope.pp / determinant;
-    const double cov = -scale * slope.pq / determinant;
+    const Eigen::Matrix2d covariance =
+        std::max(1.0, fit.chi2_per_dof) * slope_at(shells, line).information.inverse();
+    const double var_p = covariance(0, 0);
+    const double var_q = covariance(1, 1);
+    const double cov = covariance(0, 1);
     fit.s_zero = 1 / line.p;
     fit.s_zero_error = std::sqrt(var_p) / (line.p * line.p);
     fit.xi = std::sqrt(line.q / line.p);

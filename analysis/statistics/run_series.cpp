@@ -38,11 +38,9 @@ ObservableResult run_series(std::vector<Curve> curves) {
 
 std::vector<FigureHint> run_series_figures() {
     const Axis time{"t", "Time t", "periods", Scale::linear, true};
-    const auto column = [](const char* label, const char* name, bool required = false) {
-        return SeriesHint{.label = label,
-                          .mark = Mark::curve,
-                          .from = {"series", "md", "t", name, ""},
-                          .required = required};
+    const auto column = [](const char* label, const char* name) {
+        return SeriesHint{
+            .label = label, .mark = Mark::curve, .from = {"series", "md", "t", name, ""}};
     };
     return {
         {.name = "energies",
@@ -50,7 +48,7 @@ std::vector<FigureHint> run_series_figures() {
          .note = "",
          .x = time,
          .y = {"energy", "Energy per grain", "m g a", Scale::linear, true},
-         .series = {column("horizontal", "energy_xy", true), column("vertical", "energy_z"),
+         .series = {column("horizontal", "energy_xy"), column("vertical", "energy_z"),
                     column("rotation", "energy_rotation")},
          .place = 90,
          .presence = Presence::with_observable},
@@ -59,8 +57,7 @@ std::vector<FigureHint> run_series_figures() {
          .note = "",
          .x = time,
          .y = {"rate", "Collisions per grain", "1/period", Scale::linear, true},
-         .series = {column("between grains", "pair", true),
-                    column("with the low plate", "low_plate"),
+         .series = {column("between grains", "pair"), column("with the low plate", "low_plate"),
                     column("with the high plate", "high_plate")},
          .place = 91,
          .presence = Presence::with_observable},
@@ -69,9 +66,7 @@ std::vector<FigureHint> run_series_figures() {
          .note = "",
          .x = time,
          .y = {"value", "Mean |Q₄|, share of solid grains", "", Scale::linear, true},
-         .series = {{.label = "mean |Q₄|",
-                     .from = {"series", "order", "t", "q4_mean", ""},
-                     .required = true},
+         .series = {{.label = "mean |Q₄|", .from = {"series", "order", "t", "q4_mean", ""}},
                     {.label = "|Q₄| ≥ 0.7", .from = {"series", "order", "t", "solid_share", ""}}},
          .place = 92},
     };

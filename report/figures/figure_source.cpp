@@ -16,7 +16,7 @@ Figure empty_figure(const std::vector<std::string>& labels, std::string name, st
     return figure;
 }
 
-std::string absence(const Results& run, const Source& source) {
+std::string absence(const Results& run, const CurveColumns& source) {
     const ObservableResult* observable = run.find(source.observable);
     if (observable == nullptr) return "not among the observables of this run";
     if (!observable->reason.empty()) return observable->reason;
@@ -29,7 +29,7 @@ std::string absence(const Results& run, const Source& source) {
     return "the curve '" + source.curve + "' has no finite value";
 }
 
-const Curve* find_curve(const Results& run, const Source& source) {
+const Curve* find_curve(const Results& run, const CurveColumns& source) {
     const ObservableResult* observable = run.find(source.observable);
     const Curve* curve = observable == nullptr ? nullptr : observable->find_curve(source.curve);
     if (curve == nullptr) return nullptr;
@@ -38,7 +38,7 @@ const Curve* find_curve(const Results& run, const Source& source) {
     return x == nullptr || y == nullptr || x->values.size() != y->values.size() ? nullptr : curve;
 }
 
-void add_kind(Figure& figure, const Runs& runs, Kind kind, const Source& source, bool required) {
+void add_kind(Figure& figure, const Runs& runs, Kind kind, const CurveColumns& source) {
     const std::size_t place = figure.kinds.size();
     bool found = false;
     for (std::size_t r = 0; r < runs.size(); ++r) {
@@ -50,14 +50,13 @@ void add_kind(Figure& figure, const Runs& runs, Kind kind, const Source& source,
             series->kind = place;
             figure.series.push_back(std::move(*series));
             found = true;
-        } else if (required) {
-            figure.absent.push_back({r, absence(runs[r], source)});
         }
     }
-    if (found || required) figure.kinds.push_back(std::move(kind));
+    if (found) figure.kinds.push_back(std::move(kind));
 }
 
-std::string common_unit(const Runs& runs, const Source& source, const std::string& otherwise) {
+std::string common_unit(const Runs& runs, const CurveColumns& source,
+                        const std::string& otherwise) {
     std::string unit;
     for (const Results& run : runs) {
         const Curve* curve = find_curve(run, source);

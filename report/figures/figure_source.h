@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/figure_hint.h"
 #include "core/results.h"
 #include "report/figures/figure.h"
 
@@ -12,23 +13,18 @@ namespace grainfield::report {
 
 using Runs = std::vector<Results>;
 
-/// Where the values of a series stand in the results.
-struct Source {
-    std::string observable, curve, x, y, error;
-};
-
 Figure empty_figure(const std::vector<std::string>& labels, std::string name, std::string title,
                     Axis x, Axis y, std::string note = "");
 
 /// Why a run has no such curve.
-std::string absence(const Results& run, const Source& source);
+std::string absence(const Results& run, const CurveColumns& source);
 
 /// The curve with both columns of equal length; null if there is none.
-const Curve* find_curve(const Results& run, const Source& source);
+const Curve* find_curve(const Results& run, const CurveColumns& source);
 
 /// The rows of a curve that `wanted` accepts; nothing if no row has finite numbers.
 template <class Wanted>
-std::optional<Series> take(const Curve& curve, const Source& source, const Wanted& wanted) {
+std::optional<Series> take(const Curve& curve, const CurveColumns& source, const Wanted& wanted) {
     const std::vector<double>& x = curve.find(source.x)->values;
     const std::vector<double>& y = curve.find(source.y)->values;
     const Column* error = source.error.empty() ? nullptr : curve.find(source.error);
@@ -44,11 +40,10 @@ std::optional<Series> take(const Curve& curve, const Source& source, const Wante
     return series;
 }
 
-/// Adds the series of this kind of every run; with `required`, runs without it are listed as
-/// absent.
-void add_kind(Figure& figure, const Runs& runs, Kind kind, const Source& source, bool required);
+/// Adds the series of this kind of every run that has one.
+void add_kind(Figure& figure, const Runs& runs, Kind kind, const CurveColumns& source);
 
 /// The unit of a column, if the runs that have it agree: lengths are in a, those of fields in l.
-std::string common_unit(const Runs& runs, const Source& source, const std::string& otherwise);
+std::string common_unit(const Runs& runs, const CurveColumns& source, const std::string& otherwise);
 
 }  // namespace grainfield::report

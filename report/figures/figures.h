@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "core/figure_hint.h"
 #include "core/results.h"
 #include "report/figures/figure.h"
 
@@ -13,10 +14,10 @@ namespace grainfield::report {
 std::vector<std::string> run_labels(const std::vector<Results>& runs);
 
 /// The figures of a report, runs side by side on shared axes: S0/S1 against each control parameter,
-/// |Q4| histogram, S(k), S(k)/S1, number variance, MSD, phase fractions, S4, and the time series of
-/// simulations; S(k)/S1 and the variance also for each origin alone, where there are several. A run
-/// that lacks a curve is listed with its reason in `Figure::absent`.
+/// those that `hints` describe by growing place, and S(k)/S1; some also for each origin alone,
+/// where there are several. A run that lacks a curve is listed with its reason in `Figure::absent`.
 std::vector<Figure> make_figures(const std::vector<Results>& runs,
-                                 const std::vector<std::string>& labels);
+                                 const std::vector<std::string>& labels,
+                                 std::vector<FigureHint> hints);
 
 }  // namespace grainfield::report

@@ -38,8 +38,8 @@ void divide(Series& series, double by) {
     for (double& error : series.error) error /= by;
 }
 
-void add(Figure& figure, const Results& run, std::size_t r, std::size_t kind, const Source& source,
-         double s1) {
+void add(Figure& figure, const Results& run, std::size_t r, std::size_t kind,
+         const CurveColumns& source, double s1) {
     const Curve* curve = find_curve(run, source);
     if (curve == nullptr) return;
     auto series = take(*curve, source, [](std::size_t) { return true; });
@@ -53,8 +53,8 @@ void add(Figure& figure, const Results& run, std::size_t r, std::size_t kind, co
 }  // namespace
 
 Figure scaled_spectrum(const std::vector<Results>& runs, const std::vector<std::string>& labels) {
-    const Source plane{"sk", "sk", "k", "s", "s_err"};
-    const Source walls{"sk", "sk_neumann", "k", "s", "s_err"};
+    const CurveColumns plane{"sk", "sk", "k", "s", "s_err"};
+    const CurveColumns walls{"sk", "sk_neumann", "k", "s", "s_err"};
     Figure figure =
         empty_figure(labels, "sk_scaled", "Structure factor over S₁",
                      {"k", "Wavevector k", common_unit(runs, plane, "1/a"), Scale::log, true},
@@ -70,7 +70,7 @@ Figure scaled_spectrum(const std::vector<Results>& runs, const std::vector<std::
             continue;
         }
         const bool cosines = find_curve(runs[r], walls) != nullptr && !fits_plane_waves(runs[r]);
-        const Source& fitted = cosines ? walls : plane;
+        const CurveColumns& fitted = cosines ? walls : plane;
         add(figure, runs[r], r, 0, fitted, *s1);
         add(figure, runs[r], r, 1, {"fit", "fit", "k", "s", "s_err"}, *s1);
     }

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "analysis/observables.h"
 #include "core/errors.h"
 #include "tests/report/sample_results.h"
 
@@ -36,7 +37,8 @@ TEST(WriteReport, OfNoRunsIsAWrongOption) {
 TEST(WriteReport, WritesThePageAndTheFiguresBesideIt) {
     const sample::TemporaryFolder folder("report_one");
     RunPlan plan;
-    write_report({sample::results({1, 200, 60, true, "A"})}, {"My title", true}, folder / "r.html",
+    write_report({sample::results({1, 200, 60, true, "A"})},
+                 {.title = "My title", .hints = analysis::figure_hints()}, folder / "r.html",
                  folder / "figures", plan);
     const std::string page = content(folder / "r.html");
     EXPECT_THAT(page, HasSubstr("<h1>My title</h1>"));
@@ -47,7 +49,8 @@ TEST(WriteReport, WritesThePageAndTheFiguresBesideIt) {
 TEST(WriteReport, WithoutFiguresMakesOneFile) {
     const sample::TemporaryFolder folder("report_alone");
     RunPlan plan;
-    write_report({sample::results({1, 200, 60, true, "A"})}, {"", false}, folder / "r.html",
+    write_report({sample::results({1, 200, 60, true, "A"})},
+                 {.figures = false, .hints = analysis::figure_hints()}, folder / "r.html",
                  folder / "figures", plan);
     std::size_t files = 0;
     for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder.path())) {
@@ -65,14 +68,15 @@ TEST(WriteReport, OfTwentyRunsStaysBelow15Megabytes) {
         runs.back().previews.resize(3, runs.back().previews.front());
     }
     RunPlan plan;
-    write_report(runs, {"", false}, folder / "r.html", folder / "figures", plan);
+    write_report(runs, {.figures = false, .hints = analysis::figure_hints()}, folder / "r.html",
+                 folder / "figures", plan);
     EXPECT_LE(std::filesystem::file_size(folder / "r.html"), 15'000'000U);
 }
 
 TEST(WriteReport, WhereItCannotWriteIsAnOutputError) {
     const sample::TemporaryFolder folder("report_unwritable");
     RunPlan plan;
-    EXPECT_THROW(write_report({Results{}}, {"", false}, folder / "absent" / "r.html",
+    EXPECT_THROW(write_report({Results{}}, {.figures = false}, folder / "absent" / "r.html",
                               folder / "figures", plan),
                  OutputError);
 }

@@ -11,7 +11,9 @@
 #include <gtest/gtest.h>
 
 #include "analysis/analysis.h"
+#include "analysis/density/number_variance.h"
 #include "analysis/spectra/fit_result.h"
+#include "analysis/spectra/order_structure_factor.h"
 #include "tests/analysis/synthetic_patterns.h"
 #include "tests/support/pull.h"
 

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "analysis/observables.h"
 #include "core/errors.h"
 #include "report/figures/figures.h"
 #include "tests/report/sample_results.h"
@@ -21,7 +22,7 @@ using testing::Not;
 struct Input {
     std::vector<Results> runs{sample::results({1, 150, 40, false, "A"})};
     std::vector<std::string> labels = run_labels(runs);
-    std::vector<Figure> figures = make_figures(runs, labels);
+    std::vector<Figure> figures = make_figures(runs, labels, analysis::figure_hints());
     std::vector<ParticleMap> maps = make_maps(runs, {});
 };
 

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "analysis/observables.h"
 #include "tests/report/sample_results.h"
 
 namespace grainfield::report {
@@ -37,7 +38,7 @@ TEST(RunLabels, AreCleanUniqueAndNeverEmpty) {
 
 TEST(Figures, TakeTheCurvesOfTheAnalysis) {
     const std::vector<Results> runs{sample::results(small())};
-    const auto figures = make_figures(runs, run_labels(runs));
+    const auto figures = make_figures(runs, run_labels(runs), analysis::figure_hints());
     ASSERT_EQ(figures.size(), 5U);
     for (const Figure& figure : figures) {
         EXPECT_TRUE(figure.has_data()) << figure.name;
@@ -55,7 +56,7 @@ TEST(Figures, TakeTheCurvesOfTheAnalysis) {
 
 TEST(Figures, ShowRawSpectraOnlyOnRequest) {
     const std::vector<Results> runs{sample::results(small())};
-    const auto figures = make_figures(runs, run_labels(runs));
+    const auto figures = make_figures(runs, run_labels(runs), analysis::figure_hints());
     const Figure& sk = named(figures, "sk");
     ASSERT_EQ(sk.kinds.size(), 3U);
     EXPECT_TRUE(sk.kinds[0].shown);
@@ -65,7 +66,7 @@ TEST(Figures, ShowRawSpectraOnlyOnRequest) {
 
 TEST(Figures, SplitTheDisplacementByPhase) {
     const std::vector<Results> runs{sample::results(small())};
-    const auto figures = make_figures(runs, run_labels(runs));
+    const auto figures = make_figures(runs, run_labels(runs), analysis::figure_hints());
     const Figure& msd = named(figures, "msd");
     ASSERT_EQ(msd.kinds.size(), 4U);
     EXPECT_EQ(msd.kinds[1].label, "liquid");
@@ -76,7 +77,7 @@ TEST(Figures, SplitTheDisplacementByPhase) {
 
 TEST(Figures, GuidesOfTheVarianceStartTogetherWithSlopesOneAndTwo) {
     const std::vector<Results> runs{sample::results(small())};
-    const auto figures = make_figures(runs, run_labels(runs));
+    const auto figures = make_figures(runs, run_labels(runs), analysis::figure_hints());
     const Figure& variance = named(figures, "variance");
     std::vector<double> slopes;
     for (const Series& series : variance.series) {
@@ -95,7 +96,7 @@ TEST(Figures, SayWhyARunHasNoCurve) {
                               sample::results(small(3))};
     std::erase_if(runs[2].observables, [](const auto& o) { return o.name == "msd"; });
     runs[2].observables.back().curves.clear();  // variance
-    const auto figures = make_figures(runs, run_labels(runs));
+    const auto figures = make_figures(runs, run_labels(runs), analysis::figure_hints());
     const Figure& msd = named(figures, "msd");
     ASSERT_EQ(msd.absent.size(), 2U);
     EXPECT_EQ(msd.absent[0].run, 1U);
@@ -116,7 +117,7 @@ TEST(Figures, OfACurveWithoutNumbersOrColumnsSaySo) {
     all_nan.columns[1].values.assign(all_nan.columns[1].values.size(), std::nan(""));
     runs[1].observables[3].curves[0].columns.erase(
         runs[1].observables[3].curves[0].columns.begin() + 1);
-    const auto figures = make_figures(runs, run_labels(runs));
+    const auto figures = make_figures(runs, run_labels(runs), analysis::figure_hints());
     const Figure& sk = named(figures, "sk");
     ASSERT_EQ(sk.absent.size(), 2U);
     EXPECT_THAT(sk.absent[0].reason, HasSubstr("no finite value"));
@@ -126,7 +127,7 @@ TEST(Figures, OfACurveWithoutNumbersOrColumnsSaySo) {
 TEST(Figures, DoNotMixTimeUnitsOnOneAxis) {
     std::vector<Results> runs{sample::results(small(1)), sample::results(small(2))};
     runs[1].source.time_unit = TimeUnit::frame;
-    const auto figures = make_figures(runs, run_labels(runs));
+    const auto figures = make_figures(runs, run_labels(runs), analysis::figure_hints());
     const Figure& msd = named(figures, "msd");
     ASSERT_EQ(msd.absent.size(), 1U);
     EXPECT_EQ(msd.absent[0].reason, "its times are in frame, not in s");
@@ -135,13 +136,13 @@ TEST(Figures, DoNotMixTimeUnitsOnOneAxis) {
 TEST(Figures, LeaveOutRowsThatAreNotFinite) {
     std::vector<Results> runs{sample::results(small())};
     runs[0].observables[3].curves[0].columns[1].values[7] = std::nan("");
-    const auto figures = make_figures(runs, run_labels(runs));
+    const auto figures = make_figures(runs, run_labels(runs), analysis::figure_hints());
     EXPECT_EQ(named(figures, "sk").series[0].x.size(), 159U);
 }
 
 TEST(Figures, OfEmptyResultsAreAllAbsent) {
     const std::vector<Results> runs(1);
-    for (const Figure& figure : make_figures(runs, run_labels(runs))) {
+    for (const Figure& figure : make_figures(runs, run_labels(runs), analysis::figure_hints())) {
         EXPECT_FALSE(figure.has_data());
         EXPECT_EQ(figure.absent.size(), 1U);
     }
@@ -149,9 +150,13 @@ TEST(Figures, OfEmptyResultsAreAllAbsent) {
 
 TEST(Figures, OfThePhasesAreAgainstTimeWhereItIsKnown) {
     std::vector<Results> runs{sample::results(small())};
-    EXPECT_EQ(named(make_figures(runs, run_labels(runs)), "phase").x.title(), "Time t [s]");
+    EXPECT_EQ(
+        named(make_figures(runs, run_labels(runs), analysis::figure_hints()), "phase").x.title(),
+        "Time t [s]");
     runs[0].source.time_unit = TimeUnit::frame;
-    EXPECT_EQ(named(make_figures(runs, run_labels(runs)), "phase").x.title(), "Frame");
+    EXPECT_EQ(
+        named(make_figures(runs, run_labels(runs), analysis::figure_hints()), "phase").x.title(),
+        "Frame");
     // An older file without times.
     runs[0].source.time_unit = TimeUnit::second;
     for (ObservableResult& o : runs[0].observables) {
@@ -159,7 +164,9 @@ TEST(Figures, OfThePhasesAreAgainstTimeWhereItIsKnown) {
             std::erase_if(o.curves[0].columns, [](const Column& c) { return c.name == "t"; });
         }
     }
-    EXPECT_EQ(named(make_figures(runs, run_labels(runs)), "phase").x.title(), "Frame");
+    EXPECT_EQ(
+        named(make_figures(runs, run_labels(runs), analysis::figure_hints()), "phase").x.title(),
+        "Frame");
 }
 
 TEST(Figures, SayInTheTitleWhatLimitsTheMainCurve) {
@@ -167,7 +174,7 @@ TEST(Figures, SayInTheTitleWhatLimitsTheMainCurve) {
     for (ObservableResult& o : runs[0].observables) {
         if (o.name == "sk") o.curves[0].title = "Structure factor, raw: one frame, walls included";
     }
-    EXPECT_EQ(named(make_figures(runs, run_labels(runs)), "sk").title,
+    EXPECT_EQ(named(make_figures(runs, run_labels(runs), analysis::figure_hints()), "sk").title,
               "Structure factor, raw: one frame, walls included");
 }
 
@@ -176,7 +183,9 @@ TEST(Figures, NameTheOrderParameterAfterItsSymmetry) {
     for (ObservableResult& o : runs[0].observables) {
         if (o.name == "q4") o.options = {{"symmetry", std::int64_t{6}}};
     }
-    EXPECT_EQ(named(make_figures(runs, run_labels(runs)), "q4_histogram").x.label, "|Q₆|");
+    EXPECT_EQ(named(make_figures(runs, run_labels(runs), analysis::figure_hints()), "q4_histogram")
+                  .x.label,
+              "|Q₆|");
 }
 
 }  // namespace

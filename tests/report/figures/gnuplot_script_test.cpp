@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "analysis/observables.h"
 #include "report/figures/figures.h"
 #include "report/figures/gnuplot.h"
 #include "tests/report/sample_results.h"
@@ -67,7 +68,7 @@ TEST(GnuplotScript, DrawsEveryFigureWithoutComplaint) {
     if (!has_gnuplot(folder)) GTEST_SKIP() << "gnuplot is not installed";
     const std::vector<Results> runs{sample::results({1, 200, 60, true, "A"}),
                                     sample::results({2, 200, 60, true, "B"})};
-    for (const Figure& figure : make_figures(runs, run_labels(runs))) {
+    for (const Figure& figure : make_figures(runs, run_labels(runs), analysis::figure_hints())) {
         const std::string svg = drawn(figure, folder);
         EXPECT_THAT(svg, HasSubstr("</svg>"));
         EXPECT_THAT(svg, HasSubstr(figure.x.label)) << "the axis has its title";
@@ -80,7 +81,7 @@ TEST(GnuplotScript, TreatsHostileNamesAsText) {
     std::vector<Results> runs{
         sample::results({1, 200, 60, true, "'; system 'touch pwned'; a='"}),
         sample::results({2, 200, 60, true, "`touch pwned` $(touch pwned) </text><script>_{x}"})};
-    const auto figures = make_figures(runs, run_labels(runs));
+    const auto figures = make_figures(runs, run_labels(runs), analysis::figure_hints());
     const std::string svg = drawn(figures[1], folder);
     EXPECT_FALSE(std::filesystem::exists(folder / "pwned"));
     EXPECT_THAT(svg, HasSubstr("; system"));

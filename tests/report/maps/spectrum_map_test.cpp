@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "report/figures/further_figures.h"
 
 namespace grainfield::report {
 namespace {
@@ -42,27 +41,6 @@ TEST(SpectrumMap, IsEmptyWithoutPositiveValues) {
     Results zero = run_with_map();
     for (double& s : zero.observables[0].curves[0].columns[2].values) s = 0;
     EXPECT_EQ(spectrum_map_svg(zero, "run"), "");
-}
-
-TEST(FurtherFigures, AreThoseThatARunHasTheCurvesOf) {
-    Results run = run_with_map();
-    EXPECT_TRUE(further_figures({run}, {"run"}).empty());
-    ObservableResult synthetic;
-    synthetic.name = "synthetic";
-    synthetic.curves = {{"synthetic",
-                         "",
-                         {{"l", "a", "", {1, 10, 100, 1, 10}},
-                          {"variance", "-", "", {1, 5, 0, 1, 6}},
-                          {"err", "-", "", {0.1, 0.1, 0, 0.1, 0.1}}},
-                         {{"side", {"100", "100", "100", "inf", "inf"}}}}};
-    run.observables.push_back(synthetic);
-    const std::vector<Figure> figures = further_figures({run}, {"run"});
-    ASSERT_EQ(figures.size(), 1U);
-    ASSERT_EQ(figures[0].series.size(), 2U);
-    EXPECT_EQ(figures[0].kinds[0].label, "L = 100");
-    EXPECT_EQ(figures[0].series[0].x, (std::vector<double>{1, 10}));  // zero has no logarithm
-    EXPECT_EQ(figures[0].series[0].error.size(), 2U);
-    EXPECT_EQ(figures[0].kinds[1].label, "L = inf");
 }
 
 }  // namespace

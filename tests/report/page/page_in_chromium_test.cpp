@@ -10,6 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "analysis/observables.h"
 #include "report/report.h"
 #include "tests/report/sample_results.h"
 
@@ -43,7 +44,8 @@ std::string drawn(const sample::TemporaryFolder& folder, const std::vector<Resul
                   const std::string& title, const std::string& window = "1280,900",
                   const std::string& script = "") {
     RunPlan plan;
-    write_report(runs, {title, false}, folder / "report.html", folder / "figures", plan);
+    write_report(runs, {.title = title, .figures = false, .hints = analysis::figure_hints()},
+                 folder / "report.html", folder / "figures", plan);
     if (!script.empty()) {
         // The page runs its own scripts only.
         std::ifstream written(folder / "report.html", std::ios::binary);

@@ -11,6 +11,7 @@
 
 #include "report/page/embedded.h"
 #include "report/figures/figures.h"
+#include "analysis/observables.h"
 #include "tests/report/sample_results.h"
 
 namespace grainfield::report {
@@ -22,7 +23,7 @@ using testing::Not;
 std::string page_of(const std::vector<Results>& runs, const std::string& title = "Title",
                     std::vector<std::string> files = {}) {
     const auto labels = run_labels(runs);
-    const auto figures = make_figures(runs, labels);
+    const auto figures = make_figures(runs, labels, analysis::figure_hints());
     const auto maps = make_maps(runs, {});
     return page_html({title, runs, labels, figures, maps, "the figures", std::move(files), {}, {}});
 }
