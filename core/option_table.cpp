@@ -278,12 +278,6 @@ const Option* OptionTable::find(std::string_view name) const {
     return found == rows_.end() ? nullptr : &*found;
 }
 
-std::vector<std::pair<std::string, OptionValue>> OptionTable::values() const {
-    std::vector<std::pair<std::string, OptionValue>> values;
-    for (const Option& option : rows_) values.emplace_back(option.name, option.get());
-    return values;
-}
-
 void OptionTable::set(std::string_view name, const OptionValue& value) const {
     if (const Option* option = find(name)) return option->set(value);
     std::vector<std::string> names;

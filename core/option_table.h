@@ -76,9 +76,6 @@ class OptionTable {
     const std::vector<Option>& rows() const { return rows_; }
     const Option* find(std::string_view name) const;
 
-    /// All names with their present values: the record that is stored with a result.
-    std::vector<std::pair<std::string, OptionValue>> values() const;
-
     /// Sets option `name`; throws OptionError with the nearest known name if there is none.
     void set(std::string_view name, const OptionValue& value) const;
 

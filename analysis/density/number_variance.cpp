@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/recorded_options.h"
 #include "core/errors.h"
 #include "core/support/parallel.h"
 
@@ -192,7 +193,7 @@ ObservableResult NumberVariance::result() const {
     ObservableResult result;
     result.name = "variance";
     NumberVarianceOptions options = options_;
-    result.options = describe(options).values();
+    result.options = recorded(describe(options));
     if (added_ == 0) {
         result.reason = "no frames";
         return result;

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "analysis/density/synthetic_variance.h"
+#include "analysis/recorded_options.h"
 #include "analysis/spectra/fit_result.h"
 #include "analysis/statistics/blocks.h"
 #include "core/errors.h"
@@ -200,7 +201,7 @@ ObservableResult synthetic_result(const SyntheticInput& input, const SyntheticOp
     ObservableResult result;
     result.name = "synthetic";
     SyntheticOptions copy = options;
-    result.options = describe(copy).values();
+    result.options = recorded(describe(copy));
     const std::vector<double> sides = sides_of(options, input.side);
     const std::optional<SpectrumModel::Line> line = line_of(input.fit);
     result.reason = input.reason;

@@ -11,6 +11,7 @@
 #include "analysis/motion/msd_result.h"
 #include "analysis/motion/pair_sums.h"
 #include "analysis/motion/van_hove.h"
+#include "analysis/recorded_options.h"
 #include "analysis/statistics/blocks.h"
 #include "core/support/parallel.h"
 
@@ -284,7 +285,7 @@ ObservableResult Displacement::result(const PhaseHistory* phases) const {
     ObservableResult result;
     result.name = "msd";
     DisplacementOptions options = options_;
-    result.options = describe(options).values();
+    result.options = recorded(describe(options));
     if (frame_.size() < 2) {
         result.reason = frame_.empty() ? "no frames" : "one frame: nothing has moved yet";
         return result;

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "analysis/order/histogram_modes.h"
+#include "analysis/recorded_options.h"
 
 namespace grainfield::analysis {
 namespace {
@@ -290,7 +291,7 @@ ObservableResult BondStatistics::result() const {
     ObservableResult result;
     result.name = "q4";
     BondOrderOptions options = options_;
-    result.options = describe(options).values();
+    result.options = recorded(describe(options));
     if (defined_ <= 0) {
         result.reason = frames_ == 0 ? "no frames" : "no particle has a neighbour in any frame";
         return result;

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/recorded_options.h"
 #include "analysis/statistics/blocks.h"
 #include "core/errors.h"
 
@@ -273,7 +274,7 @@ ObservableResult PhaseHistory::result() const {
     ObservableResult result;
     result.name = "phase";
     PhaseOptions options = options_;
-    result.options = describe(options).values();
+    result.options = recorded(describe(options));
 
     Curve curve;
     curve.name = "phase";

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/recorded_options.h"
 #include "analysis/statistics/blocks.h"
 #include "core/support/random.h"
 
@@ -151,7 +152,7 @@ ObservableResult blank(const FitOptions& options, std::string reason) {
     ObservableResult result;
     result.name = "fit";
     FitOptions copy = options;
-    result.options = describe(copy).values();
+    result.options = recorded(describe(copy));
     result.reason = std::move(reason);
     return result;
 }

@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "analysis/recorded_options.h"
 #include "analysis/statistics/blocks.h"
 #include "analysis/statistics/ornstein_zernike.h"
 
@@ -52,7 +53,7 @@ ObservableResult OrderStructureFactor::result() const {
     ObservableResult result;
     result.name = "s4";
     OrderStructureFactorOptions options = options_;
-    result.options = describe(options).values();
+    result.options = recorded(describe(options));
     result.reason = modes.reason;
     if (!result.reason.empty()) return result;
 

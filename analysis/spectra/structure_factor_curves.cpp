@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/recorded_options.h"
 #include "analysis/spectra/mode_overlap.h"
 #include "analysis/spectra/structure_factor.h"
 
@@ -359,7 +360,7 @@ ObservableResult StructureFactor::result() const {
     ObservableResult result;
     result.name = "sk";
     StructureFactorOptions options = options_;
-    result.options = describe(options).values();
+    result.options = recorded(describe(options));
     const Block sums = total(std::nullopt);
     if (grid_.modes().empty()) {
         result.reason =

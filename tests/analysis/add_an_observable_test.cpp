@@ -9,6 +9,7 @@
 
 #include "analysis/analysis.h"
 #include "analysis/order/shared_bond_order.h"
+#include "analysis/recorded_options.h"
 #include "analysis/run.h"
 #include "analysis/statistics/blocks.h"
 #include "core/errors.h"
@@ -73,7 +74,7 @@ class CrowdObservable final : public AccumulatorOf<CrowdObservable, double> {
         ObservableResult result;
         result.name = name;
         CrowdOptions options = options_;
-        result.options = describe_crowd(options).values();
+        result.options = recorded(describe_crowd(options));
         if (frame_.empty()) {
             result.reason = "no frames";
             return result;

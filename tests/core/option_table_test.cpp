@@ -49,17 +49,6 @@ std::string refusal(const std::function<void()>& action) {
     return "nothing was thrown";
 }
 
-TEST(OptionTable, ListsAllNamesWithTheirPresentValues) {
-    Options o;
-    const OptionTable t = describe(o);
-    o.memory = 5;
-    const auto values = t.values();
-    ASSERT_EQ(values.size(), t.rows().size());
-    EXPECT_EQ(values[1].first, "memory");
-    EXPECT_EQ(values[1].second, OptionValue(std::int64_t{5}));
-    EXPECT_EQ(values[4].second, OptionValue(std::string("auto")));
-}
-
 TEST(OptionTable, SetsEveryKindOfFieldFromValuesAndFromText) {
     Options o;
     const OptionTable t = describe(o);

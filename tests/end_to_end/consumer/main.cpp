@@ -1,7 +1,7 @@
 // consumer POINTS.csv: prints |Q4| of every particle of the first frame, one a line.
 #include <cstdio>
 
-#include "analysis/analysis.h"
+#include "analysis/order/bond_order.h"
 #include "core/version.h"
 #include "io/text/points_csv.h"
 #include "report/report.h"
