@@ -195,7 +195,7 @@ TEST(AddAnObservable, MergesLaterPartsOfARun) {
     AnalysisOptions options;
     const Pattern first = pattern_of(trajectory.snapshots[0], 1);
     const auto run_over = [&](std::int64_t from, std::int64_t to) {
-        Run run(with_crowd(), {.options = options,
+        analysis::Run run(with_crowd(), {.options = options,
                                .info = trajectory.info,
                                .box = first.box,
                                .frames = to - from,
@@ -207,9 +207,9 @@ TEST(AddAnObservable, MergesLaterPartsOfARun) {
         }
         return run;
     };
-    Run whole = run_over(0, 40);
-    Run early = run_over(0, 20);
-    Run late = run_over(20, 40);
+    analysis::Run whole = run_over(0, 40);
+    analysis::Run early = run_over(0, 20);
+    analysis::Run late = run_over(20, 40);
     early.merge(late);
     const auto expected = whole.results();
     const auto merged = early.results();

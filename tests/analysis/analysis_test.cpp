@@ -11,6 +11,7 @@
 #include "analysis/spectra/fit_result.h"
 #include "analysis/spectra/structure_factor.h"
 #include "core/errors.h"
+#include "core/stored_trajectory.h"
 #include "tests/analysis/synthetic_patterns.h"
 
 namespace grainfield::analysis {
@@ -107,6 +108,23 @@ TEST(Analysis, OfALinkedVideoMeasuresAllObservables) {
     EXPECT_TRUE(results[2].find_measurement("d_solid")->value.has_value());
     EXPECT_NE(results[3].find_curve("sk_neumann"), nullptr);
     EXPECT_NEAR(*results[5].find_measurement("number_density")->value, 1400.0 / 1600, 1e-12);
+}
+
+TEST(Analysis, TakesATrajectoryInMemoryWithNothingElseGiven) {
+    MemorySource source = video(6);
+    const Trajectory trajectory{source.description, source.snapshots};
+    StoredTrajectory stored(trajectory);
+    const Results of_trajectory = measure(trajectory);
+    const Results of_stored = measure(stored);
+    EXPECT_EQ(of_trajectory.frames, 6);
+    EXPECT_EQ(of_trajectory.particles_mean, 1400);
+    EXPECT_EQ(of_trajectory.box, source.snapshots[0].box);
+    EXPECT_EQ(of_trajectory.source.diameter, 8);
+    ASSERT_EQ(of_trajectory.observables.size(), 8U);
+    const auto q4_mean = [](const Results& results) {
+        return *results.find("q4")->find_measurement("q4_mean")->value;
+    };
+    EXPECT_EQ(q4_mean(of_trajectory), q4_mean(of_stored));
 }
 
 TEST(Analysis, NeverHasAValueThatIsNotANumberNorAMissingOneWithoutReason) {
