@@ -20,7 +20,6 @@
 #include "pipelines/analyze/lengths.h"
 #include "pipelines/field/field_results.h"
 #include "report/page/text.h"
-#include "report/run_identity.h"
 
 namespace grainfield::app {
 
@@ -31,7 +30,7 @@ using nlohmann::ordered_json;
 ordered_json to_json(const Measurement& m) {
     ordered_json object;
     object["name"] = m.name;
-    object["unit"] = m.unit;
+    object["unit"] = m.unit.text();
     if (m.value) object["value"] = *m.value;
     if (m.error) object["error"] = *m.error;
     object["samples"] = m.samples;
@@ -53,7 +52,7 @@ ordered_json to_json(const ObservableResult& observable) {
 }
 
 std::string words(const Measurement& m, TimeUnit time_unit) {
-    const std::string unit = m.unit.empty() ? "" : report::pretty_unit(m.unit, time_unit);
+    const std::string unit = typeset_text(m.unit, time_unit);
     std::string text = fmt::format("    {:<18} ", m.name);
     if (m.value) text += report::with_error(*m.value, m.error ? &*m.error : nullptr);
     if (m.value && !unit.empty()) text += " " + unit;
@@ -132,7 +131,7 @@ std::vector<OptionTable> AnalyzeCommand::options() {
     own.text("wavevectors", wavevectors_,
              "table kx,ky of wavevectors in 1/a at which S(k) is measured besides its grid");
     own.number("fps", fps_, "1/s", {1e-9, 1e9}, "frame rate; auto: as the file says");
-    own.number("diameter", diameter_, "length unit of the file", {1e-9, 1e9},
+    own.number("diameter", particle_diameter_, "length unit of the file", {1e-9, 1e9},
                "particle diameter a, the unit of the results; auto: as the file says");
     own.flag("from-fields", from_fields_,
              "of a field file: measure the stored fields, not what the run accumulated");
@@ -141,12 +140,11 @@ std::vector<OptionTable> AnalyzeCommand::options() {
     return tables;
 }
 
-// Origin and control parameter where the records know them, else the name of the file.
+// Origin and control parameter where they are known, else the name of the file.
 std::string AnalyzeCommand::label_of(const Results& results,
                                      const std::filesystem::path& input) const {
     if (!label_.empty()) return label_;
-    const report::RunIdentity identity = report::identity_of(results);
-    return identity.value ? report::legend_of(identity) : input.stem().string();
+    return results.identity.control ? legend_of(results.identity) : input.stem().string();
 }
 
 pipelines::Adjustment AnalyzeCommand::adjustment() const {
@@ -155,7 +153,8 @@ pipelines::Adjustment AnalyzeCommand::adjustment() const {
     if (boundary_ == BoundaryChoice::periodic) adjustment.boundary = Boundary::periodic;
     if (boundary_ == BoundaryChoice::walls) adjustment.boundary = Boundary::walls;
     adjustment.frame_rate = fps_;
-    adjustment.diameter = diameter_;
+    adjustment.particle_diameter = particle_diameter_;
+    adjustment.acceleration = gamma_;
     return adjustment;
 }
 
@@ -223,10 +222,10 @@ Summary AnalyzeCommand::work(Session& session) const {
     pipelines::AdjustedSnapshots snapshots(*file, adjustment);
     if (const auto* tracks = dynamic_cast<const io::TrajectoryFile*>(file.get());
         tracks != nullptr) {
-        for (const std::string& warning : tracks->record().warnings) {
+        for (const Warning& warning : tracks->record().warnings) {
             const bool is_apparent =
-                warning.starts_with(pipelines::apparent_diameter_warning) && !diameter_;
-            if (is_apparent || warning.starts_with("incomplete")) session.plan.warn(warning);
+                warning.code == WarningCode::apparent_diameter && !particle_diameter_;
+            if (is_apparent || warning.code == WarningCode::incomplete) session.plan.warn(warning);
         }
     }
     if (session.common.explain) {
@@ -239,6 +238,7 @@ Summary AnalyzeCommand::work(Session& session) const {
         snapshots, options,
         {.threads = session.threads(), .plan = &session.plan, .progress = &progress});
     progress.finish();
+    results.identity = identity_of(results.source);
     results.observables.insert(results.observables.begin(),
                                pipelines::lengths_of(*file, results.source, adjustment));
     if (const auto* tracks = dynamic_cast<const io::TrajectoryFile*>(file.get())) {

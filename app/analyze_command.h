@@ -33,7 +33,7 @@ class AnalyzeCommand : public Command {
     std::string wavevectors_;
     BoundaryChoice boundary_ = BoundaryChoice::as_in_file;
     std::optional<double> fps_;
-    std::optional<double> diameter_;
+    std::optional<double> particle_diameter_;
     std::optional<double> gamma_;
     bool from_fields_ = false;
     analysis::AnalysisOptions analysis_;

@@ -24,7 +24,10 @@ ordered_json json_summary(const Session& session, const Summary& summary) {
         object["skipped"].push_back(
             {{"stage", stage.stage}, {"reason", stage.reason}, {"saved", stage.saved}});
     }
-    object["warnings"] = session.plan.warnings();
+    object["warnings"] = ordered_json::array();
+    for (const Warning& warning : session.plan.warnings()) {
+        object["warnings"].push_back(warning.text);
+    }
     object["outputs"] = ordered_json::array();
     for (const auto& output : session.outputs) object["outputs"].push_back(output.string());
     for (const auto& [key, value] : summary.facts.items()) object[key] = value;

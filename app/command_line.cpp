@@ -190,7 +190,8 @@ class BoundCommand {
 };
 
 void print_warnings(const RunPlan& plan) {
-    for (const std::string& warning : plan.warnings()) fmt::print(stderr, "warning: {}\n", warning);
+    for (const Warning& warning : plan.warnings())
+        fmt::print(stderr, "warning: {}\n", warning.text);
 }
 
 void print_summary(const Session& session, const Summary& summary) {

@@ -55,6 +55,29 @@ std::string did_you_mean(const Results& results, const std::string& option) {
     return nearest.empty() ? "give --values instead" : fmt::format("did you mean {}?", nearest);
 }
 
+// The control parameter that every run names, if all of them name the same one.
+std::optional<ControlParameter> common_parameter(const std::vector<Results>& results) {
+    std::optional<ControlParameter> common;
+    for (const Results& run : results) {
+        if (!run.identity.control) return std::nullopt;
+        const ControlParameter own = run.identity.control->parameter;
+        if (common && *common != own) return std::nullopt;
+        common = own;
+    }
+    return common;
+}
+
+// The series of which all runs are; its origin is `points` where they are of several.
+RunIdentity critical_identity(const std::vector<Results>& results) {
+    RunIdentity identity = results.front().identity;
+    for (const Results& run : results) {
+        if (!same_series(run.identity, identity)) identity = {};
+    }
+    identity.control = std::nullopt;
+    identity.role = RunRole::critical_point;
+    return identity;
+}
+
 // S0/S1 means something only where S grows with k: by more than the error of S1, else the ratio may
 // be anything.
 constexpr const char* no_rise =
@@ -159,7 +182,8 @@ std::vector<OptionTable> CriticalCommand::options() {
     own.text("output", output_, "results file to write");
     own.text("values", values_, "control parameter of each input, as V1,V2,… in their order");
     own.text("parameter", parameter_,
-             "name of the control parameter; without --values an option that the inputs record");
+             "name of the control parameter; without --values an option that the inputs record; by "
+             "default Γ or ν as the inputs say");
     own.text("label", label_, "name in plots");
     own.choice("line", line_,
                {{"free", analysis::CriticalLine::free},
@@ -175,6 +199,10 @@ std::vector<double> CriticalCommand::control_values(const Session& session,
                                                     const std::vector<Results>& results) const {
     std::vector<double> values;
     if (values_.empty()) {
+        if (parameter_.empty() && common_parameter(results)) {
+            for (const Results& run : results) values.push_back(run.identity.control->value);
+            return values;
+        }
         if (parameter_.empty()) {
             throw OptionError(
                 {.problem = "the control parameter of the inputs is not known",
@@ -216,6 +244,12 @@ std::vector<double> CriticalCommand::control_values(const Session& session,
     return values;
 }
 
+std::string CriticalCommand::parameter_text(const std::vector<Results>& results) const {
+    if (!parameter_.empty()) return parameter_;
+    const auto known = common_parameter(results);
+    return values_.empty() && known ? symbol(*known) : "control parameter";
+}
+
 Summary CriticalCommand::run(Session& session) {
     return run_or_discard("critical", output_, [&] { return work(session); });
 }
@@ -240,8 +274,9 @@ Summary CriticalCommand::work(Session& session) const {
                           .expected = "results with a fit of S0 + S1 (ka)^alpha, S1 positive",
                           .suggestion = "see the warnings; 'analyze --fit-k-max' sets the range"});
     }
-    const std::string parameter = parameter_.empty() ? "control parameter" : parameter_;
+    const std::string parameter = parameter_text(results);
     Results out;
+    out.identity = critical_identity(results);
     out.label = label_;
     out.box = results.front().box;
     out.source.source = "results";

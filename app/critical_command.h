@@ -23,6 +23,7 @@ class CriticalCommand : public Command {
     Summary work(Session& session) const;
     std::vector<double> control_values(const Session& session,
                                        const std::vector<Results>& results) const;
+    std::string parameter_text(const std::vector<Results>& results) const;
 
     std::string output_;
     std::string values_;

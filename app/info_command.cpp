@@ -26,24 +26,14 @@ const char* name(Origin origin) {
             return "rendered frames";
         case Origin::points:
             return "points";
+        case Origin::field:
+            return "density fields";
     }
     return "unknown";
 }
 
 const char* name(LengthUnit unit) {
     return unit == LengthUnit::pixel ? "px" : "a";
-}
-
-const char* name(TimeUnit unit) {
-    switch (unit) {
-        case TimeUnit::frame:
-            return "frames";
-        case TimeUnit::second:
-            return "s";
-        case TimeUnit::sqrt_a_over_g:
-            return "sqrt(a/g)";
-    }
-    return "unknown";
 }
 
 const char* name(Boundary boundary) {
@@ -72,7 +62,7 @@ class Sheet {
             fmt::format("{:.5g} {}", info.diameter, name(info.length_unit)));
         if (info.frame_rate) {
             add("frame_rate", "frame rate", *info.frame_rate,
-                fmt::format("{:.6g} per {}", *info.frame_rate, name(info.time_unit)));
+                fmt::format("{:.6g} per {}", *info.frame_rate, plain_text(info.time_unit)));
         } else {
             add("frame_rate", "frame rate", nullptr, "unknown");
         }
@@ -103,8 +93,8 @@ class Sheet {
         for (const std::string& skipped : record.skipped) {
             summary_.text += fmt::format("  {:<12} {}\n", "skipped", skipped);
         }
-        for (const std::string& warning : record.warnings) {
-            summary_.text += fmt::format("  {:<12} {}\n", "warning", warning);
+        for (const Warning& warning : record.warnings) {
+            summary_.text += fmt::format("  {:<12} {}\n", "warning", warning.text);
         }
     }
 

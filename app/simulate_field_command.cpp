@@ -110,11 +110,11 @@ Summary SimulateFieldCommand::run(Session& session) {
         RunPlan plan;
         const simulate::FieldPlan field = simulate::plan_field(jobs[i].field, plan);
         if (i == 0) session.plan = plan;
-        for (const std::string& warning : plan.warnings()) session.plan.warn(warning);
+        for (const Warning& warning : plan.warnings()) session.plan.warn(warning);
         if (session.common.explain) return explanation(session.plan);
         // What --resume finds finished is left as it is.
         if (resume_ && jobs.size() > 1 && std::filesystem::exists(jobs[i].output)) continue;
-        // Each output records its own ν: `critical` looks there.
+        // Each output records its own ν.
         for (auto& [name, text] : session.configuration) {
             if (name == "model.nu") text = to_text(OptionValue(jobs[i].field.model.nu));
         }

@@ -266,10 +266,10 @@ Summary SimulateMdCommand::run(Session& session) {
         run_to_end(session, simulation, segments);
     } catch (const PhysicsError& error) {
         failure = error.what();
-        session.plan.warn(
-            fmt::format("incomplete: what was sampled before it failed, in or after "
-                        "period {:g} of {:g}: {}",
-                        simulation.periods_done(), md_.run.periods, failure));
+        session.plan.warn(WarningCode::incomplete,
+                          fmt::format("incomplete: what was sampled before it failed, in or after "
+                                      "period {:g} of {:g}: {}",
+                                      simulation.periods_done(), md_.run.periods, failure));
     }
     const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
     const ordered_json result = facts(simulation, simulation.events() - events_before, seconds);

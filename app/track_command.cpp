@@ -99,8 +99,10 @@ ordered_json facts(const Tracker& tracker, const TrackSummary& summary) {
 void TrackCommand::warn_of_unit(const Tracker& tracker, RunPlan& plan) const {
     if (tracking_.sphere_diameter || !tracker.is_calibrated()) return;
     plan.warn(
-        fmt::format("{} = {:.3f} px; steel spheres: D is about 0.88 a; give --sphere-diameter",
-                    pipelines::apparent_diameter_warning, tracker.model().disc.diameter));
+        WarningCode::apparent_diameter,
+        fmt::format("lengths are in apparent disc diameters D = {:.3f} px; steel spheres: D is "
+                    "about 0.88 a; give --sphere-diameter",
+                    tracker.model().disc.diameter));
 }
 
 std::string TrackCommand::purpose() const {

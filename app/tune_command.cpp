@@ -28,6 +28,7 @@ std::filesystem::path settings_file(const std::filesystem::path& html) {
 Results run_of(const Session& session, const TrajectoryInfo& info, std::string label) {
     Results run;
     run.source = info;
+    run.identity = identity_of(info);
     run.label = std::move(label);
     run.record = session.record();
     run.record.skipped.clear();  // the page takes them from the plan
@@ -104,7 +105,7 @@ Summary TuneCommand::work(Session& session) {
         throw InputError(
             {.problem = fmt::format("nothing to tune on in '{}'", session.inputs.front().string()),
              .actual = session.plan.warnings().empty() ? "no spheres were found"
-                                                       : session.plan.warnings().back(),
+                                                       : session.plan.warnings().back().text,
              .expected = "a frame with spheres",
              .suggestion = "try --diameter and --polarity"});
     }

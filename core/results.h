@@ -9,8 +9,11 @@
 
 #include "core/frame.h"
 #include "core/option_table.h"
+#include "core/run_identity.h"
 #include "core/snapshot.h"
 #include "core/trajectory.h"
+#include "core/unit.h"
+#include "core/warning.h"
 
 namespace grainfield {
 
@@ -18,7 +21,7 @@ namespace grainfield {
 /// the reason why there is none. Never NaN without a reason.
 struct Measurement {
     std::string name;  ///< "s0", "d_liquid"
-    std::string unit;  ///< "-", "a^2/s"
+    Unit unit;         ///< "-", "a^2/time unit"
     std::optional<double> value;
     std::optional<double> error;
     double samples = 0;
@@ -28,7 +31,7 @@ struct Measurement {
 /// One column of numbers; NaN means "missing".
 struct Column {
     std::string name;  ///< "k", "s", "s_err", "n": stable, scripts rely on it
-    std::string unit;
+    Unit unit;
     std::string meaning;  ///< axis label for people
     std::vector<double> values;
 };
@@ -81,13 +84,14 @@ struct RunRecord {
     };
     std::vector<Input> inputs;
     std::vector<std::string> skipped;  ///< "stage: reason"
-    std::vector<std::string> warnings;
+    std::vector<Warning> warnings;
 };
 
 /// The content of a results file.
 struct Results {
     TrajectoryInfo source;
-    std::string label;  ///< legend entry: origin and control parameter
+    RunIdentity identity;  ///< what puts runs side by side
+    std::string label;     ///< legend entry, for people
     Box box;
     std::int64_t frames = 0;
     double particles_mean = 0;

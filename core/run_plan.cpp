@@ -14,9 +14,9 @@ void RunPlan::skip(std::string stage, std::string reason, std::string saved) {
     stages_.push_back({std::move(stage), false, std::move(reason), std::move(saved)});
 }
 
-void RunPlan::warn(std::string text) {
-    if (std::ranges::find(warnings_, text) == warnings_.end()) {
-        warnings_.push_back(std::move(text));
+void RunPlan::warn(Warning warning) {
+    if (std::ranges::find(warnings_, warning.text, &Warning::text) == warnings_.end()) {
+        warnings_.push_back(std::move(warning));
     }
 }
 

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
+
+#include "core/warning.h"
 
 namespace grainfield {
 
@@ -20,10 +23,12 @@ class RunPlan {
     void run(std::string stage, std::string reason);
     void skip(std::string stage, std::string reason, std::string saved);
     /// Keeps each distinct text once, in the order of first appearance.
-    void warn(std::string text);
+    void warn(Warning warning);
+    void warn(WarningCode code, std::string text) { warn(Warning{code, std::move(text)}); }
+    void warn(std::string text) { warn(WarningCode::other, std::move(text)); }
 
     const std::vector<PlannedStage>& stages() const { return stages_; }
-    const std::vector<std::string>& warnings() const { return warnings_; }
+    const std::vector<Warning>& warnings() const { return warnings_; }
     std::vector<PlannedStage> skipped() const;
 
     /// One line a stage, for `--explain`.
@@ -31,7 +36,7 @@ class RunPlan {
 
  private:
     std::vector<PlannedStage> stages_;
-    std::vector<std::string> warnings_;
+    std::vector<Warning> warnings_;
 };
 
 }  // namespace grainfield

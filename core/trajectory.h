@@ -5,24 +5,36 @@
 #include <string>
 #include <vector>
 
+#include "core/run_identity.h"
 #include "core/snapshot.h"
+#include "core/unit.h"
 
 namespace grainfield {
 
-enum class LengthUnit { pixel, diameter };             ///< video: pixel; simulation: a
-enum class TimeUnit { frame, second, sqrt_a_over_g };  ///< `frame` when no frame rate is known
-enum class Origin { video, md, rendered, points };     ///< where the particles come from
+/// What is known about the particle diameter of a trajectory.
+enum class DiameterOrigin : std::uint8_t {
+    stated,     ///< as the file or the table of points says
+    simulated,  ///< the true a of a simulation or of rendered frames
+    given,      ///< the true a, given by the user
+    apparent    ///< the diameter D of the discs in the images stands for it: a was not given
+};
 
 /// What all snapshots of a trajectory share.
 struct TrajectoryInfo {
     Origin origin = Origin::points;
     LengthUnit length_unit = LengthUnit::diameter;
     TimeUnit time_unit = TimeUnit::frame;
-    double diameter = 1;  ///< particle diameter a [length unit]; video: calibrated or apparent D
+    double diameter = 1;  ///< a, or the apparent D that stands for it [length unit]
+    DiameterOrigin diameter_origin = DiameterOrigin::stated;
+    std::optional<ControlValue> control{};      ///< what the run was driven with, if it is known
     std::optional<double> vibration_frequency;  ///< [1/time unit]
     std::optional<double> frame_rate;           ///< frames per time unit
     std::string source;                         ///< names of the inputs, for people
 };
+
+inline RunIdentity identity_of(const TrajectoryInfo& info) {
+    return {.origin = info.origin, .control = info.control};
+}
 
 /// Positions per frame with identity and time: the one form that a lab video, an MD run and a
 /// rendered validation all take. Snapshots are in order of time; a missing frame is simply absent

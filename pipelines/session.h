@@ -29,10 +29,6 @@ struct Session {
     RunRecord record() const;
 };
 
-/// How the warning begins that lengths are in a unit that may not be the one wanted; stored with
-/// the trajectory and passed on by the analysis.
-inline constexpr const char* apparent_diameter_warning = "lengths are in apparent disc diameters D";
-
 /// "1 frame", "2 frames".
 std::string counted(std::int64_t count, const std::string& noun);
 

@@ -3,14 +3,14 @@
 #include <utility>
 
 #include "core/errors.h"
-#include "report/page/differences.h"
 #include "report/figures/figure_files.h"
 #include "report/figures/figures.h"
+#include "report/maps/particle_map.h"
+#include "report/page/differences.h"
 #include "report/page/page.h"
 #include "report/page/paper_table.h"
-#include "report/maps/particle_map.h"
-#include "report/run_identity.h"
 #include "report/page/text.h"
+#include "report/run_identity.h"
 
 namespace grainfield::report {
 
@@ -36,7 +36,7 @@ void write_report(const std::vector<Results>& runs, const ReportOptions& options
     const std::vector<std::string> labels = run_labels(runs);
     const std::vector<RunIdentity> identities = identities_of(runs);
     std::vector<Table> tables;
-    if (options.paper) tables.push_back(paper_table(runs, labels, identities));
+    if (options.paper) tables.push_back(paper_table(runs, labels));
     for (const Table& table : additions.tables) tables.push_back(table);
     if (additions.tables.empty()) {
         if (auto table = differences(runs, labels, identities)) tables.push_back(*std::move(table));

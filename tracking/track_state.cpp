@@ -147,7 +147,10 @@ Checkpoint Tracker::checkpoint(Run& run) {
     checkpoint.reals["state"] = archive.take_numbers();
     checkpoint.reals["calibration"] = calibration_numbers();
     checkpoint.integers["frames"] = {run.next, source_.count()};
-    checkpoint.texts["warnings"] = plan_.warnings();
+    for (const Warning& warning : plan_.warnings()) {
+        checkpoint.texts["warnings"].push_back(warning.text);
+        checkpoint.integers["warning codes"].push_back(static_cast<std::int64_t>(warning.code));
+    }
     return checkpoint;
 }
 
@@ -166,7 +169,14 @@ void Tracker::restore(Run& run, const Checkpoint& checkpoint) {
     NumberArchive archive(stored(checkpoint.reals, "state"));
     transfer(archive, run);
     archive.require_end();
-    for (const std::string& warning : stored(checkpoint.texts, "warnings")) plan_.warn(warning);
+    const auto texts = checkpoint.texts.find("warnings");
+    const auto codes = checkpoint.integers.find("warning codes");
+    for (std::size_t i = 0; texts != checkpoint.texts.end() && i < texts->second.size(); ++i) {
+        const bool is_coded = codes != checkpoint.integers.end() && i < codes->second.size();
+        const auto code =
+            is_coded ? static_cast<WarningCode>(codes->second[i]) : WarningCode::other;
+        plan_.warn(code, texts->second[i]);
+    }
     // Whether the next frame repeats the last one is seen by its pixels.
     if (run.next > 0 && previous_.position == run.next - 1) {
         previous_.counts = source_.read(previous_.position).image;

@@ -65,8 +65,9 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
                 s.runs ? plan.run(s.stage, s.reason) : plan.skip(s.stage, s.reason, s.saved);
             }
         }
-        for (const std::string& warning : attempt.warnings()) {
-            plan.warn(fmt::format("{}, frame {}: {}", source.name(), frame.index, warning));
+        for (const Warning& warning : attempt.warnings()) {
+            plan.warn(warning.code,
+                      fmt::format("{}, frame {}: {}", source.name(), frame.index, warning.text));
         }
     }
     if (!calibration_) {
@@ -111,6 +112,8 @@ TrajectoryInfo Tracker::info() const {
     info.frame_rate = source_.frame_rate();
     info.time_unit = info.frame_rate ? TimeUnit::second : TimeUnit::frame;
     info.diameter = options_.sphere_diameter.value_or(calibration_ ? model().disc.diameter : 1.0);
+    info.diameter_origin =
+        options_.sphere_diameter ? DiameterOrigin::given : DiameterOrigin::apparent;
     info.source = source_.name();
     return info;
 }

@@ -1,7 +1,6 @@
 #include "analysis/spectra/order_structure_factor.h"
 
 #include <cmath>
-#include <string>
 #include <utility>
 
 #include "analysis/recorded_options.h"
@@ -11,14 +10,8 @@
 namespace grainfield::analysis {
 namespace {
 
-// The texts of S(k) say density.
-Curve of_order(Curve curve, const char* name) {
+Curve renamed(Curve curve, const char* name) {
     curve.name = name;
-    curve.title.replace(0, std::string("Structure factor").size(), "Structure factor of the order");
-    for (Column& column : curve.columns) {
-        if (column.name == "s") column.meaning = "S4(k)";
-        if (column.name == "s_err") column.meaning = "Standard error of S4(k)";
-    }
     return curve;
 }
 
@@ -57,10 +50,9 @@ ObservableResult OrderStructureFactor::result() const {
     result.reason = modes.reason;
     if (!result.reason.empty()) return result;
 
-    result.curves.push_back(of_order(*modes.find_curve("sk"), "s4"));
+    result.curves.push_back(renamed(*modes.find_curve("sk"), "s4"));
     if (const Curve* samples = modes.find_curve("sk_samples")) {
-        result.curves.push_back(of_order(*samples, "s4_samples"));
-        result.curves.back().title = "Independent frames behind S4(k)";
+        result.curves.push_back(renamed(*samples, "s4_samples"));
     }
     const bool connected =
         !modes_.is_periodic() && modes_.allows(StructureFactor::Estimator::connected);

@@ -173,7 +173,8 @@ class StructureFactor {
                                          const std::vector<double>& s) const;
     std::vector<double> averages(const Shells& shells, const Block& sums, Estimator estimator,
                                  const std::vector<double>& samples) const;
-    Curve curve(const char* name, const char* title, Estimator estimator) const;
+    const char* symbol() const;  ///< "S(k)", of the order "S4(k)"
+    Curve curve(const char* name, const char* method, Estimator estimator) const;
     Curve samples_curve(const char* name, Estimator estimator) const;
     /// Amplitudes of the two- and four-fold harmonic of each shell, and over all shells at the end.
     std::array<std::vector<double>, 2> anisotropies(const Shells& shells, const Block& sums,

@@ -236,7 +236,11 @@ std::vector<double> StructureFactor::averages(const Shells& shells, const Block&
     return s;
 }
 
-Curve StructureFactor::curve(const char* name, const char* title, Estimator estimator) const {
+const char* StructureFactor::symbol() const {
+    return components_ == 1 ? "S(k)" : "S4(k)";
+}
+
+Curve StructureFactor::curve(const char* name, const char* method, Estimator estimator) const {
     const Shells shells = this->shells(estimator);
     const std::vector<double> samples = this->samples(shells, estimator);
     const Block sums = total(std::nullopt);
@@ -260,9 +264,10 @@ Curve StructureFactor::curve(const char* name, const char* title, Estimator esti
     }
     Curve curve;
     curve.name = name;
-    curve.title = title;
-    curve.columns = {Column{"k", "1/a", "Wavevector k a", shells.k}, Column{"s", "-", "S(k)", s},
-                     Column{"s_err", "-", "Standard error of S(k)", error},
+    curve.title =
+        fmt::format("Structure factor{}, {}", components_ == 1 ? "" : " of the order", method);
+    curve.columns = {Column{"k", "1/a", "Wavevector k a", shells.k}, Column{"s", "-", symbol(), s},
+                     Column{"s_err", "-", fmt::format("Standard error of {}", symbol()), error},
                      Column{"n", "-", "Modes in the half plane", shells.modes}};
     return curve;
 }
@@ -312,7 +317,7 @@ Curve StructureFactor::samples_curve(const char* name, Estimator estimator) cons
     const Shells shells = this->shells(estimator);
     Curve curve;
     curve.name = name;
-    curve.title = "Independent frames behind S(k)";
+    curve.title = fmt::format("Independent frames behind {}", symbol());
     curve.columns = {
         Column{"k", "1/a", "Wavevector k a", shells.k},
         Column{"samples", "-", "Independent frames", samples(shells, estimator)},
@@ -382,14 +387,13 @@ ObservableResult StructureFactor::result() const {
         reason = "one frame: the mean density cannot be subtracted, raw estimator with walls in it";
     }
     const Estimator best = connected ? Estimator::connected : Estimator::raw;
-    const char* title = connected        ? "Structure factor, connected"
-                        : reason.empty() ? "Structure factor, raw"
-                                         : "Structure factor, raw: one frame, walls included";
-    result.curves.push_back(curve("sk", title, best));
-    result.curves.push_back(curve("sk_raw", "Structure factor, raw", Estimator::raw));
+    const char* method = connected        ? "connected"
+                         : reason.empty() ? "raw"
+                                          : "raw: one frame, walls included";
+    result.curves.push_back(curve("sk", method, best));
+    result.curves.push_back(curve("sk_raw", "raw", Estimator::raw));
     if (added_ >= 2 && has_neumann()) {
-        result.curves.push_back(
-            curve("sk_neumann", "Structure factor, modes of a walled box", Estimator::neumann));
+        result.curves.push_back(curve("sk_neumann", "modes of a walled box", Estimator::neumann));
     }
     if (added_ >= 2) result.curves.push_back(samples_curve("sk_samples", best));
     if (added_ >= 2 && has_neumann()) {

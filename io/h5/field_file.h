@@ -19,6 +19,7 @@ namespace grainfield::io {
 ///   /field/order              [frames × ny × nx], where there is an order field
 ///   /field/statistics         what was measured while the run went on (observables)
 ///   /field/record             how it came to be (JSON)
+///   /field/identity           which model, and its control parameter (JSON)
 ///
 /// The file appears under its name with finish(). Throws OutputError as OutputFile does, when the
 /// disk is full, and when the lattice changes from frame to frame.
@@ -29,7 +30,8 @@ class FieldWriter : public FieldSink {
     FieldWriter(FieldWriter&&) noexcept;
 
     void write(const FieldFrame& frame) override;
-    void finish(const std::vector<ObservableResult>& statistics, const RunRecord& record);
+    void finish(const std::vector<ObservableResult>& statistics, const RunIdentity& identity,
+                const RunRecord& record);
 
  private:
     struct State;
@@ -48,6 +50,7 @@ class FieldFile : public FieldSource {
     FieldFrame read(std::int64_t index) override;
     const std::vector<ObservableResult>& statistics() const;
     const RunRecord& record() const;
+    const RunIdentity& identity() const;
 
  private:
     struct State;

@@ -2,10 +2,11 @@
 
 #include <fmt/format.h>
 
-#include "io/h5/field_file.h"
 #include "io/h5/detail/h5_group.h"
+#include "io/h5/detail/legacy_identity.h"
 #include "io/h5/detail/observable_group.h"
 #include "io/h5/detail/run_record_json.h"
+#include "io/h5/field_file.h"
 
 namespace grainfield::io {
 
@@ -34,6 +35,10 @@ struct FieldFile::State {
             file.fail(fmt::format("the statistics are damaged ({})", error.what()));
         }
         record = record_from_json(parse_json(group.text("record"), file.name()), file.name());
+        identity =
+            group.has("identity")
+                ? identity_from_json(parse_json(group.text("identity"), file.name()), file.name())
+                : legacy_field_identity(record);
     }
 
     void open_fields() {
@@ -94,6 +99,7 @@ struct FieldFile::State {
     H5Extent extent;
     std::vector<ObservableResult> statistics;
     RunRecord record;
+    RunIdentity identity;
 };
 
 FieldFile::FieldFile(const std::filesystem::path& path) : state_(std::make_unique<State>(path)) {}
@@ -117,6 +123,10 @@ const std::vector<ObservableResult>& FieldFile::statistics() const {
 
 const RunRecord& FieldFile::record() const {
     return state_->record;
+}
+
+const RunIdentity& FieldFile::identity() const {
+    return state_->identity;
 }
 
 }  // namespace grainfield::io

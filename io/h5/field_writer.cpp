@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 
 #include "core/version.h"
-#include "io/h5/field_file.h"
 #include "io/h5/detail/h5_group.h"
 #include "io/h5/detail/observable_group.h"
 #include "io/h5/detail/run_record_json.h"
+#include "io/h5/field_file.h"
 
 namespace grainfield::io {
 
@@ -92,11 +92,13 @@ void FieldWriter::write(const FieldFrame& frame) {
     state_->write(frame);
 }
 
-void FieldWriter::finish(const std::vector<ObservableResult>& statistics, const RunRecord& record) {
+void FieldWriter::finish(const std::vector<ObservableResult>& statistics,
+                         const RunIdentity& identity, const RunRecord& record) {
     require_rectangular(statistics, state_->file);
     const H5Group group = state_->group.make_group("statistics");
     const nlohmann::json text = write_observables(group.make_group("curves"), statistics);
     group.write_text("observables", text_of(text));
+    state_->group.write_text("identity", text_of(to_json(identity)));
     state_->group.write_text("record", text_of(to_json(record)));
     state_->file.close();
     state_->output.commit();

@@ -6,6 +6,7 @@
 
 #include "core/errors.h"
 #include "io/h5/detail/h5_group.h"
+#include "io/h5/detail/legacy_identity.h"
 #include "io/h5/detail/observable_group.h"
 #include "io/h5/detail/preview_group.h"
 #include "io/h5/detail/run_record_json.h"
@@ -34,6 +35,9 @@ Results read_content(const H5File& file, const H5Group& group) {
             results.sources.push_back(record_from_json(record, file.name()));
         }
     }
+    results.identity = text.contains("identity")
+                           ? identity_from_json(text.at("identity"), file.name())
+                           : legacy_identity(results);
     return results;
 }
 
@@ -51,6 +55,7 @@ void write_results(OutputFile output, const Results& results) {
 
     json observables = write_observables(group.make_group("curves"), results.observables);
     const json description{{"source", to_json(results.source)},
+                           {"identity", to_json(results.identity)},
                            {"label", results.label},
                            {"box", to_json(results.box)},
                            {"frames", results.frames},

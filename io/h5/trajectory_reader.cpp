@@ -12,6 +12,7 @@
 #include "io/h5/detail/curve_group.h"
 #include "io/h5/detail/flat_columns.h"
 #include "io/h5/detail/h5_group.h"
+#include "io/h5/detail/legacy_identity.h"
 #include "io/h5/detail/preview_group.h"
 #include "io/h5/detail/run_record_json.h"
 #include "io/h5/detail/trajectory_columns.h"
@@ -178,11 +179,13 @@ void TrajectoryFile::State::read_own(const H5Group& root) {
         file.fail(fmt::format("a trajectory of format version {}", version),
                   fmt::format("version {}", trajectory_version));
     }
-    info = info_from_json(parse_json(own.text("info"), file.name()), file.name());
+    const nlohmann::json description = parse_json(own.text("info"), file.name());
+    info = info_from_json(description, file.name());
     // A run that was killed has left frames, but no record.
     if (own.has("record")) {
         record = record_from_json(parse_json(own.text("record"), file.name()), file.name());
     }
+    if (!names_identity(description)) add_legacy_identity(info, record);
     previews = read_previews(own.group("previews"));
     if (own.has_group("curves")) curves = read_curves(own.group("curves"));
     present = own.dataset("columns").read<std::uint8_t>();

@@ -176,17 +176,6 @@ std::string curve_text(const Curve& curve) {
     return text;
 }
 
-// "a^2/time unit" → "a^2/s".
-std::string unit_of(std::string unit, TimeUnit time_unit) {
-    constexpr std::string_view words = "time unit";
-    const std::size_t at = unit.find(words);
-    if (at == std::string::npos) return unit;
-    const char* name = time_unit == TimeUnit::second  ? "s"
-                       : time_unit == TimeUnit::frame ? "frames"
-                                                      : "sqrt(a/g)";
-    return unit.replace(at, words.size(), name);
-}
-
 // What the columns of all curves are; the tables themselves stay plain.
 std::string units_text(const std::vector<const Curve*>& curves, TimeUnit time_unit) {
     std::string text = "curve,column,unit,meaning\n";
@@ -194,7 +183,7 @@ std::string units_text(const std::vector<const Curve*>& curves, TimeUnit time_un
         for (const Column& column : curve->columns) {
             append_field(text, curve->name);
             for (const std::string& words :
-                 {column.name, unit_of(column.unit, time_unit), column.meaning}) {
+                 {column.name, plain_text(column.unit, time_unit), column.meaning}) {
                 text += ',';
                 append_field(text, words);
             }

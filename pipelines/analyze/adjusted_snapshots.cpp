@@ -37,7 +37,13 @@ Vec2 parse_box_length(std::string_view text) {
 }
 
 void Adjustment::apply_to(TrajectoryInfo& info) const {
-    if (diameter) info.diameter = *diameter;
+    if (particle_diameter) {
+        info.diameter = *particle_diameter;
+        info.diameter_origin = DiameterOrigin::given;
+    }
+    if (acceleration) {
+        info.control = {.parameter = ControlParameter::acceleration, .value = *acceleration};
+    }
     if (frame_rate) {
         info.frame_rate = frame_rate;
         info.time_unit = TimeUnit::second;

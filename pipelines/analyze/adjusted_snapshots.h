@@ -11,10 +11,11 @@ namespace grainfield::pipelines {
 
 /// What the user says about a trajectory, against or beyond what its file says.
 struct Adjustment {
-    std::optional<Vec2> box_length;    ///< [length unit of the file]
-    std::optional<Boundary> boundary;  ///< of both axes
-    std::optional<double> frame_rate;  ///< [1/s]: times become frame / rate
-    std::optional<double> diameter;    ///< particle diameter a [length unit of the file]
+    std::optional<Vec2> box_length;           ///< [length unit of the file]
+    std::optional<Boundary> boundary;         ///< of both axes
+    std::optional<double> frame_rate;         ///< [1/s]: times become frame / rate
+    std::optional<double> particle_diameter;  ///< the true a [length unit of the file]
+    std::optional<double> acceleration;       ///< Γ = Aω²/g of the vibration
 
     bool changes_box() const { return box_length || boundary; }
     void apply_to(TrajectoryInfo& info) const;

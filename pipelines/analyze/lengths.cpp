@@ -1,6 +1,5 @@
 #include "pipelines/analyze/lengths.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "io/h5/trajectory_file.h"
@@ -11,12 +10,18 @@ namespace {
 
 constexpr const char* curve_name = "calibration";
 
-// Whether the track command was told the true diameter.
-bool was_given(const RunRecord& record) {
-    return std::ranges::any_of(record.configuration, [](const auto& entry) {
-        return entry.first == "track.sphere-diameter" && entry.second != "auto" &&
-               !entry.second.empty();
-    });
+// In words, for a trajectory that nobody has adjusted.
+const char* words(DiameterOrigin origin) {
+    switch (origin) {
+        case DiameterOrigin::given:
+            return "given to track";
+        case DiameterOrigin::apparent:
+            return "not given: the apparent diameter of the discs stands for it";
+        case DiameterOrigin::stated:
+        case DiameterOrigin::simulated:
+            break;
+    }
+    return "as the file says";
 }
 
 }  // namespace
@@ -35,14 +40,8 @@ ObservableResult lengths_of(const SnapshotSource& file, const TrajectoryInfo& in
     ObservableResult result;
     result.name = "lengths";
     const auto* tracks = dynamic_cast<const io::TrajectoryFile*>(&file);
-    std::string origin = "as the file says";
-    if (adjustment.diameter) {
-        origin = "given to analyze";
-    } else if (info.origin == Origin::video && tracks != nullptr) {
-        origin = was_given(tracks->record())
-                     ? "given to track"
-                     : "not given: the apparent diameter of the discs stands for it";
-    }
+    const std::string origin =
+        adjustment.particle_diameter ? "given to analyze" : words(info.diameter_origin);
     const std::string unit = info.length_unit == LengthUnit::pixel ? "px" : "a";
     result.measurements.push_back(
         {"particle_diameter", unit, info.diameter, std::nullopt, 0, origin});

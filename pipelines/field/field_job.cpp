@@ -236,7 +236,7 @@ FieldJobResult run_field_job(const FieldJobOptions& options, const simulate::Fie
         return result;
     }
     work->finish(writer);
-    writer.finish(result.statistics, session.record());
+    writer.finish(result.statistics, simulate::identity_of(options.field), session.record());
     session.outputs.push_back(options.output);
     std::error_code ignored;
     fs::remove(path, ignored);

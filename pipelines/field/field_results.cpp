@@ -35,18 +35,12 @@ std::vector<Preview> pictures(io::FieldFile& file) {
 }
 
 // Estimators speak of the particle diameter a; the lengths of a field are in its own unit l.
-std::string in_l(std::string text) {
-    if (text == "a") return "l";
-    if (text.starts_with("1/a")) text[2] = 'l';
-    return text;
-}
-
 void name_lengths(std::vector<ObservableResult>& observables) {
     for (ObservableResult& observable : observables) {
-        for (Measurement& m : observable.measurements) m.unit = in_l(m.unit);
+        for (Measurement& m : observable.measurements) m.unit = m.unit.on_lattice();
         for (Curve& curve : observable.curves) {
             for (Column& column : curve.columns) {
-                column.unit = in_l(column.unit);
+                column.unit = column.unit.on_lattice();
                 if (column.meaning == "Wavevector k a") column.meaning = "Wavevector k";
             }
         }
@@ -74,6 +68,7 @@ Results field_results(const std::filesystem::path& path, bool from_fields,
     }
     if (session.common.explain) return results;
     if (!file.record().command.empty()) results.sources = {file.record()};
+    results.identity = file.identity();
     results.previews = pictures(file);
     if (accumulated) {
         results.observables = file.statistics();

@@ -89,7 +89,7 @@ void LastAct::operator()() {
     session_.plan.warn(fmt::format("interrupted within a frame; '{}' holds the {} before it{}",
                                    output_, counted(tracks_->frames(), "frame"), advice_()));
     tracks_->finish(session_.record());
-    fmt::print(stderr, "warning: {}\n", session_.plan.warnings().back());
+    fmt::print(stderr, "warning: {}\n", session_.plan.warnings().back().text);
 }
 
 }  // namespace grainfield::pipelines

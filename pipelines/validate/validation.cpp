@@ -132,6 +132,7 @@ Results run_of(const std::string& label, const StoredTrajectory& snapshots) {
     Results run;
     run.label = label;
     run.source = snapshots.info();
+    run.identity = identity_of(run.source);
     run.frames = snapshots.count();
     double particles = 0;
     for (const Snapshot& s : snapshots.trajectory().snapshots) {

@@ -32,7 +32,7 @@ const ObservableResult* observable_of(const ValidationOutcome& outcome, std::siz
 struct Found {
     double value = kNone;
     double error = kNone;
-    std::string unit;
+    Unit unit;
     std::string reason;
 };
 
@@ -64,8 +64,8 @@ void add_measurements(ValidationOutcome& outcome) {
         std::string reason = tracked.reason;
         if (reason.empty() && !truth.reason.empty()) reason = "true: " + truth.reason;
         outcome.effects.push_back({wanted.name, wanted.title,
-                                   tracked.unit.empty() ? truth.unit : tracked.unit, truth.value,
-                                   tracked.value, tracked.error, std::move(reason)});
+                                   tracked.unit.is_dimensionless() ? truth.unit : tracked.unit,
+                                   truth.value, tracked.value, tracked.error, std::move(reason)});
     }
 }
 

@@ -12,7 +12,7 @@ namespace grainfield::pipelines {
 struct DownstreamEffect {
     std::string name;   ///< stable key of scripts: "solid_fraction"
     std::string title;  ///< for people: "Solid fraction"
-    std::string unit;
+    Unit unit;
     double truth = 0;    ///< NaN: not measured
     double tracked = 0;  ///< NaN: not measured
     double error = 0;    ///< standard error of the tracked one, NaN if unknown

@@ -127,7 +127,7 @@ Table effect_table(const ValidationOutcome& outcome) {
                      {"sigma", "σ", ""},
                      {"remark", "Remark", "", true}};
     for (const DownstreamEffect& e : outcome.effects) {
-        const std::string unit = report::pretty_unit(e.unit, outcome.runs[0].source.time_unit);
+        const std::string unit = typeset_text(e.unit, outcome.runs[0].source.time_unit);
         table.rows.push_back({unit.empty() ? e.title : e.title + " [" + unit + "]",
                               {number(e.truth),
                                number(e.tracked),

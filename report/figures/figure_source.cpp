@@ -61,7 +61,7 @@ std::string common_unit(const Runs& runs, const CurveColumns& source,
     for (const Results& run : runs) {
         const Curve* curve = find_curve(run, source);
         if (curve == nullptr) continue;
-        const std::string& own = curve->find(source.x)->unit;
+        const std::string own = typeset_text(curve->find(source.x)->unit, run.source.time_unit);
         if (!unit.empty() && own != unit) return unit.append(" or ").append(own);
         unit = own;
     }

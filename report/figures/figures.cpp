@@ -113,11 +113,13 @@ std::vector<Figure> make_figures(const std::vector<Results>& runs,
     add_scaled();
     for (Figure& figure : figures) {
         if (figure.runs.size() != identities.size()) continue;  // a panel has one origin
-        for (const RunIdentity& identity : identities) figure.origins.push_back(identity.origin);
+        for (const RunIdentity& identity : identities) {
+            figure.origins.push_back(origin_text(identity));
+        }
         // Results of `critical` have one curve and no other.
         if (figure.has_data()) {
             std::erase_if(figure.absent, [&](const Figure::Absence& absence) {
-                return identities[absence.run].origin == "critical";
+                return identities[absence.run].role == RunRole::critical_point;
             });
         }
     }

@@ -12,8 +12,6 @@ namespace grainfield::report {
 
 namespace {
 
-constexpr const char* of_time = "time unit";
-
 bool any_has_curve(const Runs& runs, const CurveColumns& from) {
     return std::ranges::any_of(
         runs, [&](const Results& run) { return find_curve(run, from) != nullptr; });
@@ -51,17 +49,16 @@ bool share_time(const Runs& runs, const CurveColumns& by_time, const std::string
 std::string unit_of(const Runs& runs, const CurveColumns& from, const FigureHint& hint,
                     const Axis& x) {
     if (x.unit.empty()) return "";
-    const bool is_time = x.unit == of_time;
-    if (is_time && hint.one_time_unit) return pretty_unit(of_time, shared_time_unit(runs, from));
+    const bool is_time = Unit(x.unit).power(BaseUnit::time) != 0;
+    if (is_time && hint.one_time_unit) return typeset_text(shared_time_unit(runs, from));
     std::vector<std::string> units;
     for (const Results& run : runs) {
         const Curve* curve = find_curve(run, from);
         if (curve == nullptr) continue;
-        add_to_list(units, is_time ? pretty_unit(of_time, run.source.time_unit)
-                                   : curve->find(from.x)->unit);
+        add_to_list(units, typeset_text(curve->find(from.x)->unit, run.source.time_unit));
     }
     if (!units.empty()) return joined(units, " or ");
-    return is_time ? pretty_unit(of_time, runs.front().source.time_unit) : x.unit;
+    return is_time ? std::string(typeset_text(runs.front().source.time_unit)) : x.unit;
 }
 
 // The words that tell series apart, in the order in which the runs have them.
@@ -134,7 +131,7 @@ void note_absent(Figure& figure, const Runs& runs, const FigureHint& hint, const
         const TimeUnit own = runs[r].source.time_unit;
         const bool other_unit = hint.one_time_unit && own != shared_time_unit(runs, from) &&
                                 find_curve(runs[r], from) != nullptr;
-        figure.absent.push_back({r, other_unit ? "its times are in " + pretty_unit(of_time, own) +
+        figure.absent.push_back({r, other_unit ? std::string("its times are in ") + typeset_text(own) +
                                                      ", not in " + figure.x.unit
                                                : absence(runs[r], from)});
     }

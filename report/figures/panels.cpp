@@ -65,9 +65,9 @@ Figure panel_of(const Figure& figure, const std::vector<RunIdentity>& identities
     bool on_a_line = false;
     std::vector<std::size_t> place(figure.runs.size(), left_out);
     for (std::size_t r = 0; r < figure.runs.size(); ++r) {
-        if (identities[r].origin != origin || !has_series(figure, r)) continue;
+        if (origin_text(identities[r]) != origin || !has_series(figure, r)) continue;
         place[r] = panel.runs.size();
-        is_field = identities[r].is_field;
+        is_field = identities[r].is_field();
         on_a_line = identities[r].dimension == 1;
         panel.runs.push_back(without_origin(figure.runs[r], origin));
     }

@@ -8,8 +8,8 @@
 #include "core/errors.h"
 #include "core/support/parallel.h"
 #include "report/maps/png.h"
-#include "report/run_identity.h"
 #include "report/page/text.h"
+#include "report/run_identity.h"
 
 namespace grainfield::report {
 
@@ -72,7 +72,7 @@ ParticleMap describe(const Results& run, std::size_t index, const Preview& previ
     map.run = index;
     map.frame = preview.snapshot.frame;
     map.name = fmt::format("map_run{}_frame{}", index + 1, map.frame);
-    const bool is_field = identity_of(run).is_field;
+    const bool is_field = run.identity.is_field();
     map.title = is_field ? field_title(preview)
                          : fmt::format("frame {}, {} particles", map.frame,
                                        count_text(static_cast<double>(preview.snapshot.size())));

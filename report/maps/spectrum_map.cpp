@@ -104,7 +104,7 @@ std::string spectrum_map_svg(const Results& run, const std::string& run_label) {
                                        scale * points.dx, scale * points.dy, -scale * points.dx);
         }
     }
-    const std::string unit = pretty_unit(curve->find("kx")->unit, run.source.time_unit);
+    const std::string unit = typeset_text(curve->find("kx")->unit, run.source.time_unit);
     std::string out = fmt::format(
         R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {0} {1}" width="{0}" height="{1}" )"
         R"(font-family="sans-serif" font-size="12" role="img"><title>{2}</title>)",

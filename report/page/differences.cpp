@@ -18,8 +18,9 @@ namespace {
 constexpr std::size_t most_pairs = 40;
 constexpr double remarkable = 3;  // standard errors
 
-bool same(std::optional<double> a, std::optional<double> b) {
-    return a && b && std::abs(*a - *b) <= 1e-6 * std::max(std::abs(*a), std::abs(*b));
+bool same(const std::optional<ControlValue>& a, const std::optional<ControlValue>& b) {
+    if (!a || !b || a->parameter != b->parameter || a->unit != b->unit) return false;
+    return std::abs(a->value - b->value) <= 1e-6 * std::max(std::abs(a->value), std::abs(b->value));
 }
 
 bool is_known(const Measurement& m) {
@@ -79,8 +80,8 @@ bool has_any_error(const Results& run) {
 }
 
 const char* length_unit(const RunIdentity& identity) {
-    if (identity.origin == "critical") return "";
-    return identity.is_field ? "l" : "a";
+    if (identity.role == RunRole::critical_point) return "";
+    return identity.is_field() ? "l" : "a";
 }
 
 }  // namespace
@@ -89,7 +90,7 @@ std::vector<RunPair> pairs_of(const std::vector<Results>& runs,
                               const std::vector<RunIdentity>& identities) {
     std::vector<std::size_t> members;
     for (std::size_t r = 0; r < runs.size(); ++r) {
-        if (identities[r].origin != "critical") members.push_back(r);
+        if (identities[r].role == RunRole::run) members.push_back(r);
     }
     if (members.size() == 2) return {{members[0], members[1]}};
     std::vector<RunPair> pairs;
@@ -102,10 +103,9 @@ std::vector<RunPair> pairs_of(const std::vector<Results>& runs,
             const bool rates_differ =
                 rate_a && rate_b && std::abs(*rate_a - *rate_b) > 0.01 * std::abs(*rate_a);
             // Fields at one ν but of other dimension or b are other models.
-            const bool models_differ = a.is_field || b.is_field;
+            const bool models_differ = a.is_field() || b.is_field();
             const bool match = !models_differ && a.origin != b.origin &&
-                               a.parameter == b.parameter && same(a.value, b.value) &&
-                               !rates_differ;
+                               same(a.control, b.control) && !rates_differ;
             if (match) pairs.push_back({members[i], members[j]});
         }
     }
@@ -158,11 +158,11 @@ std::vector<std::string> mismatches(const std::vector<Results>& runs,
     }
     const auto time = groups(labels, [&](std::size_t r) {
         const bool timed = runs[r].find("msd") != nullptr || runs[r].find("phase") != nullptr;
-        return timed ? pretty_unit("time unit", runs[r].source.time_unit) : std::string();
+        return timed ? std::string(typeset_text(runs[r].source.time_unit)) : std::string();
     });
     if (!time.empty()) out.push_back("times in different units: " + time);
     const auto dimension = groups(labels, [&](std::size_t r) {
-        return identities[r].origin == "critical"
+        return identities[r].role == RunRole::critical_point
                    ? std::string()
                    : fmt::format("{} dimension{}", identities[r].dimension,
                                  identities[r].dimension == 1 ? "" : "s");

@@ -199,8 +199,8 @@ void add_run(Table& table, const Results& run, std::size_t r) {
         for (const Measurement& m : observable.measurements) {
             KeyNumberRow& row = table.row(title, m.name, order_symbol(run));
             row.numbers[r] = key_number(m);
-            if (row.unit.empty()) row.unit = pretty_unit(m.unit, run.source.time_unit);
-            const std::string unit = pretty_unit(m.unit, run.source.time_unit);
+            if (row.unit.empty()) row.unit = typeset_text(m.unit, run.source.time_unit);
+            const std::string unit = typeset_text(m.unit, run.source.time_unit);
             if (unit != row.unit && !row.numbers[r].value.empty()) {
                 row.numbers[r].value += " " + unit;
             }

@@ -8,13 +8,13 @@
 #include <fmt/format.h>
 
 #include "report/figures/colours.h"
+#include "report/figures/plotly_figure.h"
+#include "report/maps/spectrum_map.h"
 #include "report/page/embedded.h"
 #include "report/page/key_numbers.h"
-#include "report/figures/plotly_figure.h"
-#include "report/run_identity.h"
 #include "report/page/run_record.h"
-#include "report/maps/spectrum_map.h"
 #include "report/page/text.h"
+#include "report/run_identity.h"
 
 namespace grainfield::report {
 
@@ -56,9 +56,8 @@ std::string header_html(const PageContent& content) {
     const std::size_t count = content.runs.size();
     std::string out = "<header><h1>" + escape_html(content.title) + "</h1>\n";
     const auto summary = [](const Results& run) -> std::string {
-        const RunIdentity identity = identity_of(run);
-        if (identity.origin == "critical") return "critical point";
-        if (identity.is_field) return "fields";
+        if (run.identity.role == RunRole::critical_point) return "critical point";
+        if (run.identity.is_field()) return "fields";
         return fmt::format("{} frame{}, {} particles a frame",
                            count_text(static_cast<double>(run.frames)), run.frames == 1 ? "" : "s",
                            count_text(run.particles_mean));

@@ -10,7 +10,7 @@ namespace grainfield::report {
 
 namespace {
 
-constexpr double agreement = 2;          // standard errors
+constexpr double most_apart = 2;         // standard errors
 constexpr double least_resolved = 0.25;  // our error over the paper's value
 
 bool is_known(const Measurement& m) {
@@ -23,20 +23,20 @@ struct Found {
 };
 
 // The measurement of the run with the largest control parameter; one with an error goes first.
-Found find(const PaperValue& paper, const std::vector<Results>& runs,
-           const std::vector<std::string>& labels, const std::vector<RunIdentity>& identities) {
+Found find(const PaperValue& paper, const std::vector<Results>& runs) {
     Found best;
+    const auto control = [&](std::size_t r) {
+        const auto& known = runs[r].identity.control;
+        return known ? known->value : 0;
+    };
     for (std::size_t r = 0; r < runs.size(); ++r) {
-        if (identities[r].origin != paper.origin) continue;
-        if (!paper.label.empty() && labels[r] != paper.label) continue;
+        if (!same_series(runs[r].identity, paper.series)) continue;
         const ObservableResult* observable = runs[r].find(paper.observable);
         const Measurement* m =
             observable == nullptr ? nullptr : observable->find_measurement(paper.measurement);
         if (m == nullptr) continue;
         if (best.measurement != nullptr && is_known(*best.measurement)) {
-            const bool further =
-                identities[r].value.value_or(0) > identities[best.run].value.value_or(0);
-            if (!is_known(*m) || !further) continue;
+            if (!is_known(*m) || !(control(r) > control(best.run))) continue;
         }
         best = {m, r};
     }
@@ -45,17 +45,27 @@ Found find(const PaperValue& paper, const std::vector<Results>& runs,
 
 }  // namespace
 
-std::string verdict(const PaperValue& paper, const Measurement* ours) {
-    const char* const unresolved = "not resolved at this scale";
-    if (ours == nullptr || !is_known(*ours)) return unresolved;
-    if (*ours->error > least_resolved * std::abs(paper.value)) return unresolved;
-    const double apart =
-        std::abs(*ours->value - paper.value) / std::hypot(*ours->error, paper.error);
-    return apart <= agreement ? "agrees" : fmt::format("differs by {:.1f} σ", apart);
+std::string Verdict::text() const {
+    switch (agreement) {
+        case Agreement::agrees:
+            return "agrees";
+        case Agreement::differs:
+            return fmt::format("differs by {:.1f} σ", apart);
+        case Agreement::unresolved:
+            break;
+    }
+    return "not resolved at this scale";
 }
 
-Table paper_table(const std::vector<Results>& runs, const std::vector<std::string>& labels,
-                  const std::vector<RunIdentity>& identities) {
+Verdict verdict(const PaperValue& paper, const Measurement* ours) {
+    if (ours == nullptr || !is_known(*ours)) return {};
+    if (*ours->error > least_resolved * std::abs(paper.value)) return {};
+    const double apart =
+        std::abs(*ours->value - paper.value) / std::hypot(*ours->error, paper.error);
+    return {apart <= most_apart ? Agreement::agrees : Agreement::differs, apart};
+}
+
+Table paper_table(const std::vector<Results>& runs, const std::vector<std::string>& labels) {
     Table table;
     table.name = "paper";
     table.title = "The paper and this run";
@@ -69,15 +79,16 @@ Table paper_table(const std::vector<Results>& runs, const std::vector<std::strin
                      {"run", "Run", "", true},
                      {"verdict", "Verdict", "", true}};
     for (const PaperValue& paper : paper_values()) {
-        const Found found = find(paper, runs, labels, identities);
+        const Found found = find(paper, runs);
         const Measurement* m = found.measurement;
         const double* error = paper.is_rounded ? nullptr : &paper.error;
         const auto words = [](const std::string& text) { return TableCell{.text = text}; };
         std::string ours = "not measured";
         if (m != nullptr && m->value) ours = with_error(*m->value, m->error ? &*m->error : nullptr);
         if (m != nullptr && !m->value && !m->reason.empty()) ours = m->reason;
-        TableCell judged = words(verdict(paper, m));
-        judged.failed = judged.text.starts_with("differs");
+        const Verdict judgement = verdict(paper, m);
+        TableCell judged = words(judgement.text());
+        judged.failed = judgement.agreement == Agreement::differs;
         table.rows.push_back(
             {paper.name,
              {words((error == nullptr ? "≈ " : "") + with_error(paper.value, error)), words(ours),

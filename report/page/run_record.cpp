@@ -103,10 +103,10 @@ std::string warnings_html(const std::vector<Results>& runs, const std::vector<st
     Remarks warnings;
     for (std::size_t r = 0; r < runs.size(); ++r) {
         for (const RunRecord* record : history(runs[r])) {
-            for (const std::string& text : record->warnings) warnings.add(text, labels[r]);
+            for (const Warning& warning : record->warnings) warnings.add(warning.text, labels[r]);
         }
     }
-    for (const std::string& text : plan.warnings()) warnings.add(text, "");
+    for (const Warning& warning : plan.warnings()) warnings.add(warning.text, "");
     return warnings.html("Warnings", "warnings", runs.size());
 }
 

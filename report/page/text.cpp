@@ -172,31 +172,6 @@ std::string csv_cell(double value) {
     return std::isfinite(value) ? fmt::format("{:.6g}", value) : "";
 }
 
-std::string pretty_unit(std::string_view unit, TimeUnit time_unit) {
-    if (unit == "-") return "";
-    std::string text = clean_text(unit);
-    const std::string name = time_unit == TimeUnit::second  ? "s"
-                             : time_unit == TimeUnit::frame ? "frame"
-                                                            : "√(a/g)";
-    for (std::string_view word : {"time unit", "time_unit"}) {
-        for (auto at = text.find(word); at != std::string::npos; at = text.find(word)) {
-            text.replace(at, word.size(), name);
-        }
-    }
-    std::string out;
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        const std::size_t end = text.find_first_not_of("-0123456789", i + 1);
-        const std::size_t length = std::min(end, text.size()) - i - 1;
-        if (text[i] == '^' && length > 0) {
-            out += superscript(std::string_view(text).substr(i + 1, length));
-            i += length;
-        } else {
-            out += text[i];
-        }
-    }
-    return out;
-}
-
 std::string order_symbol(const Results& run) {
     static constexpr std::array<const char*, 10> lowered{"₀", "₁", "₂", "₃", "₄",
                                                          "₅", "₆", "₇", "₈", "₉"};

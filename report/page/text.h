@@ -38,9 +38,6 @@ std::vector<std::uint8_t> bytes_of_hex(std::string_view hex);
 std::string csv_cell(std::string_view text);
 std::string csv_cell(double value);
 
-/// "a^2/s" → "a²/s", "-" → "", "time unit" → the unit of the trajectory.
-std::string pretty_unit(std::string_view unit, TimeUnit time_unit);
-
 /// "|Q₄|", or "|Q₆|" where the run was asked for that symmetry.
 std::string order_symbol(const Results& run);
 

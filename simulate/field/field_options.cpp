@@ -97,4 +97,12 @@ std::vector<std::pair<std::string, std::string>> physics_of(const FieldOptions& 
     return list;
 }
 
+RunIdentity identity_of(const FieldOptions& options) {
+    return {.origin = Origin::field,
+            .control = ControlValue{.parameter = ControlParameter::critical_distance,
+                                    .value = options.model.nu},
+            .dimension = options.lattice.dimension,
+            .gradient_order = options.model.b};
+}
+
 }  // namespace grainfield::simulate

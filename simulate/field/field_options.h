@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/option_table.h"
+#include "core/run_identity.h"
 
 namespace grainfield::simulate {
 
@@ -71,6 +72,9 @@ struct FieldOptions {
 
 /// Sections lattice, model, scheme, record.
 std::vector<OptionTable> describe(FieldOptions& options);
+
+/// What a run of the model is: dimension, b and ν.
+RunIdentity identity_of(const FieldOptions& options);
 
 /// Everything that decides which numbers come out, as text, for the checkpoint. The length of the
 /// recording is not in it (a run may be made longer), nor is the number of threads.

@@ -390,6 +390,8 @@ TrajectoryInfo MdSimulation::info() const {
     info.length_unit = LengthUnit::diameter;
     info.time_unit = TimeUnit::sqrt_a_over_g;
     info.diameter = 1;
+    info.diameter_origin = DiameterOrigin::simulated;
+    info.control = control_of(system_);
     if (system_.is_vibrating()) info.vibration_frequency = 1 / system_.period();
     info.frame_rate = 1 / (options_.run.snapshot_every * system_.period());
     return info;

@@ -50,6 +50,13 @@ double MdSystem::period() const {
     return is_vibrating() ? 2 * std::numbers::pi / angular_frequency : 1;
 }
 
+std::optional<ControlValue> control_of(const MdSystem& system) {
+    if (!(system.gravity > 0)) return std::nullopt;
+    const double omega = system.angular_frequency;
+    return ControlValue{.parameter = ControlParameter::acceleration,
+                        .value = system.amplitude * omega * omega / system.gravity};
+}
+
 void require_valid(const MdSystem& system) {
     for (const auto& [name, value, walls] :
          {std::tuple{"cell.length-x", system.length.x, system.walls_x},

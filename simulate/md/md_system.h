@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
+#include "core/run_identity.h"
 #include "core/vec3.h"
 
 namespace grainfield::simulate {
@@ -41,6 +43,9 @@ struct MdSystem {
     /// 2π/ω, or 1 where nothing vibrates [sqrt(a/g)].
     double period() const;
 };
+
+/// Γ = Aω²/g, where gravity is there.
+std::optional<ControlValue> control_of(const MdSystem& system);
 
 /// Throws OptionError (name, value, remedy) if the system cannot be simulated.
 void require_valid(const MdSystem& system);

@@ -143,6 +143,7 @@ TrajectoryInfo Renderer::truth_info() const {
     info.length_unit = LengthUnit::pixel;
     info.time_unit = seconds_per_unit_ > 0 ? TimeUnit::second : TimeUnit::frame;
     info.diameter = view_.scale();
+    info.diameter_origin = DiameterOrigin::simulated;
     info.source = info_.source;
     if (seconds_per_unit_ > 0) {
         info.frame_rate = options_.exposure.frame_rate;

@@ -254,7 +254,7 @@ TEST(Analysis, SaysInThePlanWhatItLeavesOut) {
     EXPECT_THAT(plan.text(), testing::HasSubstr("msd"));
     EXPECT_THAT(plan.text(), testing::HasSubstr("one frame"));
     ASSERT_EQ(plan.warnings().size(), 1U);
-    EXPECT_THAT(plan.warnings()[0], testing::HasSubstr("not finite"));
+    EXPECT_THAT(plan.warnings()[0].text, testing::HasSubstr("not finite"));
 }
 
 TEST(Analysis, WarnsOfABoxThatIsNotFilled) {
@@ -263,7 +263,7 @@ TEST(Analysis, WarnsOfABoxThatIsNotFilled) {
     RunPlan plan;
     run(source, {}, 1, &plan);
     ASSERT_FALSE(plan.warnings().empty());
-    EXPECT_THAT(plan.warnings()[0], testing::HasSubstr("49 % x 100 %"));
+    EXPECT_THAT(plan.warnings()[0].text, testing::HasSubstr("49 % x 100 %"));
 }
 
 TEST(Analysis, MeasuresOnlyWhatIsAskedFor) {

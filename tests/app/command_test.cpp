@@ -52,7 +52,7 @@ TEST(SessionRecord, RepeatsWhatWasAskedForAndWhatWasSkipped) {
     EXPECT_EQ(record.threads, 3);
     EXPECT_EQ(record.configuration.at(1).first, "link.memory");
     EXPECT_EQ(record.skipped, std::vector<std::string>{"link: one frame"});
-    EXPECT_EQ(record.warnings, std::vector<std::string>{"frame 2 is dark"});
+    EXPECT_EQ(record.warnings, std::vector<Warning>{{.text = "frame 2 is dark"}});
 }
 
 TEST(Explanation, GivesThePlanInWordsAndAsJson) {

@@ -65,7 +65,7 @@ Compared compare(const testing::ScratchFolder& folder, std::vector<std::filesyst
     session.inputs = std::move(inputs);
     Compared out;
     out.summary = command.run(session);
-    out.warnings = session.plan.warnings();
+    for (const Warning& warning : session.plan.warnings()) out.warnings.push_back(warning.text);
     std::stringstream text;
     text << std::ifstream(folder / "report.html").rdbuf();
     out.page = text.str();

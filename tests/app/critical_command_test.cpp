@@ -13,8 +13,10 @@ namespace {
 using ::testing::HasSubstr;
 
 // Results whose S0/S1 is 0.7 (ν − 5.2), ν standing in the record.
-std::filesystem::path write_run(const std::filesystem::path& path, double nu, bool has_fit = true) {
+std::filesystem::path write_run(const std::filesystem::path& path, double nu, bool has_fit = true,
+                                const RunIdentity& identity = {}) {
     Results run;
+    run.identity = identity;
     run.label = path.stem().string();
     run.box = {{0, 0}, {1, 1}, {}, 0};
     ObservableResult fit;
@@ -59,8 +61,37 @@ TEST(CriticalCommand, FindsWhereS0OverS1VanishesFromValuesOrFromTheRecords) {
         const Results out = io::read_results(folder / "critical.h5");
         EXPECT_NE(out.find("critical")->find_curve("critical"), nullptr);
         ASSERT_EQ(out.record.warnings.size(), 1U);
-        EXPECT_THAT(out.record.warnings[0], HasSubstr("no pre-peak"));
+        EXPECT_THAT(out.record.warnings[0].text, HasSubstr("no pre-peak"));
     }
+}
+
+RunIdentity field_at(double nu, double gradient_order = 4) {
+    return {.origin = Origin::field,
+            .control = ControlValue{.parameter = ControlParameter::critical_distance, .value = nu},
+            .gradient_order = gradient_order};
+}
+
+TEST(CriticalCommand, TakesControlParameterAndSeriesFromTheIdentitiesOfTheRuns) {
+    const testing::ScratchFolder folder;
+    std::vector<std::filesystem::path> inputs;
+    for (double nu : {5.5, 5.8, 6.4, 7.0}) {
+        inputs.push_back(write_run(folder / ("run" + std::to_string(inputs.size()) + ".h5"), nu,
+                                   true, field_at(nu)));
+    }
+    const Summary summary = run_command(folder, inputs, {});
+    EXPECT_NEAR(summary.facts["critical_value"]["value"].get<double>(), 5.2, 1e-9);
+    RunIdentity series = field_at(0);
+    series.control = std::nullopt;
+    series.role = RunRole::critical_point;
+    const Results out = io::read_results(folder / "critical.h5");
+    EXPECT_EQ(out.identity, series) << "whatever its label is";
+    EXPECT_EQ(out.find("critical")->find_curve("critical")->find("x")->meaning, "ν");
+
+    inputs.push_back(write_run(folder / "other.h5", 8, true, field_at(8, 2)));
+    run_command(folder, inputs, {{"label", "field, 2D, b = 4"}});
+    EXPECT_EQ(io::read_results(folder / "critical.h5").identity,
+              RunIdentity{.role = RunRole::critical_point})
+        << "runs of two series are of none";
 }
 
 TEST(CriticalCommand, SaysWhatIsWrongWithTheControlParameter) {

@@ -24,7 +24,16 @@ TEST(RunPlan, KeepsEachWarningOnceInOrderOfFirstAppearance) {
     plan.warn("b");
     plan.warn("a");
     plan.warn("b");
-    EXPECT_EQ(plan.warnings(), (std::vector<std::string>{"b", "a"}));
+    EXPECT_EQ(plan.warnings(), (std::vector<Warning>{{.text = "b"}, {.text = "a"}}));
+}
+
+TEST(RunPlan, KeepsTheCodeThatAWarningCameWithFirst) {
+    RunPlan plan;
+    plan.warn(WarningCode::incomplete, "a");
+    plan.warn("a");
+    plan.warn(Warning{WarningCode::apparent_diameter, "b"});
+    EXPECT_EQ(plan.warnings(), (std::vector<Warning>{{WarningCode::incomplete, "a"},
+                                                     {WarningCode::apparent_diameter, "b"}}));
 }
 
 }  // namespace

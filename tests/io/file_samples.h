@@ -11,8 +11,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/support/random.h"
 #include "core/results.h"
+#include "core/support/random.h"
 #include "core/trajectory.h"
 
 namespace grainfield {
@@ -66,6 +66,10 @@ inline TrajectoryInfo sample_info() {
             .length_unit = LengthUnit::pixel,
             .time_unit = TimeUnit::second,
             .diameter = 8.9 + 1.0 / 3,
+            .diameter_origin = DiameterOrigin::given,
+            .control = ControlValue{.parameter = ControlParameter::critical_distance,
+                                    .value = 1.0 / 3,
+                                    .unit = "1/a"},
             .vibration_frequency = std::nullopt,
             .frame_rate = 30,
             .source = "frames \"ä\" <b>"};
@@ -93,7 +97,8 @@ inline RunRecord sample_record() {
     record.configuration = {{"detection.threshold", "0.1"}, {"link.memory", "3"}};
     record.inputs = {{"a.tif", 1024192, "crc32:9ae0daaf"}};
     record.skipped = {"background fit: uniform"};
-    record.warnings = {"frame 3 is missing"};
+    record.warnings = {{.text = "frame 3 is missing"},
+                       {WarningCode::apparent_diameter, "lengths are in D"}};
     return record;
 }
 
@@ -138,6 +143,8 @@ inline void expect_same(const TrajectoryInfo& a, const TrajectoryInfo& b) {
     EXPECT_EQ(a.length_unit, b.length_unit);
     EXPECT_EQ(a.time_unit, b.time_unit);
     EXPECT_EQ(a.diameter, b.diameter);
+    EXPECT_EQ(a.diameter_origin, b.diameter_origin);
+    EXPECT_EQ(a.control, b.control);
     EXPECT_EQ(a.vibration_frequency, b.vibration_frequency);
     EXPECT_EQ(a.frame_rate, b.frame_rate);
     EXPECT_EQ(a.source, b.source);

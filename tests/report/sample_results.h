@@ -9,8 +9,8 @@
 
 #include <unistd.h>
 
-#include "core/support/random.h"
 #include "core/results.h"
+#include "core/support/random.h"
 
 /// Results as an analysis would make them, for looking at reports: a square crystal patch
 /// (spacing 8.2 px) in disordered surroundings, about 10,000 particles in a frame of 1012 x 1012,
@@ -283,7 +283,8 @@ inline Results results(const Scene& scene = {}) {
     results.record.inputs = {{"layer_4.50.h5", 123456789, "crc32:9ae0daaf"}};
     results.record.skipped = {"background fit: illumination uniform to 0.3 %"};
     if (!scene.several_frames) {
-        results.record.warnings = {"one frame only: errors take particles as independent"};
+        results.record.warnings = {
+            {.text = "one frame only: errors take particles as independent"}};
     }
     return results;
 }

@@ -74,12 +74,13 @@ Film moving_liquid(int frames, double area_fraction, double step, Shift&& shift)
 
 struct Tracked {
     std::vector<Snapshot> snapshots;
-    std::vector<std::string> warnings;
+    std::vector<Warning> warnings;
     TrackSummary summary;
 
     bool warned_of(const std::string& words) const {
-        return std::any_of(warnings.begin(), warnings.end(),
-                           [&](const std::string& w) { return w.find(words) != w.npos; });
+        return std::any_of(warnings.begin(), warnings.end(), [&](const Warning& w) {
+            return w.text.find(words) != std::string::npos;
+        });
     }
 };
 

@@ -26,7 +26,7 @@ using testing::score_positions;
 
 struct Tracked {
     std::vector<Snapshot> snapshots;
-    std::vector<std::string> warnings;
+    std::vector<Warning> warnings;
     DiscProfile disc;
 };
 
@@ -91,7 +91,7 @@ void expect_all_found(const Tracked& result, const LayerScene& scene, double edg
     ::testing::Test::RecordProperty("over_bound",
                                     std::to_string(over_bound(score, scene, edge_width, noise)));
     EXPECT_NEAR(result.disc.diameter, scene.diameter, 0.01 * scene.diameter);
-    EXPECT_TRUE(result.warnings.empty()) << result.warnings[0];
+    EXPECT_TRUE(result.warnings.empty()) << result.warnings[0].text;
 }
 
 constexpr double kRounding = 1.0 / 12;  // variance [counts²]

@@ -189,7 +189,7 @@ TEST(Tracker, CorruptAndMissingFramesLeaveAGap) {
     ASSERT_EQ(sink.snapshots.size(), 2u);
     EXPECT_EQ(sink.snapshots[1].frame, 3);
     EXPECT_GE(plan.warnings().size(), 2u);
-    EXPECT_NE(plan.warnings()[0].find("frame 1"), std::string::npos);
+    EXPECT_NE(plan.warnings()[0].text.find("frame 1"), std::string::npos);
 }
 
 TEST(Tracker, AWarmStartFindsWhatAColdOneFindsWithLessWork) {
@@ -251,7 +251,9 @@ TEST(Tracker, FollowsALampThatFlickers) {
         EXPECT_LT(score.rms, 0.1) << "frame " << f;
     }
     bool said = false;
-    for (const std::string& w : plan.warnings()) said |= w.find("contrast varies") != w.npos;
+    for (const Warning& w : plan.warnings()) {
+        said |= w.text.find("contrast varies") != std::string::npos;
+    }
     EXPECT_TRUE(said);
 }
 
@@ -310,7 +312,9 @@ TEST(Tracker, SaysWhenTheImageModelDoesNotFit) {
     options.calibration.polarity = PolarityChoice::dark;
     run(source, sink, plan, options);
     bool said = false;
-    for (const std::string& w : plan.warnings()) said |= w.find("explains") != w.npos;
+    for (const Warning& w : plan.warnings()) {
+        said |= w.text.find("explains") != std::string::npos;
+    }
     EXPECT_TRUE(said);
 }
 

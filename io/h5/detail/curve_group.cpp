@@ -20,7 +20,7 @@ void write_curves(const H5Group& group, const std::vector<Curve>& curves) {
             const Column& column = curves[i].columns[c];
             own.write<double>(std::to_string(c), column.values, {column.values.size()});
             columns.push_back(
-                {{"name", column.name}, {"unit", column.unit}, {"meaning", column.meaning}});
+                {{"name", column.name}, {"unit", column.unit.text()}, {"meaning", column.meaning}});
         }
         index.push_back(
             {{"name", curves[i].name}, {"title", curves[i].title}, {"columns", columns}});

@@ -36,7 +36,7 @@ json write_curve(const H5Group& group, const Curve& curve) {
         const std::string data = free_name(own, column.name);
         own.write<double>(data, column.values, {column.values.size()});
         columns.push_back({{"name", column.name},
-                           {"unit", column.unit},
+                           {"unit", column.unit.text()},
                            {"meaning", column.meaning},
                            {"data", data}});
     }
@@ -76,7 +76,7 @@ bool is_rectangular(const Curve& curve) {
 
 json to_json(const Measurement& m) {
     return {{"name", m.name},
-            {"unit", m.unit},
+            {"unit", m.unit.text()},
             {"value", io::to_json(m.value)},
             {"error", io::to_json(m.error)},
             {"samples", io::to_json(m.samples)},

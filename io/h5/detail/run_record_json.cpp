@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "io/h5/detail/legacy_identity.h"
 
 namespace grainfield::io {
 
@@ -19,10 +20,24 @@ using nlohmann::json;
 template <class Enum, std::size_t n>
 using Names = std::array<std::pair<Enum, std::string_view>, n>;
 
-constexpr Names<Origin, 4> origins{{{Origin::video, "video"},
+constexpr Names<Origin, 5> origins{{{Origin::video, "video"},
                                     {Origin::md, "md"},
                                     {Origin::rendered, "rendered"},
-                                    {Origin::points, "points"}}};
+                                    {Origin::points, "points"},
+                                    {Origin::field, "field"}}};
+constexpr Names<ControlParameter, 2> control_parameters{
+    {{ControlParameter::acceleration, "acceleration"},
+     {ControlParameter::critical_distance, "critical distance"}}};
+constexpr Names<RunRole, 2> roles{
+    {{RunRole::run, "run"}, {RunRole::critical_point, "critical point"}}};
+constexpr Names<DiameterOrigin, 4> diameter_origins{{{DiameterOrigin::stated, "stated"},
+                                                     {DiameterOrigin::simulated, "simulated"},
+                                                     {DiameterOrigin::given, "given"},
+                                                     {DiameterOrigin::apparent, "apparent"}}};
+constexpr Names<WarningCode, 3> warning_codes{
+    {{WarningCode::other, "other"},
+     {WarningCode::apparent_diameter, "apparent diameter"},
+     {WarningCode::incomplete, "incomplete"}}};
 constexpr Names<LengthUnit, 2> length_units{
     {{LengthUnit::pixel, "pixel"}, {LengthUnit::diameter, "diameter"}}};
 constexpr Names<TimeUnit, 3> time_units{{{TimeUnit::frame, "frame"},
@@ -53,6 +68,34 @@ json pair_of(Vec2 v) {
 
 Vec2 vec2_from_json(const json& text) {
     return {number_from_json(text.at(0)), number_from_json(text.at(1))};
+}
+
+json control_to_json(const std::optional<ControlValue>& control) {
+    if (!control) return nullptr;
+    return {{"parameter", name_of(control->parameter, control_parameters)},
+            {"value", io::to_json(control->value)},
+            {"unit", control->unit.text()}};
+}
+
+std::optional<ControlValue> control_from_json(const json& text) {
+    if (text.is_null()) return std::nullopt;
+    return ControlValue{.parameter = value_of(text.at("parameter"), control_parameters),
+                        .value = number_from_json(text.at("value")),
+                        .unit = text.at("unit").get<std::string>()};
+}
+
+// Texts and codes stand in two lists of one length: programs before the codes read the texts.
+std::vector<Warning> warnings_from_json(const json& record) {
+    std::vector<Warning> warnings;
+    const json& texts = record.at("warnings");
+    for (std::size_t i = 0; i < texts.size(); ++i) {
+        const auto text = texts.at(i).get<std::string>();
+        const WarningCode code = record.contains("warning_codes")
+                                     ? value_of(record.at("warning_codes").at(i), warning_codes)
+                                     : legacy_warning_code(text);
+        warnings.push_back({code, text});
+    }
+    return warnings;
 }
 
 // Runs `read`, turning what nlohmann/json throws into an InputError.
@@ -103,6 +146,12 @@ json to_json(const RunRecord& record) {
     for (const auto& [name, text] : record.configuration) {
         configuration.push_back(json::array({name, text}));
     }
+    json warnings = json::array();
+    json codes = json::array();
+    for (const Warning& warning : record.warnings) {
+        warnings.push_back(warning.text);
+        codes.push_back(name_of(warning.code, warning_codes));
+    }
     return {{"command", record.command},
             {"version", record.version},
             {"seed", record.seed},
@@ -111,7 +160,8 @@ json to_json(const RunRecord& record) {
             {"configuration", configuration},
             {"inputs", inputs},
             {"skipped", record.skipped},
-            {"warnings", record.warnings}};
+            {"warnings", warnings},
+            {"warning_codes", codes}};
 }
 
 json to_json(const TrajectoryInfo& info) {
@@ -119,9 +169,19 @@ json to_json(const TrajectoryInfo& info) {
             {"length_unit", name_of(info.length_unit, length_units)},
             {"time_unit", name_of(info.time_unit, time_units)},
             {"diameter", to_json(info.diameter)},
+            {"diameter_origin", name_of(info.diameter_origin, diameter_origins)},
+            {"control", control_to_json(info.control)},
             {"vibration_frequency", to_json(info.vibration_frequency)},
             {"frame_rate", to_json(info.frame_rate)},
             {"source", info.source}};
+}
+
+json to_json(const RunIdentity& identity) {
+    return {{"origin", name_of(identity.origin, origins)},
+            {"role", name_of(identity.role, roles)},
+            {"control", control_to_json(identity.control)},
+            {"dimension", identity.dimension},
+            {"gradient_order", to_json(identity.gradient_order)}};
 }
 
 json to_json(const Box& box) {
@@ -150,7 +210,7 @@ RunRecord record_from_json(const json& text, const std::string& file) {
                                      input.at("checksum").get<std::string>()});
         }
         record.skipped = text.at("skipped").get<std::vector<std::string>>();
-        record.warnings = text.at("warnings").get<std::vector<std::string>>();
+        record.warnings = warnings_from_json(text);
         return record;
     });
 }
@@ -162,10 +222,26 @@ TrajectoryInfo info_from_json(const json& text, const std::string& file) {
         info.length_unit = value_of(text.at("length_unit"), length_units);
         info.time_unit = value_of(text.at("time_unit"), time_units);
         info.diameter = number_from_json(text.at("diameter"));
+        if (names_identity(text)) {
+            info.diameter_origin = value_of(text.at("diameter_origin"), diameter_origins);
+            info.control = control_from_json(text.at("control"));
+        }
         info.vibration_frequency = optional_from_json(text.at("vibration_frequency"));
         info.frame_rate = optional_from_json(text.at("frame_rate"));
         info.source = text.at("source").get<std::string>();
         return info;
+    });
+}
+
+RunIdentity identity_from_json(const json& text, const std::string& file) {
+    return guarded(file, "the identity of the run", [&] {
+        RunIdentity identity;
+        identity.origin = value_of(text.at("origin"), origins);
+        identity.role = value_of(text.at("role"), roles);
+        identity.control = control_from_json(text.at("control"));
+        identity.dimension = text.at("dimension").get<int>();
+        identity.gradient_order = optional_from_json(text.at("gradient_order"));
+        return identity;
     });
 }
 
@@ -179,6 +255,10 @@ Box box_from_json(const json& text, const std::string& file) {
         box.height = number_from_json(text.at("height"));
         return box;
     });
+}
+
+bool names_identity(const json& info) {
+    return info.contains("control");
 }
 
 std::string text_of(const json& text) {

@@ -13,16 +13,24 @@ namespace grainfield::io {
 /// functions and parse_json throw InputError("'<file>' …") if the text is not what was written.
 nlohmann::json to_json(const RunRecord& record);
 nlohmann::json to_json(const TrajectoryInfo& info);
+nlohmann::json to_json(const RunIdentity& identity);
 nlohmann::json to_json(const Box& box);
 nlohmann::json to_json(double number);
 nlohmann::json to_json(const std::optional<double>& number);
 
+/// Records and descriptions without identities are of the program up to 0.1: see legacy_identity.h
+/// for what completes them.
 RunRecord record_from_json(const nlohmann::json& json, const std::string& file);
 TrajectoryInfo info_from_json(const nlohmann::json& json, const std::string& file);
+RunIdentity identity_from_json(const nlohmann::json& json, const std::string& file);
 Box box_from_json(const nlohmann::json& json, const std::string& file);
 /// These two throw nlohmann::json::exception, for use inside other *_from_json functions.
 double number_from_json(const nlohmann::json& json);
 std::optional<double> optional_from_json(const nlohmann::json& json);
+
+/// Whether the description of a trajectory says what it was driven with, or that this is not
+/// known.
+bool names_identity(const nlohmann::json& info);
 
 /// Bytes that are not UTF-8 are replaced.
 std::string text_of(const nlohmann::json& json);

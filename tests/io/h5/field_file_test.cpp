@@ -8,8 +8,8 @@
 
 #include "core/errors.h"
 #include "core/support/random.h"
-#include "io/h5/field_log.h"
 #include "io/file_kind.h"
+#include "io/h5/field_log.h"
 #include "tests/support/scratch_folder.h"
 
 namespace grainfield::io {
@@ -73,13 +73,19 @@ TEST(FieldFile, GivesBackEveryBit) {
         RunRecord record;
         record.command = "simulate field";
         record.seed = 7;
-        writer.finish({statistics()}, record);
+        const RunIdentity identity{
+            .origin = Origin::field,
+            .control = ControlValue{.parameter = ControlParameter::critical_distance, .value = 0.1},
+            .dimension = 1,
+            .gradient_order = 4};
+        writer.finish({statistics()}, identity, record);
         EXPECT_EQ(identify(path), FileKind::field);
         FieldFile file(path);
         ASSERT_EQ(file.count(), 3);
         expect_same(file.read(1), frame(9, nx, ny, replicas, has_order));
         expect_same(file.read(2), frame(10, nx, ny, replicas, has_order));
         EXPECT_EQ(file.record().seed, 7U);
+        EXPECT_EQ(file.identity(), identity);
         ASSERT_EQ(file.statistics().size(), 1U);
         EXPECT_EQ(file.statistics()[0].curves[0].columns[1].values,
                   (std::vector<double>{0.5, 0.25}));
@@ -89,7 +95,7 @@ TEST(FieldFile, GivesBackEveryBit) {
 
 TEST(FieldFile, MayHaveNoFields) {
     const testing::ScratchFolder folder;
-    FieldWriter(folder / "f.h5", Overwrite::refuse).finish({statistics()}, {});
+    FieldWriter(folder / "f.h5", Overwrite::refuse).finish({statistics()}, {}, {});
     EXPECT_EQ(FieldFile(folder / "f.h5").count(), 0);
 }
 
@@ -114,7 +120,7 @@ TEST(FieldFile, DamageIsAnInputErrorOrHarmless) {
     {
         FieldWriter writer(path, Overwrite::refuse);
         writer.write(frame(1, 8, 8, 1, true));
-        writer.finish({statistics()}, {});
+        writer.finish({statistics()}, {}, {});
     }
     std::ifstream in(path, std::ios::binary);
     const std::string good((std::istreambuf_iterator<char>(in)), {});

@@ -31,6 +31,11 @@ class AnyResults {
         Results r;
         r.source = sample_info();
         r.source.vibration_frequency = optional();
+        r.identity = {.origin = Origin::field,
+                      .role = RunRole::critical_point,
+                      .control = sample_info().control,
+                      .dimension = 1,
+                      .gradient_order = optional()};
         r.label = text();
         r.box = {{number(), number()}, {100, 50}, {Boundary::walls, Boundary::periodic}, 1.5};
         r.frames = static_cast<std::int64_t>(random_.below(1U << 30U)) << 20;
@@ -38,7 +43,7 @@ class AnyResults {
         for (int i = count(4); i > 0; --i) r.observables.push_back(observable());
         for (int i = count(2); i > 0; --i) r.previews.push_back(sample_preview());
         r.record = sample_record();
-        r.record.warnings.push_back(text());
+        r.record.warnings.push_back({WarningCode::incomplete, text()});
         r.sources = {sample_record(), r.record};
         return r;
     }

@@ -51,11 +51,14 @@ TEST(AdjustedSnapshots, BoxBoundaryAndDiameterReplaceThoseOfTheFile) {
     Adjustment adjustment;
     adjustment.box_length = Vec2{7, 8};
     adjustment.boundary = Boundary::periodic;
-    adjustment.diameter = 9;
+    adjustment.particle_diameter = 9;
+    adjustment.acceleration = 4.5;
     AdjustedSnapshots snapshots(file, adjustment);
     EXPECT_EQ(snapshots.read(0).box.length, (Vec2{7, 8}));
     EXPECT_TRUE(snapshots.read(0).box.is_periodic());
     EXPECT_EQ(snapshots.info().diameter, 9);
+    EXPECT_EQ(snapshots.info().diameter_origin, DiameterOrigin::given);
+    EXPECT_EQ(legend_of(identity_of(snapshots.info())), "points, Γ = 4.5");
 }
 
 TEST(AdjustedSnapshots, MeanNumberOfParticlesReadsOnlyWhatWasNotRead) {

@@ -13,7 +13,7 @@ Figure shared_figure() {
     figure.title = "Number variance";
     figure.x = {"l", "Window", "a or l", Scale::log, false};
     figure.y.scale = Scale::log;
-    figure.runs = {"MD, Γ = 2", "field, ν = 1", "MD, Γ = 3"};
+    figure.runs = {"MD, Γ = 2", "field, 2D, ν = 1", "MD, Γ = 3"};
     figure.kinds = {{"σ²", Mark::line, true}};
     figure.series = {
         {0, 0, {1, 10}, {1, 20}, {}}, {1, 0, {2, 20}, {5, 50}, {}}, {2, 0, {1, 10}, {2, 40}, {}}};
@@ -23,7 +23,7 @@ Figure shared_figure() {
 }
 
 std::vector<RunIdentity> identities() {
-    return {{.origin = "MD"}, {.origin = "field", .is_field = true}, {.origin = "MD"}};
+    return {{.origin = Origin::md}, {.origin = Origin::field}, {.origin = Origin::md}};
 }
 
 TEST(Panels, HoldTheRunsOfOneOriginEach) {
@@ -60,10 +60,12 @@ TEST(Panels, HalveTheSlopeOfGuidesOnALine) {
 
 TEST(Panels, AreNotMadeForOneOrigin) {
     EXPECT_TRUE(
-        panels_by_origin(shared_figure(), {{.origin = "MD"}, {.origin = "MD"}, {.origin = "MD"}})
+        panels_by_origin(shared_figure(),
+                         {{.origin = Origin::md}, {.origin = Origin::md}, {.origin = Origin::md}})
             .empty());
-    EXPECT_TRUE(panels_by_origin(shared_figure(),
-                                 {{.origin = "MD"}, {.origin = "critical"}, {.origin = "MD"}})
+    EXPECT_TRUE(panels_by_origin(shared_figure(), {{.origin = Origin::md},
+                                                   {.role = RunRole::critical_point},
+                                                   {.origin = Origin::md}})
                     .empty());
 }
 
@@ -73,7 +75,7 @@ TEST(Panels, RunsWithoutDataNeedNoColour) {
     // The guide belongs to no run.
     figure.series.push_back(shared_figure().series.back());
     const Figure present = of_present_runs(figure);
-    EXPECT_EQ(present.runs, (std::vector<std::string>{"field, ν = 1", "MD, Γ = 3"}));
+    EXPECT_EQ(present.runs, (std::vector<std::string>{"field, 2D, ν = 1", "MD, Γ = 3"}));
     ASSERT_EQ(present.series.size(), 3U);
     EXPECT_EQ(present.series[0].run, 0U);
     EXPECT_EQ(present.series[0].y, (std::vector<double>{5, 50}));

@@ -9,11 +9,13 @@ namespace {
 using testing::Contains;
 using testing::HasSubstr;
 
-Results run_of(Origin origin, double s0, double error, const char* gamma = "4.5") {
+Results run_of(Origin origin, double s0, double error, double gamma = 4.5) {
     Results run;
     run.source.origin = origin;
     run.record.version = "0.1.0";
-    run.record.configuration = {{"gamma", gamma}};
+    run.identity = {
+        .origin = origin,
+        .control = ControlValue{.parameter = ControlParameter::acceleration, .value = gamma}};
     ObservableResult fit;
     fit.name = "fit";
     fit.measurements = {{"s0", "-", s0, error, 10, ""}, {"k_fit", "1/a", 0.3, std::nullopt, 0, ""}};
@@ -35,9 +37,9 @@ TEST(Differences, AreInUnitsOfBothErrorsTogether) {
 }
 
 TEST(Differences, PairRunsThatDifferInOriginOnly) {
-    const std::vector<Results> runs{
-        run_of(Origin::video, 1, 1, "4"), run_of(Origin::video, 1, 1, "5"),
-        run_of(Origin::rendered, 1, 1, "5"), run_of(Origin::rendered, 1, 1, "6")};
+    const std::vector<Results> runs{run_of(Origin::video, 1, 1, 4), run_of(Origin::video, 1, 1, 5),
+                                    run_of(Origin::rendered, 1, 1, 5),
+                                    run_of(Origin::rendered, 1, 1, 6)};
     const auto pairs = pairs_of(runs, identities_of(runs));
     ASSERT_EQ(pairs.size(), 1U);
     EXPECT_EQ(pairs[0].first, 1U);
@@ -58,13 +60,13 @@ TEST(Differences, LeaveOutRunsOfAnotherFrameRate) {
 TEST(Differences, DoNotPairFieldsOfOtherModels) {
     std::vector<RunIdentity> identities(3);
     for (RunIdentity& identity : identities) {
-        identity.parameter = "ν";
-        identity.value = 0.01;
-        identity.is_field = true;
+        identity.origin = Origin::field;
+        identity.control =
+            ControlValue{.parameter = ControlParameter::critical_distance, .value = 0.01};
+        identity.gradient_order = 4;
     }
-    identities[0].origin = "field, 1D, b = 2";
-    identities[1].origin = "field, 1D, b = 4";
-    identities[2].origin = "field, 2D, b = 4";
+    identities[0].gradient_order = 2;
+    identities[0].dimension = identities[1].dimension = 1;
     EXPECT_TRUE(pairs_of(std::vector<Results>(3), identities).empty());
 }
 
@@ -76,11 +78,8 @@ TEST(Differences, AreNotThereWithoutCommonNumbers) {
 TEST(Mismatches, NameVersionsUnitsDimensionsAndMissingErrors) {
     std::vector<Results> runs{run_of(Origin::video, 1, 1), run_of(Origin::md, 1, 0)};
     runs[1].record.version = "0.2.0";
-    RunRecord field;
-    field.command = "simulate field";
-    field.configuration = {{"lattice.dimension", "1"}, {"model.nu", "1"}};
     runs.push_back(run_of(Origin::points, 1, 1));
-    runs[2].sources = {field};
+    runs[2].identity = {.origin = Origin::field, .dimension = 1};
     runs[0].source.time_unit = TimeUnit::second;
     runs[1].source.time_unit = TimeUnit::sqrt_a_over_g;
     for (int r : {0, 1}) runs[static_cast<std::size_t>(r)].observables.emplace_back().name = "msd";

@@ -187,13 +187,14 @@ TEST_F(PageInChromium, DoesNotRunWhatNamesContain) {
     for (Results& run : runs) {
         run.record.inputs[0].name = hostile;
         run.record.configuration = {{hostile, hostile}};
-        run.record.warnings = {hostile};
+        run.record.warnings = {{.text = hostile}};
         run.source.source = hostile;
         for (ObservableResult& observable : run.observables) {
-            for (Measurement& m : observable.measurements) m.unit = m.reason = hostile;
+            for (Measurement& m : observable.measurements) m.unit = hostile, m.reason = hostile;
             for (Curve& curve : observable.curves) {
                 curve.title = hostile;
-                for (Column& column : curve.columns) column.unit = column.meaning = hostile;
+                for (Column& column : curve.columns)
+                    column.unit = hostile, column.meaning = hostile;
             }
         }
     }

@@ -9,9 +9,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "report/page/embedded.h"
 #include "report/figures/figures.h"
 #include "analysis/observables.h"
+#include "report/page/embedded.h"
 #include "tests/report/sample_results.h"
 
 namespace grainfield::report {
@@ -78,7 +78,7 @@ TEST(Page, KeepsHostileTextInert) {
                               sample::results({2, 120, 40, true, hostile})};
     runs[0].record.inputs[0].name = hostile;
     runs[0].record.configuration = {{hostile, hostile}};
-    runs[0].record.warnings = {hostile};
+    runs[0].record.warnings = {{.text = hostile}};
     runs[0].observables[0].measurements[0].reason = hostile;
     runs[0].observables[3].curves[0].title = hostile;
     const std::string page = without_scripts(page_of(runs, hostile, {"sk.svg"}));

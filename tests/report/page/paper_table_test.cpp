@@ -7,7 +7,8 @@
 namespace grainfield::report {
 namespace {
 
-const PaperValue paper{"Γc", "critical", "MD", "critical", "critical_value", 2.3, 0.03};
+const RunIdentity critical_point{.origin = Origin::md, .role = RunRole::critical_point};
+const PaperValue paper{"Γc", critical_point, "critical", "critical_value", 2.3, 0.03};
 
 Measurement ours(double value, std::optional<double> error) {
     return {"critical_value", "-", value, error, 5, ""};
@@ -18,43 +19,45 @@ TEST(Verdict, SaysAgreesDiffersOrNotResolved) {
     const Measurement far = ours(2.5, 0.04);
     const Measurement vague = ours(2.3, 0.6);
     const Measurement without = ours(2.3, std::nullopt);
-    EXPECT_EQ(verdict(paper, &near), "agrees") << "1.2 standard errors";
-    EXPECT_EQ(verdict(paper, &far), "differs by 4.0 σ");
-    EXPECT_EQ(verdict(paper, &vague), "not resolved at this scale");
-    EXPECT_EQ(verdict(paper, &without), "not resolved at this scale");
-    EXPECT_EQ(verdict(paper, nullptr), "not resolved at this scale");
+    EXPECT_EQ(verdict(paper, &near).text(), "agrees") << "1.2 standard errors";
+    EXPECT_EQ(verdict(paper, &far).text(), "differs by 4.0 σ");
+    EXPECT_EQ(verdict(paper, &vague).text(), "not resolved at this scale");
+    EXPECT_EQ(verdict(paper, &without).text(), "not resolved at this scale");
+    EXPECT_EQ(verdict(paper, nullptr).text(), "not resolved at this scale");
 }
 
 TEST(PaperTable, HoldsEveryValueAndTakesTheRunOfTheCriticalPoint) {
     Results critical;
+    critical.identity = critical_point;
     critical.observables.emplace_back().name = "critical";
     critical.observables[0].measurements = {ours(2.31, 0.02)};
     const std::vector<Results> runs{critical};
-    const Table table = paper_table(runs, {"MD"}, identities_of(runs));
+    const Table table = paper_table(runs, {"whatever it is called"});
     ASSERT_EQ(table.rows.size(), paper_values().size());
     const auto row = std::ranges::find_if(table.rows, [](const Table::Row& r) {
         return r.name.find("molecular") != std::string::npos;
     });
     ASSERT_NE(row, table.rows.end());
     EXPECT_EQ(row->cells[1].text, "2.310 ± 0.020");
-    EXPECT_EQ(row->cells[2].text, "MD");
+    EXPECT_EQ(row->cells[2].text, "whatever it is called");
     EXPECT_EQ(row->cells[3].text, "agrees");
     EXPECT_EQ(table.rows[0].cells[1].text, "not measured");
     EXPECT_EQ(table.rows[0].cells[3].text, "not resolved at this scale");
 }
 
 TEST(PaperTable, LetsTheRunWithTheLargestControlParameterSpeak) {
-    const auto film = [](const char* gamma, double minimum, std::optional<double> error) {
+    const auto film = [](double gamma, double minimum, std::optional<double> error) {
         Results run;
-        run.source.origin = Origin::video;
-        run.record.configuration = {{"gamma", gamma}};
+        run.identity = {
+            .origin = Origin::video,
+            .control = ControlValue{.parameter = ControlParameter::acceleration, .value = gamma}};
         run.observables.emplace_back().name = "q4";
         run.observables[0].measurements = {{"q4_minimum", "-", minimum, error, 5, ""}};
         return run;
     };
-    const std::vector<Results> runs{film("4", 0.6, 0.01), film("5", 0.7, 0.01),
-                                    film("6", 0.8, std::nullopt)};
-    const Table table = paper_table(runs, {"a", "b", "c"}, identities_of(runs));
+    const std::vector<Results> runs{film(4, 0.6, 0.01), film(5, 0.7, 0.01),
+                                    film(6, 0.8, std::nullopt)};
+    const Table table = paper_table(runs, {"a", "b", "c"});
     const auto row = std::ranges::find_if(table.rows, [](const Table::Row& r) {
         return r.name.find("minimum") != std::string::npos;
     });

@@ -18,7 +18,7 @@ std::vector<Results> two_runs() {
         run.record.configuration = {{"q4.rule", "near-four"}};
         run.record.skipped = {"background fit: uniform"};
     }
-    runs[1].record.warnings = {"frame 7 is corrupt"};
+    runs[1].record.warnings = {{.text = "frame 7 is corrupt"}};
     return runs;
 }
 

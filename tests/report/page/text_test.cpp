@@ -72,16 +72,6 @@ TEST(CsvCell, QuotesOnlyWhatNeedsIt) {
     EXPECT_EQ(csv_cell(0.125), "0.125");
 }
 
-TEST(PrettyUnit, RaisesExponentsAndNamesTheTimeUnit) {
-    EXPECT_EQ(pretty_unit("a^2/s", TimeUnit::second), "a²/s");
-    EXPECT_EQ(pretty_unit("1/a^2", TimeUnit::second), "1/a²");
-    EXPECT_EQ(pretty_unit("m^-10", TimeUnit::second), "m⁻¹⁰");
-    EXPECT_EQ(pretty_unit("a^2/time unit", TimeUnit::frame), "a²/frame");
-    EXPECT_EQ(pretty_unit("time unit", TimeUnit::sqrt_a_over_g), "√(a/g)");
-    EXPECT_EQ(pretty_unit("-", TimeUnit::second), "");
-    EXPECT_EQ(pretty_unit("x^", TimeUnit::second), "x^");
-}
-
 TEST(WithError, ShowsTwoDigitsOfTheErrorAndTheValueToTheSamePlace) {
     const auto text = [](double value, double error) { return with_error(value, &error); };
     EXPECT_EQ(text(0.93123, 0.00214), "0.9312 ± 0.0021");

@@ -20,6 +20,14 @@ bool skips(const RunPlan& plan, const std::string& what) {
     });
 }
 
+TEST(FieldOptions, NameTheModelAndItsDistanceToTheCriticalPoint) {
+    FieldOptions options;
+    options.model.nu = 0.002;
+    options.model.b = 2;
+    options.lattice.dimension = 1;
+    EXPECT_EQ(legend_of(identity_of(options)), "field, 1D, b = 2, ν = 0.002");
+}
+
 TEST(FieldPlan, TakesTheExplicitSchemeOnlyBelowItsBound) {
     FieldOptions options;
     RunPlan plan;
@@ -132,8 +140,8 @@ TEST(FieldPlan, WarnsWhereThereIsNoStationaryState) {
     RunPlan plan;
     plan_field(options, plan);
     ASSERT_EQ(plan.warnings().size(), 2U);
-    EXPECT_THAT(plan.warnings()[0], HasSubstr("nu = 0"));
-    EXPECT_THAT(plan.warnings()[1], HasSubstr("d0 = 0"));
+    EXPECT_THAT(plan.warnings()[0].text, HasSubstr("nu = 0"));
+    EXPECT_THAT(plan.warnings()[1].text, HasSubstr("d0 = 0"));
 }
 
 TEST(FieldPlan, TheLengthOfTheRecordingMayGrowInAResume) {

@@ -192,6 +192,22 @@ TEST(MdSimulation, ThePressureHoldsAtAnyTemperature) {
     }
 }
 
+TEST(MdSimulation, SaysWhichAccelerationDrivesIt) {
+    MdOptions options = small();
+    options.vibration.amplitude = 0.09;
+    options.vibration.angular_frequency = 5;
+    RunPlan plan;
+    const auto control = make(options, plan).info().control;
+    ASSERT_TRUE(control.has_value());
+    EXPECT_EQ(control->parameter, ControlParameter::acceleration);
+    EXPECT_DOUBLE_EQ(control->value, 2.25);
+    MdSystem system = options.system();
+    system.gravity = 0.5;
+    EXPECT_DOUBLE_EQ(control_of(system)->value, 4.5);
+    system.gravity = 0;
+    EXPECT_FALSE(control_of(system).has_value());
+}
+
 TEST(MdSimulation, SaysWhatItSkips) {
     MdOptions options = small();
     options.grain.static_friction = options.grain.dynamic_friction = 0;

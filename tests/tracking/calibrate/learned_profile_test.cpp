@@ -198,7 +198,7 @@ TEST(LearnedProfile, TooFewExposedPixelsLeaveTanhAndSaySo) {
     RunPlan forced;
     ASSERT_TRUE(calibrated(frame, ProfileChoice::learned, forced));
     ASSERT_EQ(forced.warnings().size(), 1u);
-    EXPECT_NE(forced.warnings()[0].find("no profile was learned"), std::string::npos);
+    EXPECT_NE(forced.warnings()[0].text.find("no profile was learned"), std::string::npos);
 }
 
 }  // namespace

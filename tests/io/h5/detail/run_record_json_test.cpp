@@ -50,8 +50,41 @@ TEST(RunRecordJson, GivesBackRecordInfoAndBox) {
             expect_same(info_from_json(to_json(info), "x"), info);
         }
     }
+    for (const DiameterOrigin origin : {DiameterOrigin::stated, DiameterOrigin::simulated,
+                                        DiameterOrigin::given, DiameterOrigin::apparent}) {
+        TrajectoryInfo info = sample_info();
+        info.diameter_origin = origin;
+        info.control = std::nullopt;
+        expect_same(info_from_json(to_json(info), "x"), info);
+        EXPECT_TRUE(names_identity(to_json(info))) << "that it is not known is known";
+    }
     const Box box = full_snapshot(0, 1).box;
     EXPECT_EQ(box_from_json(to_json(box), "x"), box);
+}
+
+TEST(RunRecordJson, GivesBackIdentities) {
+    for (const RunIdentity& identity :
+         {RunIdentity{},
+          RunIdentity{.origin = Origin::md,
+          .control = ControlValue{.parameter = ControlParameter::acceleration, .value = 1.0 / 3}},
+          RunIdentity{.origin = Origin::field,
+          .role = RunRole::critical_point,
+          .control = sample_info().control,
+          .dimension = 1,
+          .gradient_order = 4}}) {
+        EXPECT_EQ(identity_from_json(to_json(identity), "x"), identity);
+    }
+}
+
+TEST(RunRecordJson, OfVersion01HasNoIdentityButIsRead) {
+    nlohmann::json info = to_json(sample_info());
+    info.erase("control");
+    info.erase("diameter_origin");
+    EXPECT_FALSE(names_identity(info));
+    EXPECT_EQ(info_from_json(info, "x").diameter, sample_info().diameter);
+    nlohmann::json record = to_json(sample_record());
+    record.erase("warning_codes");
+    EXPECT_EQ(record_from_json(record, "x").warnings.at(0).text, "frame 3 is missing");
 }
 
 TEST(RunRecordJson, NamesTheFileOfADamagedText) {
@@ -62,6 +95,12 @@ TEST(RunRecordJson, NamesTheFileOfADamagedText) {
     json info = to_json(sample_info());
     info["origin"] = "microscope";
     EXPECT_THAT([&] { info_from_json(info, "x.h5"); }, refused);
+    json record = to_json(sample_record());
+    record["warning_codes"] = json::array({"other"});
+    EXPECT_THAT([&] { record_from_json(record, "x.h5"); }, refused) << "one code for two warnings";
+    json identity = to_json(RunIdentity{});
+    identity["role"] = "walk-on";
+    EXPECT_THAT([&] { identity_from_json(identity, "x.h5"); }, refused);
     json box = to_json(Box{{0, 0}, {1, 1}});
     box["boundary"] = json::array({"walls"});
     EXPECT_THAT([&] { box_from_json(box, "x.h5"); }, refused);
