@@ -131,8 +131,9 @@ std::vector<OptionTable> AnalyzeCommand::options() {
     own.text("wavevectors", wavevectors_,
              "table kx,ky of wavevectors in 1/a at which S(k) is measured besides its grid");
     own.number("fps", fps_, "1/s", {1e-9, 1e9}, "frame rate; auto: as the file says");
-    own.number("diameter", particle_diameter_, "length unit of the file", {1e-9, 1e9},
-               "particle diameter a, the unit of the results; auto: as the file says");
+    own.number("sphere-diameter", particle_diameter_, "length unit of the file", {1e-9, 1e9},
+               "true diameter a of a particle, the unit of the results; auto: as the file says");
+    own.also_called("diameter");
     own.flag("from-fields", from_fields_,
              "of a field file: measure the stored fields, not what the run accumulated");
     std::vector<OptionTable> tables{own};

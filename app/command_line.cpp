@@ -25,14 +25,16 @@ constexpr const char* about =
     "Tracking and analysis of vibrated granular layers: camera frames in, particles, order and "
     "density fluctuations out.";
 
-// The short forms that the table does not know.
+// With the short forms that the table does not know.
 std::string spelling(const OptionSet::Entry& entry) {
     if (entry.flag == "output") return "-o,--output";
     if (entry.flag == "verbose") return "-v,--verbose";
     if (entry.option.default_value == OptionValue(true)) {
         return fmt::format("--{0},!--no-{0}", entry.flag);
     }
-    return "--" + entry.flag;
+    std::string names = "--" + entry.flag;
+    for (const std::string& other : entry.option.other_names) names += ",--" + other;
+    return names;
 }
 
 std::string group_name(const OptionSet::Entry& entry) {

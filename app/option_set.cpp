@@ -61,7 +61,7 @@ std::vector<std::string> OptionSet::keys(std::string_view section) const {
 
 const OptionSet::Entry* OptionSet::find(std::string_view section, std::string_view key) const {
     const auto found = std::ranges::find_if(entries_, [&](const Entry& entry) {
-        return belongs(entry, section) && entry.option.name == key;
+        return belongs(entry, section) && entry.option.is_called(key);
     });
     return found == entries_.end() ? nullptr : &*found;
 }

@@ -13,8 +13,9 @@ namespace grainfield::app {
 ///
 /// On the command line an option is `--name`; where two sections share a name, it is
 /// `--section-name` in both, and so is a name that looks like such a one. In a TOML file it is
-/// `name` in `[section]`. Options of the empty section are command-wide: top-level keys, or keys of
-/// the section named like the command.
+/// `name` in `[section]`. Other names of an option are accepted in both places, as they stand.
+/// Options of the empty section are command-wide: top-level keys, or keys of the section named like
+/// the command.
 class OptionSet {
  public:
     struct Entry {

@@ -130,6 +130,10 @@ std::optional<OptionValue> Option::parsed(std::string_view text) const {
     return std::nullopt;
 }
 
+bool Option::is_called(std::string_view word) const {
+    return name == word || std::ranges::find(other_names, word) != other_names.end();
+}
+
 void Option::set_from_text(std::string_view text) const {
     if (is_list || (may_be_auto && text == automatic)) return set(std::string(text));
     const auto value = parsed(text);

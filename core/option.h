@@ -34,9 +34,10 @@ enum class OptionKind { flag, integer, number, text, choice };
 /// One row of an option table: everything that the command line, the TOML file, the help text, the
 /// range check and the record of a run need to know about one field.
 struct Option {
-    std::string name;     ///< kebab-case, the same on the command line and in the TOML file
-    std::string unit;     ///< "px", "a", "-"; empty for flags, text and choices
-    std::string meaning;  ///< one line for `--help`
+    std::string name;  ///< kebab-case, the same on the command line and in the TOML file
+    std::vector<std::string> other_names{};  ///< accepted in its place, e.g. what it was called
+    std::string unit;                        ///< "px", "a", "-"; empty for flags, text and choices
+    std::string meaning;                     ///< one line for `--help`
     OptionKind kind = OptionKind::text;
     bool is_list = false;      ///< holds several values of this kind; as a value: "1,10"
     bool may_be_auto = false;  ///< accepts the text "auto": the program estimates it
@@ -44,6 +45,8 @@ struct Option {
     Count count;               ///< of the elements of a list
     std::vector<std::string> choices;
     OptionValue default_value;  ///< as it was when the table was made
+
+    bool is_called(std::string_view word) const;  ///< by its name or another one
 
     std::function<OptionValue()> get;  ///< the present value; text "auto" where not set
 

@@ -274,7 +274,8 @@ void OptionTable::add_choice(std::string name, std::vector<std::string> names,
 }
 
 const Option* OptionTable::find(std::string_view name) const {
-    const auto found = std::ranges::find(rows_, name, &Option::name);
+    const auto found =
+        std::ranges::find_if(rows_, [name](const Option& row) { return row.is_called(name); });
     return found == rows_.end() ? nullptr : &*found;
 }
 

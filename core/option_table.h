@@ -72,6 +72,9 @@ class OptionTable {
             std::move(meaning));
     }
 
+    /// The option added last may be called so too.
+    void also_called(std::string name) { rows_.back().other_names.push_back(std::move(name)); }
+
     const std::string& section() const { return section_; }
     const std::vector<Option>& rows() const { return rows_; }
     const Option* find(std::string_view name) const;

@@ -14,8 +14,8 @@ Measurement late_mean(const Column& column) {
     for (std::size_t i = column.values.size() / 2; i < column.values.size(); ++i) {
         if (std::isfinite(column.values[i])) late.add(column.values[i]);
     }
-    if (late.value.empty()) return missing(column.name, column.unit, "no finite value");
-    return late.measurement(column.name, column.unit, std::nullopt,
+    if (late.value.empty()) return missing(column.name, column.unit.text(), "no finite value");
+    return late.measurement(column.name, column.unit.text(), std::nullopt,
                             "one row: nothing to take an error from");
 }
 

@@ -41,7 +41,7 @@ void name_lengths(std::vector<ObservableResult>& observables) {
         for (Curve& curve : observable.curves) {
             for (Column& column : curve.columns) {
                 column.unit = column.unit.on_lattice();
-                if (column.meaning == "Wavevector k a") column.meaning = "Wavevector k";
+                if (column.name == "k") column.meaning = "Wavevector k";
             }
         }
     }

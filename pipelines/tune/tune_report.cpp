@@ -330,7 +330,7 @@ Settings suggested_settings(const Tuning& tuning, const Session& session) {
     const auto& model = tuning.model;
     settings.emplace_back("calibrate.polarity",
                           model.polarity == Polarity::dark ? "\"dark\"" : "\"bright\"");
-    settings.emplace_back("calibrate.diameter", fmt::format("{:.3f}", model.disc.diameter));
+    settings.emplace_back("calibrate.disc-diameter", fmt::format("{:.3f}", model.disc.diameter));
     settings.emplace_back("calibrate.edge-width", fmt::format("{:.3f}", model.disc.edge_width));
     settings.emplace_back("calibrate.meeting-edges", model.meeting == tracking::EdgeMeeting::product
                                                          ? "\"product\""

@@ -197,7 +197,7 @@ ValidationOutcome validate(const ValidationCase& scene, const ValidationSettings
         throw PhysicsError({.problem = "the tracker cannot calibrate on the frames of this scene",
                             .actual = {},
                             .expected = "dark or bright discs of one size",
-                            .suggestion = "look at the frames, or give calibrate.diameter"});
+                            .suggestion = "look at the frames, or give calibrate.disc-diameter"});
     }
     require_memory(
         static_cast<double>(scene.frames.count()) * static_cast<double>(scene.truth.read(0).size()),

@@ -53,6 +53,17 @@ TEST_F(OptionSetOfThreeTables, ConfigurationShowsPresentValuesUnderTheirSection)
                                                  Pair("q4.range", "1"), Pair("sk.bins", "40")));
 }
 
+TEST(OptionSet, FindsAnOptionByItsOtherNamesButRecordsItsName) {
+    double disc = 9;
+    OptionTable calibrate("calibrate");
+    calibrate.number("disc-diameter", disc, "px", {0, 99}, "diameter");
+    calibrate.also_called("diameter");
+    const OptionSet set("track", {calibrate});
+    ASSERT_NE(set.find("calibrate", "diameter"), nullptr);
+    EXPECT_EQ(set.find("calibrate", "diameter"), set.find("calibrate", "disc-diameter"));
+    EXPECT_THAT(set.configuration(), ElementsAre(Pair("calibrate.disc-diameter", "9")));
+}
+
 TEST(OptionSet, ANameThatLooksLikeSectionAndNameGetsItsSectionToo) {
     double height = 1, rows = 2, given = 3;
     OptionTable cell("cell");

@@ -49,6 +49,18 @@ std::string refusal(const std::function<void()>& action) {
     return "nothing was thrown";
 }
 
+TEST(OptionTable, AnOptionIsSetByItsOtherNamesToo) {
+    double disc = 9;
+    OptionTable table("calibrate");
+    table.number("disc-diameter", disc, "px", {3, 400}, "apparent diameter");
+    table.also_called("diameter");
+    table.set("diameter", 12.0);
+    EXPECT_EQ(disc, 12);
+    EXPECT_EQ(table.find("diameter"), table.find("disc-diameter"));
+    EXPECT_EQ(table.find("disc"), nullptr);
+    EXPECT_EQ(table.rows().size(), 1U);
+}
+
 TEST(OptionTable, SetsEveryKindOfFieldFromValuesAndFromText) {
     Options o;
     const OptionTable t = describe(o);

@@ -53,6 +53,27 @@ TEST_F(Configuration, TheFileSetsOptionsAndTheCommandLineWins) {
     EXPECT_EQ(json::parse(run_grainfield({"info", output, "--json"}).out)["previews"], 1);
 }
 
+TEST_F(Configuration, TheTwoDiametersHaveNamesOfTheirOwnAndTheOldOneIsAccepted) {
+    for (const char* name : {"--disc-diameter", "--diameter"}) {
+        const std::string output = folder_ / "tracks.h5";
+        const Outcome outcome = track({"-o", output, name, "11", "--force"});
+        ASSERT_EQ(outcome.code, 0) << outcome.err;
+        EXPECT_EQ(recorded(output)["calibrate.disc-diameter"], "11");
+    }
+    const std::string file = config("[calibrate]\ndiameter = 12\n");
+    ASSERT_EQ(track({"-o", folder_ / "tracks.h5", "-c", file, "--force"}).code, 0);
+    EXPECT_EQ(recorded(folder_ / "tracks.h5")["calibrate.disc-diameter"], "12");
+    for (const char* name : {"--sphere-diameter", "--diameter"}) {
+        const Outcome outcome =
+            run_grainfield({"analyze", folder_ / "tracks.h5", "-o", folder_ / "results.h5",
+                            "--observables", "q4", name, "10", "--force", "--json"});
+        ASSERT_EQ(outcome.code, 0) << outcome.err;
+        const json lengths = json::parse(outcome.out)["lengths"]["measurements"];
+        EXPECT_EQ(lengths[0]["value"], 10);
+        EXPECT_EQ(lengths[0]["reason"], "given to analyze");
+    }
+}
+
 TEST_F(Configuration, ExplainTellsThePlanAndWritesNothing) {
     const std::size_t before = folder_.entries();
     const Outcome words = track({"-o", folder_ / "tracks.h5", "--explain"});

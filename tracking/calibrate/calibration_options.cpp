@@ -4,7 +4,9 @@ namespace grainfield::tracking {
 
 OptionTable describe(CalibrationOptions& options) {
     OptionTable table("calibrate");
-    table.number("diameter", options.diameter, "px", {2, 2000}, "apparent diameter of a sphere");
+    table.number("disc-diameter", options.diameter, "px", {2, 2000},
+                 "apparent diameter D of the disc that a sphere is in the image");
+    table.also_called("diameter");
     table.number("edge-width", options.edge_width, "px", {0.05, 200}, "width w of its tanh edge");
     table.choice("polarity", options.polarity,
                  {{"auto", PolarityChoice::automatic},
