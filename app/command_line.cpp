@@ -136,6 +136,8 @@ class BoundCommand {
         return command_->run(session);
     }
 
+    const OptionSet& options() const { return options_; }
+
  private:
     std::vector<OptionTable> tables() {
         std::vector<OptionTable> tables = command_->options();
@@ -191,9 +193,11 @@ class BoundCommand {
     std::string config_;
 };
 
-void print_warnings(const RunPlan& plan) {
-    for (const Warning& warning : plan.warnings())
-        fmt::print(stderr, "warning: {}\n", warning.text);
+void print_warnings(const RunPlan& plan, const OptionSet& options) {
+    for (const Warning& warning : plan.warnings()) {
+        fmt::print(stderr, "warning: {}
+", options.with_flags(warning.text));
+    }
 }
 
 void print_summary(const Session& session, const Summary& summary) {
@@ -226,10 +230,10 @@ int run(BoundCommand& command) {
             "frames.\n");
         code = exit_code(error);
     } catch (const std::exception& error) {
-        fmt::print(stderr, "error: {}\n", error.what());
+        fmt::print(stderr, "error: {}\n", command.options().with_flags(error.what()));
         code = exit_code(error);
     }
-    print_warnings(session.plan);
+    print_warnings(session.plan, command.options());
     return code;
 }
 

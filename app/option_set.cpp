@@ -1,6 +1,7 @@
 #include "app/option_set.h"
 
 #include <algorithm>
+#include <cctype>
 #include <map>
 #include <set>
 
@@ -28,6 +29,26 @@ OptionSet::OptionSet(std::string command, const std::vector<OptionTable>& tables
                                 .option = row});
         }
     }
+}
+
+std::string OptionSet::with_flags(std::string text) const {
+    const auto is_of_a_name = [&](std::size_t at) {
+        return at < text.size() &&
+               (std::isalnum(static_cast<unsigned char>(text[at])) != 0 || text[at] == '-');
+    };
+    for (const Entry& entry : entries_) {
+        if (entry.section.empty()) continue;
+        const std::string name = entry.section + "." + entry.option.name;
+        const std::string flag = "--" + entry.flag;
+        std::size_t at = text.find(name);
+        while (at != std::string::npos) {
+            const bool is_whole =
+                !(at > 0 && is_of_a_name(at - 1)) && !is_of_a_name(at + name.size());
+            if (is_whole) text.replace(at, name.size(), flag);
+            at = text.find(name, at + (is_whole ? flag.size() : 1));
+        }
+    }
+    return text;
 }
 
 std::vector<std::string> OptionSet::flags() const {

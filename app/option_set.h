@@ -31,6 +31,10 @@ class OptionSet {
     const std::vector<Entry>& entries() const { return entries_; }
     std::vector<std::string> flags() const;
 
+    /// The text with "section.name" of each option, as libraries name it, in the form of the
+    /// command line: "--flag".
+    std::string with_flags(std::string text) const;
+
     bool has_section(std::string_view section) const;
     /// The sections a file may have, the command's own first.
     std::vector<std::string> sections() const;

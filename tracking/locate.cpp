@@ -304,8 +304,7 @@ void Locator::find_all(SphereSearch& search, const DetectionOptions& detection,
         search.run(rough_version(refinement, disc_));
         settle_all();
     }
-    // Calibration asks for one pass: it wants most spheres soon, and the model is still wrong.
-    if (detection.max_passes > 1 &&
+    if (detection.goal == SearchGoal::every_sphere &&
         search.look_again(swept(refinement, disc_), *settled.residual)) {
         settle_all();
     }

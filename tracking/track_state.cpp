@@ -11,13 +11,14 @@
 namespace grainfield::tracking {
 namespace {
 
-constexpr const char* kKind = "track";
+/// With the number of its form: another one holds other numbers.
+constexpr const char* kKind = "track 2";
 
 [[noreturn]] void refuse(std::string actual, std::string expected) {
     throw InputError({.problem = "the checkpoint does not fit the film",
                       .actual = std::move(actual),
                       .expected = std::move(expected),
-                      .suggestion = "start again without --resume"});
+                      .suggestion = "start again from the beginning"});
 }
 
 template <class T>
@@ -31,82 +32,51 @@ const std::vector<T>& stored(const std::map<std::string, std::vector<T>>& arrays
 }  // namespace
 
 void transfer(NumberArchive& archive, Track& track) {
-    archive(track.id);
-    archive(track.frame);
-    archive(track.position);
-    archive(track.error);
-    archive(track.velocity);
+    auto& [id, frame, position, error, velocity] = track;
+    archive.members<Track>(id, frame, position, error, velocity);
+}
+
+void transfer(NumberArchive& archive, SubnetCounts& counts) {
+    auto& [subnets, largest, largest_pairs, reduced] = counts;
+    archive.members<SubnetCounts>(subnets, largest, largest_pairs, reduced);
 }
 
 void transfer(NumberArchive& archive, LinkSummary& summary) {
-    archive(summary.linked);
-    archive(summary.started);
-    archive(summary.ended);
-    archive(summary.bridged);
-    archive(summary.bridged_frames);
-    archive(summary.merged);
-    archive(summary.split);
-    archive(summary.consecutive);
-    archive(summary.squared_steps);
-    archive(summary.squared_misses);
-    archive(summary.crowded);
-    archive(summary.range);
-    archive(summary.subnets.subnets);
-    archive(summary.subnets.largest);
-    archive(summary.subnets.largest_pairs);
-    archive(summary.subnets.reduced);
+    auto& [linked, started, ended, bridged, bridged_frames, merged, split, consecutive,
+           squared_steps, squared_misses, crowded, range, subnets] = summary;
+    archive.members<LinkSummary>(linked, started, ended, bridged, bridged_frames, merged, split,
+                                 consecutive, squared_steps, squared_misses, crowded, range,
+                                 subnets);
 }
 
 void transfer(NumberArchive& archive, LinkState& state) {
-    archive(state.tracks);
-    archive(state.next_id);
-    archive(state.frame);
-    archive(state.drift);
-    archive(state.motion);
-    archive(state.summary);
+    auto& [tracks, next_id, frame, drift, motion, summary] = state;
+    archive.members<LinkState>(tracks, next_id, frame, drift, motion, summary);
 }
 
 void transfer(NumberArchive& archive, Located& found) {
-    archive(found.position);
-    archive(found.error);
-    archive(found.residual);
-    archive(found.explained);
-    archive(found.residual_rms);
-    archive(found.noise);
-    archive(found.passes);
-    archive(found.added);
-    archive(found.removed);
-    archive(found.coarse_steps);
-    archive(found.steps);
-    archive(found.warm);
-    archive(found.approached);
-    archive(found.maps_skipped);
-    archive(found.maps_in_part);
-    archive(found.fitted);
-    archive(found.unsettled);
-    archive(found.rejected);
-    archive(found.settled_detection);
-    archive(found.detect_seconds);
-    archive(found.refine_seconds);
+    auto& [position, error, residual, explained, residual_rms, noise, passes, added, removed,
+           coarse_steps, steps, warm, approached, maps_skipped, maps_in_part, trials, evidence,
+           fitted, unsettled, rejected, settled_detection, detect_seconds, refine_seconds] = found;
+    archive.members<Located>(position, error, residual, explained, residual_rms, noise, passes,
+                             added, removed, coarse_steps, steps, warm, approached, maps_skipped,
+                             maps_in_part, trials, evidence, fitted, unsettled, rejected,
+                             settled_detection, detect_seconds, refine_seconds);
+}
+
+void transfer(NumberArchive& archive, FrameTimes& times) {
+    auto& [read, detect, refine, link, write, wall] = times;
+    archive.members<FrameTimes>(read, detect, refine, link, write, wall);
 }
 
 void transfer(NumberArchive& archive, TrackSummary& summary) {
-    archive(summary.frames);
-    archive(summary.frames_corrupt);
-    archive(summary.frames_missing);
-    archive(summary.residual_rms);
-    archive(summary.unsettled);
-    archive(summary.rejected);
-    archive(summary.warm_frames);
-    archive(summary.repeated);
-    archive(summary.poor_frames);
-    archive(summary.worst_frame);
-    archive(summary.worst_residual);
-    archive(summary.dimmest);
-    archive(summary.brightest);
-    FrameTimes& ms = summary.ms_per_frame;
-    for (double* time : {&ms.read, &ms.detect, &ms.refine, &ms.link, &ms.write, &ms.wall})
-        archive(*time);
+    auto& [frames, frames_corrupt, frames_missing, particles_mean, residual_rms, step_rms,
+           unsettled, rejected, warm_frames, repeated, poor_frames, worst_frame, worst_residual,
+           dimmest, brightest, layers, ms_per_frame] = summary;
+    archive.members<TrackSummary>(frames, frames_corrupt, frames_missing, particles_mean,
+                                  residual_rms, step_rms, unsettled, rejected, warm_frames,
+                                  repeated, poor_frames, worst_frame, worst_residual, dimmest,
+                                  brightest, layers, ms_per_frame);
 }
 
 void Tracker::transfer(NumberArchive& archive, Run& run) {

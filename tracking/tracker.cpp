@@ -45,10 +45,10 @@ std::vector<OptionTable> describe(TrackOptions& options) {
 Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan)
     : source_(source), options_(options), plan_(plan), threads_(thread_count(options.threads)) {
     if (options.layers.height && !options.sphere_diameter) {
-        throw OptionError(ErrorText{"--height needs the true diameter of the spheres",
-                                    "--sphere-diameter auto", "a [px], the unit of --height",
-                                    "the dark disc is smaller than the sphere; give "
-                                    "--sphere-diameter"});
+        throw OptionError(
+            ErrorText{"the height of the cell needs the true diameter of the spheres",
+                      "track.sphere-diameter is not known", "a [px], the unit of layers.height",
+                      "the dark disc is smaller than the sphere; measure the sphere"});
     }
     const std::int64_t count = source.count();
     const std::int64_t tries = std::min(count, kCalibrationFrames);
@@ -101,7 +101,8 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
     if (options_.layers.height) {
         plan.run("layers", "overlaps in projection, up to turning each cluster of spheres over");
     } else {
-        plan.skip("layers", "--height not given", "layer labels, rejection of impossible spheres");
+        plan.skip("layers", "the height of the cell is not known (layers.height)",
+                  "layer labels, rejection of impossible spheres");
     }
 }
 
@@ -274,7 +275,9 @@ void Tracker::judge(const Located& found, const Frame& frame, TrackSummary& summ
         plan_.warn("some frames still gained or lost spheres when the search was ended");
     }
     if (static_cast<double>(found.unsettled) > 1e-3 * static_cast<double>(found.position.size())) {
-        plan_.warn("in some frames more than 0.1 % of the spheres still moved after --max-sweeps");
+        plan_.warn(
+            "in some frames more than 0.1 % of the spheres still moved after the last "
+            "sweep (refine.max-sweeps)");
     }
     if (found.position.empty()) {
         plan_.warn(fmt::format("{}, frame {}: no spheres found", source_.name(), frame.index));
@@ -299,8 +302,8 @@ void Tracker::summarise(const TrackSummary& summary) {
     if (summary.poor_frames > 0) {
         plan_.warn(fmt::format(
             "the image model explains {} of {} frames badly, worst frame {}: RMS residual {:.2f} "
-            "of the contrast (0.02 to 0.08 is usual); look at the overlay in the report, and try "
-            "--polarity, --diameter or --edge-width",
+            "of the contrast (0.02 to 0.08 is usual); look at the overlay in the report, and at "
+            "calibrate.polarity, calibrate.diameter and calibrate.edge-width",
             summary.poor_frames, summary.frames, summary.worst_frame, summary.worst_residual));
     }
     const Bilayer::Summary& layers = summary.layers;
@@ -314,7 +317,7 @@ void Tracker::summarise(const TrackSummary& summary) {
     if (layers.contradictory > 0) {
         plan_.warn(fmt::format(
             "{} of {} positions have no layer because their overlaps contradict each other; is "
-            "--height or --sphere-diameter too small, or a sphere false?",
+            "layers.height or track.sphere-diameter too small, or a sphere false?",
             layers.contradictory, layers.spheres));
     }
     if (summary.repeated > 0) {

@@ -65,6 +65,18 @@ class NumberArchive {
         if (value) (*this)(*value);
     }
 
+    /// All members of a struct, in the order of their declaration:
+    ///
+    ///     void transfer(NumberArchive& archive, T& value) {
+    ///         auto& [a, b] = value;        // does not compile unless every member has a name
+    ///         archive.members<T>(a, b);    // nor this, unless what is listed fills a T
+    ///     }
+    template <class T, class... Members>
+    void members(Members&... list) {
+        static_assert(filled<T, Members...>() == sizeof(T), "not every member is listed");
+        ((*this)(list), ...);
+    }
+
     /// Of a vector or deque.
     template <class List>
     void list(List& values) {
@@ -88,7 +100,18 @@ class NumberArchive {
         throw InputError({.problem = "stored numbers do not fit",
                           .actual = actual,
                           .expected = {},
-                          .suggestion = "start again without --resume"});
+                          .suggestion = "start again from the beginning"});
+    }
+    /// The size of a struct with these members.
+    template <class T, class... Members>
+    static constexpr std::size_t filled() {
+        std::size_t end = 0;
+        const auto place = [&](std::size_t size, std::size_t alignment) {
+            end = (end + alignment - 1) / alignment * alignment + size;
+        };
+        (place(sizeof(Members), alignof(Members)), ...);
+        place(0, alignof(T));
+        return end;
     }
     double take() {
         if (rest_.empty()) fail("fewer numbers than expected");

@@ -313,8 +313,8 @@ double Tuning::diameter() const {
 
 double Tuning::forbidden_distance() const {
     if (!options.layers.height || !options.sphere_diameter) return 0;
-    const double slack = *options.layers.height - 1;
-    return *options.sphere_diameter * std::sqrt(std::max(0.0, 1 - slack * slack));
+    const tracking::SphereCell cell{.height = *options.layers.height};
+    return *options.sphere_diameter * cell.least_distance();
 }
 
 Settings suggested_settings(const Tuning& tuning, const Session& session) {

@@ -32,6 +32,14 @@ TEST_F(OptionSetOfThreeTables, NamesSharedBySectionsGetTheSectionInTheirFlag) {
     EXPECT_THAT(make().flags(), ElementsAre("threads", "q4-bins", "range", "sk-bins"));
 }
 
+TEST_F(OptionSetOfThreeTables, TheNamesOfLibrariesBecomeFlags) {
+    const OptionSet set = make();
+    EXPECT_EQ(set.with_flags("q4.bins is too small; q4.range, too (sk.bins)"),
+              "--q4-bins is too small; --range, too (--sk-bins)");
+    EXPECT_EQ(set.with_flags("in 'seq4.bins' and q4.bins-of-old nothing is named"),
+              "in 'seq4.bins' and q4.bins-of-old nothing is named");
+}
+
 TEST_F(OptionSetOfThreeTables, CommandWideOptionsAreFoundAtTheTopAndUnderTheCommand) {
     const OptionSet set = make();
     ASSERT_NE(set.find("", "threads"), nullptr);

@@ -118,7 +118,7 @@ struct Fitter {
     /// Locates roughly, then refits disc, dark level and background. True once D and w rest.
     bool update(ImageModel& model, const Image& counts) {
         DetectionOptions quick = detection;
-        quick.max_passes = 1;
+        quick.goal = SearchGoal::most_spheres;
         RefinementOptions rough = refinement;
         rough.tolerance = std::max(refinement.tolerance, 0.02);
         rough.max_sweeps = std::min(refinement.max_sweeps, positions.empty() ? 4 : 2);
@@ -221,14 +221,18 @@ std::optional<Trial> best_trial(const Image& counts, const CalibrationOptions& o
         if (explained.signal > kGood && explained.all > kGoodOfAll) break;
     }
     if (!best) {
-        plan.warn("no disc-shaped objects found; give --diameter if there are spheres");
+        plan.warn(
+            "no disc-shaped objects found; if there are spheres, their diameter is needed "
+            "(calibrate.diameter)");
         return std::nullopt;
     }
     const double percent = 100 * best->fitter.explained.signal;
     if (!options.diameter && best->fitter.explained.signal < kLeastExplained) {
         plan.warn(fmt::format(
             "no spheres of one size: the best discs, D = {:.1f} px, explain {:.0f} % of the "
-            "image; give --diameter and --polarity if there are spheres",
+            "image; if there are spheres, their diameter and polarity are needed "
+            "(calibrate.diameter, "
+            "calibrate.polarity)",
             best->model.disc.diameter, std::max(0.0, percent)));
         return std::nullopt;
     }
@@ -297,7 +301,8 @@ std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptio
     } else if (!edges.converged) {
         plan.warn(fmt::format(
             "the fit of diameter and edge width to exposed edges did not converge; D = {:.2f} px "
-            "and w = {:.2f} px are those before it; give --diameter and --edge-width",
+            "and w = {:.2f} px are those before it; both can be given (calibrate.diameter, "
+            "calibrate.edge-width)",
             model.disc.diameter, model.disc.edge_width));
     }
     plan.run("diameter and edge width",

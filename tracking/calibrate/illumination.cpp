@@ -117,13 +117,14 @@ Illumination IlluminationFollower::settled(const Image& counts, const Illuminati
     return state_.last;
 }
 
+void transfer(NumberArchive& archive, Illumination& light) {
+    auto& [offset, span] = light;
+    archive.members<Illumination>(offset, span);
+}
+
 void IlluminationFollower::State::transfer(NumberArchive& archive) {
-    archive(sample);
-    archive(last.offset);
-    archive(last.span);
-    archive(has_reference);
-    archive(clear_reference);
-    archive(core_reference);
+    auto& [values, light, is_compared, clear, core] = *this;
+    archive.members<State>(values, light, is_compared, clear, core);
 }
 
 }  // namespace grainfield::tracking

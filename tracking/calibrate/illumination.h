@@ -66,4 +66,7 @@ class IlluminationFollower {
     State state_;
 };
 
+/// Saves or restores it.
+void transfer(NumberArchive& archive, Illumination& light);
+
 }  // namespace grainfield::tracking

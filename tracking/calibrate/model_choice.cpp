@@ -66,7 +66,7 @@ class Chooser {
           visible_(visible),
           model_(model),
           plan_(plan) {
-        detection_.max_passes = 1;
+        detection_.goal = SearchGoal::most_spheres;
     }
 
     void choose_meeting(EdgeChoice choice) {

@@ -12,20 +12,36 @@
 namespace grainfield::tracking {
 namespace {
 
-// Unusual is what lies this far above the median, in robust standard deviations or in medians,
-// whichever is less.
+/// Unusual is what lies this far above the median, in robust standard deviations: 3e-5 of a
+/// Gaussian lies there, 0.4 discs of 11,700. A false alarm costs a trial and changes nothing.
 constexpr double kSpreads = 4;
+/// … or in medians, if that is less: where the misfit varies much from disc to disc, four
+/// deviations would hide a sphere. Chosen.
 constexpr double kMedians = 0.5;
-constexpr double kPoorModel = 0.12;  // a sphere must explain this share: trials prove less
+/// Where each sphere must explain a larger share than this the image model is poor: four fifths of
+/// the upper bound of that share, 0.15. The misfit must then fall by more in proportion.
+constexpr double kPoorModel = 0.12;
+/// The misfit must fall by the square of this in units of σ². One false disc gains more by chance
+/// in 2e-9 of independent places; a frame has about 1e5, so one frame in 5,000.
 constexpr double kSignificance = 6;
+/// Most rounds: the peaks of gain about one place are tried one after the other. Chosen for the
+/// time.
 constexpr int kRounds = 8;
+/// Most sweeps of a trial: if a step halves in each, D/4 becomes 1e-3 px at D = 16 px.
 constexpr int kSweeps = 12;
-constexpr double kApart = 5;         // [D]
-constexpr double kNeighbours = 2.5;  // [D] who goes back
-constexpr double kJudged = 1.75;     // [D] half the side of the square that is judged
-constexpr double kTried = 0.15;      // [D]
-constexpr double kPeaks = 0.25;      // [D]
-constexpr double kFewPlaces = 0.2;   // of the image: beyond, the transforms are cheaper
+/// The discs about a trial that go back with it: its neighbours, theirs, and half a disc.
+constexpr double kNeighbours = 2.5;  // [D]
+/// Trials of one round are so far apart that none moves a neighbour of another one.
+constexpr double kApart = 2 * kNeighbours;  // [D]
+/// Half the side of the square that is judged: the neighbours at one diameter, and their discs with
+/// their edges.
+constexpr double kJudged = 1.75;  // [D]
+/// Peaks of gain nearer than this are one: less than the least separation of two spheres, 0.34 D …
+constexpr double kPeaks = 0.25;  // [D]
+/// … and nearer than this to a place that was tried nothing is: less than half of it.
+constexpr double kTried = 0.15;  // [D]
+/// Share of the image above which transforms of all of it are cheaper than those of the places.
+constexpr double kFewPlaces = 0.2;
 
 struct Trial {
     Vec2 place;

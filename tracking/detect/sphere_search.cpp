@@ -12,18 +12,40 @@
 namespace grainfield::tracking {
 namespace {
 
+/// Most rounds of sweeps at the end. Each ends when no two discs came together; the neighbours of
+/// one that goes settle in the next round. Few frames need a second one.
 constexpr int kLastRounds = 4;
+/// A gain above this share of the threshold is tried, for neighbours that cover for a missing
+/// sphere take most of what it will explain. Chosen: too low costs time only, since what then
+/// explains less than the threshold goes again.
 constexpr double kCandidateShare = 0.2;
+/// A gain is also above this many times the misfit that is usual within a disc's reach. No disc can
+/// gain more than the misfit there, so that usual places (one) are never tried.
 constexpr double kUnusual = 2;
+/// A gain above this share of a full one is tried in any case: half a sphere is dark there.
 constexpr double kSurely = 0.5;
-constexpr double kSameAgain = 0.25;   // [D]
-constexpr double kFewPlaces = 0.2;    // of the image: beyond, the transforms are cheaper
-constexpr double kMostlyNoise = 0.9;  // of what the camera's noise leaves in a few blocks
-constexpr double kHalfSplit = 0.3;    // [D]
-constexpr float kMissing = 0.25F;     // [contrast] a larger misfit is that of a missing sphere
-// A sphere must explain this many times the misfit that is usual on as many pixels as it reaches …
+/// Nearer than this to a rejected disc nothing is tried again: the gate of matching, D/4.
+constexpr double kSameAgain = 0.25;  // [D]
+/// Share of the image above which transforms of all of it are cheaper than those of the places.
+constexpr double kFewPlaces = 0.2;
+/// Share of the white noise in 3 × 3 blocks that is counted as noise. Its sum over n = 9 B² pixels
+/// scatters by sqrt(2/n), 4.7 % for blocks of 10 px: 0.9 is two standard deviations below its mean,
+/// so that in 98 % of all places no gain is overlooked for the noise.
+constexpr double kMostlyNoise = 0.9;
+/// Both halves of a split disc go so far: 0.6 D apart, the middle between the least separation
+/// (0.34 D) and 0.9 D, where the discs of two spheres hardly overlap.
+constexpr double kHalfSplit = 0.3;  // [D]
+/// A larger deviation belongs to a missing sphere, of darkness 1 where nothing covers it, and not
+/// to the misfit of the model: rims and meeting edges leave less.
+constexpr float kMissing = 0.25F;  // [contrast]
+/// A sphere must explain this many times the usual misfit m² A within its reach. A false disc adds
+/// nothing but fits what is left, m² A at most where nothing is unusual. The factor is chosen, not
+/// derived: it makes the threshold of the real frame (m = 0.06) the 0.15 below which spheres are
+/// doubtful there, and leaves it to the noise where the model is exact.
 constexpr double kMisfits = 12;
-// … but between these shares of what an isolated one explains.
+/// The bounds of that threshold, as shares of what an isolated sphere explains. On the real frame
+/// spheres lie above 0.25 and doubtful ones below 0.15. In a thick layer spheres below two others
+/// explain 0.04 and no more (docs/tracking/detection.md).
 constexpr double kLeastEvidence = 0.04;
 constexpr double kMostEvidence = 0.15;
 
@@ -302,7 +324,8 @@ std::int64_t SphereSearch::add_missing() {
 
 void SphereSearch::run(const RefinementOptions& rough) {
     summary_.settled_detection = false;
-    while (summary_.passes < options_.max_passes && !summary_.settled_detection) {
+    const int most = options_.goal == SearchGoal::most_spheres ? 1 : options_.max_passes;
+    while (summary_.passes < most && !summary_.settled_detection) {
         ++summary_.passes;
         auto begin = Clock::now();
         summary_.steps += fit_.refine(rough, Drawing::roughly).steps;

@@ -13,10 +13,16 @@
 
 namespace grainfield::tracking {
 
+/// How many spheres a search is to find.
+enum class SearchGoal {
+    every_sphere,
+    most_spheres,  ///< in one pass, without a second look: enough to calibrate the image model on
+};
+
 struct DetectionOptions {
     double cutoff = 3;  ///< a first candidate needs 1/χ² above this [-]
-    /// Two centres nearer than this are one sphere [D]. In a cell of height L_z spheres cannot come
-    /// closer in projection than sqrt(a² − (L_z − a)²) = 0.34 a for L_z = 1.94 a; D ≤ a.
+    /// Two centres nearer than this are one sphere [D]: SphereCell::least_distance of a cell of
+    /// 1.94 a, 0.341 a, rounded down; D ≤ a.
     double separation = 0.34;
     /// A sphere must explain this share of the misfit that an isolated one explains [-]. Auto: 0.04
     /// to 0.15, the more the image model leaves unexplained (docs/tracking.md). On the real frame
@@ -25,6 +31,7 @@ struct DetectionOptions {
     double border = 0.25;     ///< centres nearer to the image border are not reported [D]
     double significance = 6;  ///< … and this many standard deviations of the noise [-]
     int max_passes = 12;      ///< most rounds of adding and removing spheres
+    SearchGoal goal = SearchGoal::every_sphere;
 };
 
 OptionTable describe(DetectionOptions& options);

@@ -141,6 +141,12 @@ void Bilayer::label(Snapshot& snapshot) {
     snapshot.layer = std::move(labels.layer);
 }
 
+void transfer(NumberArchive& archive, Bilayer::Summary& summary) {
+    auto& [rejected_pairs, rejected_triples, spheres, labelled, contradictory, is_exact] = summary;
+    archive.members<Bilayer::Summary>(rejected_pairs, rejected_triples, spheres, labelled,
+                                      contradictory, is_exact);
+}
+
 void Bilayer::transfer(NumberArchive& archive) {
     std::vector<std::int64_t> ids;
     std::vector<Layer> layers;
@@ -154,12 +160,7 @@ void Bilayer::transfer(NumberArchive& archive) {
     for (std::size_t i = 0; i < std::min(ids.size(), layers.size()); ++i) {
         earlier_.emplace(ids[i], layers[i]);
     }
-    archive(summary_.rejected_pairs);
-    archive(summary_.rejected_triples);
-    archive(summary_.spheres);
-    archive(summary_.labelled);
-    archive(summary_.contradictory);
-    archive(summary_.is_exact);
+    archive(summary_);
 }
 
 }  // namespace grainfield::tracking

@@ -5,9 +5,9 @@
 #include <unordered_map>
 #include <vector>
 
-#include "core/support/number_archive.h"
 #include "core/option_table.h"
 #include "core/snapshot.h"
+#include "core/support/number_archive.h"
 #include "tracking/layers/layer_labels.h"
 #include "tracking/layers/overlap_graph.h"
 
@@ -72,5 +72,8 @@ class Bilayer {
     std::unordered_map<std::int64_t, Layer> earlier_;  ///< by identity
     Summary summary_;
 };
+
+/// Saves or restores it.
+void transfer(NumberArchive& archive, Bilayer::Summary& summary);
 
 }  // namespace grainfield::tracking

@@ -19,7 +19,7 @@ void require_valid(const SphereCell& cell, const std::vector<Vec2>& positions,
     if (!(cell.diameter > 0) || !std::isfinite(cell.diameter)) {
         throw OptionError(ErrorText{"the sphere diameter must be positive",
                                     fmt::format("{} px", cell.diameter), "more than 0",
-                                    "give --sphere-diameter"});
+                                    "measure the sphere (track.sphere-diameter)"});
     }
     if (!(cell.height >= 1) || !std::isfinite(cell.height)) {
         throw OptionError(ErrorText{"the cell is lower than a sphere",

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -17,6 +19,13 @@ struct SphereCell {
 
     /// What the height of a centre can vary by, H = L_z − a [a].
     double slack() const { return height - 1; }
+
+    /// No two centres are nearer in projection: δ ≤ H, d ≥ sqrt(1 − H²) [a]. 0.341 at 1.94 a.
+    double least_distance() const { return std::sqrt(std::max(0.0, 1 - slack() * slack())); }
+
+    /// Of three centres two are at least so far apart: both smaller δ add up to H at most, so that
+    /// one has δ ≤ H/2, d ≥ sqrt(1 − H²/4) [a]. 0.883 at 1.94 a.
+    double least_of_three() const { return std::sqrt(std::max(0.0, 1 - 0.25 * slack() * slack())); }
 
     /// What perspective can do to the distance of two spheres around `place`: spheres at different
     /// heights, a distance R from the axis, are displaced by up to R H / Z against each other, and

@@ -99,7 +99,7 @@ Linker::Linker(const LinkOptions& options, double diameter)
       most_range_(options.search_range.value_or(diameter)) {
     if (!(least_range_ > 0) || !std::isfinite(least_range_)) {
         throw OptionError({"link.search-range is not usable", fmt::format("{} px", least_range_),
-                           "a positive length", "give --search-range"});
+                           "a positive length", ""});
     }
 }
 
@@ -290,20 +290,20 @@ std::vector<std::string> Linker::warnings(double diameter) const {
         } else if (miss > 0.5 * s.range) {
             texts.push_back(fmt::format(
                 "spheres are {:.2f} px (RMS) from where they were looked for, more than half the "
-                "search range {:.2f} px, so that many are lost; use a larger --search-range",
+                "search range {:.2f} px, so that many are lost: link.search-range is too small",
                 miss, s.range));
         }
     }
     if (s.subnets.reduced > 0) {
         texts.push_back(fmt::format(
             "{} ambiguous groups had more than {} pairs (the largest {}) and were cut before they "
-            "were linked: identities there are doubtful; use a smaller --search-range",
+            "were linked: identities there are doubtful: link.search-range is too large",
             s.subnets.reduced, options_.largest_subnet, s.subnets.largest_pairs));
     }
     if (s.crowded > 0) {
         texts.push_back(fmt::format(
             "{} times a track had more than 32 particles within the search range {:.2f} px and the "
-            "32 nearest were considered; use a smaller --search-range",
+            "32 nearest were considered: link.search-range is too large",
             s.crowded, s.range));
     }
     return texts;

@@ -25,8 +25,8 @@ struct LayerScore {
     double accuracy_up_to_flip() const;  ///< right_up_to_flip/tested; NaN if no two labels overlap
 
     /// Adds one frame. `partner`: of each true particle the index found (match_positions). Clusters
-    /// are those of the true particles nearer to each other than `contact` [px]: 0.883 a in a cell
-    /// of height 1.94 a, below which three spheres cannot all overlap.
+    /// are those of the true particles nearer to each other than `contact` [px],
+    /// SphereCell::least_of_three.
     void add(const std::vector<Vec2>& truth, const std::vector<Layer>& true_layer,
              const std::vector<Layer>& found_layer, const std::vector<int>& partner,
              double contact);

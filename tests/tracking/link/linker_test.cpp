@@ -270,7 +270,7 @@ TEST(Linker, WarnsOfStepsAboveAQuarterOfTheDiameterAndOfASearchRangeTooSmall) {
     ASSERT_EQ(warnings(6, 8).size(), 1u);
     EXPECT_NE(warnings(6, 8)[0].find("identities are doubtful"), std::string::npos);
     ASSERT_EQ(warnings(2, 2).size(), 1u);
-    EXPECT_NE(warnings(2, 2)[0].find("larger --search-range"), std::string::npos);
+    EXPECT_NE(warnings(2, 2)[0].find("link.search-range is too small"), std::string::npos);
 }
 
 TEST(Linker, ASearchRangeThatIsNotGivenFollowsTheMotion) {

@@ -1,0 +1,130 @@
+#include "tracking/detect/sphere_search.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/layer_frames.h"
+#include "tests/support/position_score.h"
+
+namespace grainfield::tracking {
+namespace {
+
+constexpr int kSize = 240;
+constexpr double kNoise = 0.02;
+constexpr DiscProfile kDisc{16, 1.2};
+const RefinementOptions kRough{.tolerance = 0.03, .max_sweeps = 4};
+
+Image darkness_of(const testing::LayerScene& scene) {
+    Image image = testing::tanh_frame(scene, kDisc.diameter, kDisc.edge_width, kNoise, 1);
+    for (float& v : image.pixels()) v = (200 - v) / 170;
+    return image;
+}
+
+testing::LayerScene liquid() {
+    return testing::hard_disc_liquid(kSize, kSize, 16, 0.6, 1);
+}
+
+/// A search of one image.
+struct Case {
+    explicit Case(const testing::LayerScene& truth, const DetectionOptions& options = {})
+        : scene(truth),
+          darkness(darkness_of(truth)),
+          fit(darkness, kDisc, 2),
+          correlation(kSize, kSize, kDisc, DiscCorrelation::suitable_factor(kDisc)),
+          search(fit, correlation, options) {
+        fit.restart(darkness);
+    }
+
+    testing::PositionScore score() const {
+        return testing::score_positions(fit.positions(), scene.position, 4, kSize, kSize, 16);
+    }
+
+    testing::LayerScene scene;
+    Image darkness;
+    JointFit fit;
+    DiscCorrelation correlation;
+    SphereSearch search;
+};
+
+TEST(SphereSearch, FromItsSeedsFindsEverySphereOfALiquid) {
+    Case c(liquid());
+    c.search.seed();
+    EXPECT_GT(c.score().recall(), 0.9);
+    c.search.run(kRough);
+    const testing::PositionScore score = c.score();
+    EXPECT_EQ(score.missed, 0);
+    EXPECT_EQ(score.spurious, 0);
+    EXPECT_TRUE(c.search.summary().settled_detection);
+    // The noise that was put in, within what 58,000 pixels and the rounding to 8 bits leave.
+    EXPECT_NEAR(c.search.summary().noise, std::hypot(kNoise, 1 / (170 * std::sqrt(12.0))), 5e-4);
+    EXPECT_EQ(c.search.summary().evidence, 0.04) << "the model is exact";
+}
+
+TEST(SphereSearch, WithoutSeedsFindsTheSpheresInTheResidual) {
+    Case c(liquid());
+    c.search.run(kRough);
+    EXPECT_EQ(c.score().missed, 0);
+    EXPECT_EQ(c.score().spurious, 0);
+    EXPECT_GE(c.search.summary().added,
+              static_cast<std::int64_t>(c.scene.position.size()) * 9 / 10);
+}
+
+TEST(SphereSearch, ADiscWhereNothingIsGoesAndAMissingSphereComes) {
+    const testing::LayerScene scene = testing::isolated_discs(kSize, kSize, 16, 40, 1);
+    std::vector<Vec2> start = scene.position;
+    start.erase(start.begin() + 14);
+    start.push_back(0.5 * (scene.position[7] + scene.position[14]));
+    Case c(scene);
+    c.fit.add_all(start);
+    c.search.run(kRough);
+    EXPECT_EQ(c.score().missed, 0);
+    EXPECT_EQ(c.score().spurious, 0);
+    EXPECT_GE(c.search.summary().removed, 1);
+    EXPECT_GE(c.search.summary().added, 1);
+}
+
+TEST(SphereSearch, OneDiscBetweenTwoSpheresIsSplit) {
+    testing::LayerScene pair = testing::isolated_discs(kSize, kSize, 16, 300, 1);
+    pair.position = {{100, 120}, {113, 120}};
+    Case c(pair);
+    c.fit.add({106.5, 120});
+    c.search.run(kRough);
+    EXPECT_EQ(c.score().missed, 0);
+    EXPECT_EQ(c.score().spurious, 0);
+}
+
+TEST(SphereSearch, OfTwoDiscsOnOneSphereOneGoes) {
+    testing::LayerScene one = testing::isolated_discs(kSize, kSize, 16, 300, 1);
+    one.position = {{100, 120}};
+    Case c(one);
+    c.fit.add({99, 120});
+    c.fit.add({101.5, 120});
+    c.search.run(kRough);
+    c.search.finish(kRough, Drawing::exactly);
+    EXPECT_EQ(c.fit.positions().size(), 1U);
+    EXPECT_NEAR(c.fit.positions()[0].x, 100, 0.1);
+}
+
+TEST(SphereSearch, ForMostSpheresTakesOnePass) {
+    DetectionOptions options;
+    options.goal = SearchGoal::most_spheres;
+    Case c(liquid(), options);
+    c.search.seed();
+    c.search.run(kRough);
+    EXPECT_EQ(c.search.summary().passes, 1);
+    EXPECT_GT(c.score().recall(), 0.95);
+}
+
+TEST(SphereSearch, OfNoiseFindsNothing) {
+    testing::LayerScene empty = liquid();
+    empty.position.clear();
+    Case c(empty);
+    c.search.seed();
+    c.search.run(kRough);
+    EXPECT_TRUE(c.fit.positions().empty());
+    EXPECT_TRUE(c.search.summary().settled_detection);
+}
+
+}  // namespace
+}  // namespace grainfield::tracking

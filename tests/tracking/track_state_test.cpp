@@ -1,0 +1,102 @@
+#include "tracking/track_state.h"
+
+#include <tuple>
+
+#include <gtest/gtest.h>
+
+#include "core/errors.h"
+
+namespace grainfield::tracking {
+namespace {
+
+template <class T>
+std::vector<double> saved(T value) {
+    NumberArchive archive;
+    transfer(archive, value);
+    return archive.take_numbers();
+}
+
+template <class T>
+T restored(const std::vector<double>& numbers) {
+    NumberArchive archive(numbers);
+    T value;
+    transfer(archive, value);
+    archive.require_end();
+    return value;
+}
+
+// The names do not compile unless they are all members that there are.
+TEST(TrackState, EveryMemberOfWhatWasLocatedSurvives) {
+    Located before;
+    {
+        auto& [position, error, residual, explained, residual_rms, noise, passes, added, removed,
+               coarse_steps, steps, warm, approached, maps_skipped, maps_in_part, trials, evidence,
+               fitted, unsettled, rejected, settled_detection, detect_seconds, refine_seconds] =
+            before;
+        position = {{1, 2}};
+        error = {{3, 4}};
+        residual = {5};
+        explained = {6, 7};
+        std::tie(residual_rms, noise, evidence, detect_seconds, refine_seconds) =
+            std::tuple{0.1, 0.2, 0.3, 0.4, 0.5};
+        std::tie(passes, maps_skipped, maps_in_part) = std::tuple{8, 9, 10};
+        std::tie(added, removed, coarse_steps, steps, trials, unsettled, rejected) =
+            std::tuple{11, 12, 13, 14, 15, 16, 17};
+        std::tie(warm, approached, settled_detection) = std::tuple{true, true, false};
+        fitted = {{18, 19}, {20, 21}};
+    }
+    const std::vector<double> numbers = saved(before);
+    const Located after = restored<Located>(numbers);
+    EXPECT_EQ(saved(after), numbers);
+    EXPECT_EQ(after.trials, 15);
+    EXPECT_EQ(after.evidence, 0.3);
+    EXPECT_EQ(after.fitted, before.fitted);
+    EXPECT_FALSE(after.settled_detection);
+    EXPECT_EQ(after.refine_seconds, 0.5);
+}
+
+TEST(TrackState, EveryMemberOfTheSummarySurvives) {
+    TrackSummary before;
+    before.frames = 1;
+    before.particles_mean = 2.5;
+    before.step_rms = 3.5;
+    before.layers.labelled = 4;
+    before.layers.is_exact = false;
+    before.ms_per_frame.wall = 5.5;
+    before.brightest = 6.5;
+    const TrackSummary after = restored<TrackSummary>(saved(before));
+    EXPECT_EQ(after.frames, 1);
+    EXPECT_EQ(after.particles_mean, 2.5);
+    EXPECT_EQ(after.step_rms, 3.5);
+    EXPECT_EQ(after.layers.labelled, 4);
+    EXPECT_FALSE(after.layers.is_exact);
+    EXPECT_EQ(after.ms_per_frame.wall, 5.5);
+    EXPECT_EQ(after.brightest, 6.5);
+}
+
+TEST(TrackState, TheStateOfTheLinkerSurvives) {
+    LinkState before;
+    before.tracks = {{1, 2, {3, 4}, {5, 6}, Vec2{7, 8}}, {9, 10, {11, 12}, {13, 14}, {}}};
+    before.next_id = 15;
+    before.frame = 16;
+    before.drift = {17, 18};
+    before.motion = 19;
+    before.summary.range = 20;
+    before.summary.subnets.reduced = 21;
+    const std::vector<double> numbers = saved(before);
+    const LinkState after = restored<LinkState>(numbers);
+    EXPECT_EQ(saved(after), numbers);
+    ASSERT_EQ(after.tracks.size(), 2U);
+    EXPECT_EQ(after.tracks[0].velocity, (Vec2{7, 8}));
+    EXPECT_FALSE(after.tracks[1].velocity);
+    EXPECT_EQ(after.summary.subnets.reduced, 21);
+}
+
+TEST(TrackState, NumbersThatAreMissingAreRefused) {
+    std::vector<double> numbers = saved(Located{});
+    numbers.pop_back();
+    EXPECT_THROW(restored<Located>(numbers), InputError);
+}
+
+}  // namespace
+}  // namespace grainfield::tracking
