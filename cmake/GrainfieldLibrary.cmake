@@ -38,12 +38,14 @@ function(grainfield_library name)
   target_include_directories(${target} PUBLIC
     $<BUILD_INTERFACE:${include_root}>
     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/grainfield>)
-  list(TRANSFORM ARG_INTERNAL PREPEND grainfield_)
+  list(TRANSFORM ARG_INTERNAL PREPEND grainfield_ OUTPUT_VARIABLE internal)
   target_link_libraries(${target}
-    PUBLIC ${ARG_INTERNAL} ${ARG_PUBLIC}
+    PUBLIC ${internal} ${ARG_PUBLIC}
     PRIVATE $<BUILD_INTERFACE:grainfield_compile_options> ${ARG_PRIVATE})
   target_compile_features(${target} PUBLIC cxx_std_20)
   set_property(GLOBAL APPEND PROPERTY GRAINFIELD_LIBRARIES ${target})
+  # What find_package(grainfield COMPONENTS name) has to find.
+  set_property(GLOBAL PROPERTY GRAINFIELD_NEEDS_${name} ${ARG_INTERNAL} ${ARG_PUBLIC} ${ARG_PRIVATE})
 endfunction()
 
 # grainfield_test(x_test.cpp [LIBS rooms…] [PRIVATE libs…])

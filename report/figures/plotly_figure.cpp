@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "report/page/text.h"
@@ -22,7 +23,7 @@ json numbers(const std::vector<double>& values) {
     json list = json::array();
     for (double value : values) {
         if (std::isfinite(value)) {
-            list.push_back(std::stod(json_number(value)));
+            list.push_back(std::stod(fmt::format("{:.6g}", value)));
         } else {
             list.push_back(nullptr);
         }

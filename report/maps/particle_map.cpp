@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "core/errors.h"
 #include "core/support/parallel.h"
@@ -178,13 +179,23 @@ std::string map_json(const ParticleMap& map) {
         layers.push_back(layer == Layer::unknown ? 255 : static_cast<std::uint8_t>(layer));
     }
     const std::string image = map.png.empty() ? "" : "data:image/png;base64," + base64(map.png);
-    return fmt::format(
-        R"({{"run":{},"title":{},"x":[{},{}],"y":[{},{}],"yDown":{},"unit":"{}","diameter":{},)"
-        R"("imageSize":[{},{}],"image":"{}","pointsX":[{},{}],"pointsY":[{},{}],"points":"{}",)"
-        R"("order":"{}","orderName":{},"ids":"{}","layers":"{}"}})",
-        map.run, json_string(map.title), map.x[0], map.x[1], map.y[0], map.y[1], map.y_down,
-        map.unit, map.diameter, map.image_size[0], map.image_size[1], image, x[0], x[1], y[0], y[1],
-        base64(points), base64(order), json_string(map.order), base64(ids), base64(layers));
+    const nlohmann::ordered_json page{{"run", map.run},
+                                      {"title", clean_text(map.title)},
+                                      {"x", {map.x[0], map.x[1]}},
+                                      {"y", {map.y[0], map.y[1]}},
+                                      {"yDown", map.y_down},
+                                      {"unit", map.unit},
+                                      {"diameter", map.diameter},
+                                      {"imageSize", {map.image_size[0], map.image_size[1]}},
+                                      {"image", image},
+                                      {"pointsX", {x[0], x[1]}},
+                                      {"pointsY", {y[0], y[1]}},
+                                      {"points", base64(points)},
+                                      {"order", base64(order)},
+                                      {"orderName", clean_text(map.order)},
+                                      {"ids", base64(ids)},
+                                      {"layers", base64(layers)}};
+    return escape_json_for_script(page.dump());
 }
 
 std::string map_csv(const ParticleMap& map) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "report/figures/colours.h"
 #include "report/figures/plotly_figure.h"
@@ -233,16 +234,13 @@ std::string data_json(const PageContent& content) {
     }
     std::string maps;
     for (const ParticleMap& map : content.maps) maps += (maps.empty() ? "" : ",\n") + map_json(map);
-    std::string colours;
-    for (int level = 0; level < 255; ++level) {
-        colours += fmt::format("{}\"{}\"", level == 0 ? "" : ",", hex(viridis(level / 254.0)));
-    }
-    std::string labels;
-    for (const std::string& label : content.labels) {
-        labels.append(labels.empty() ? "" : ",").append(json_string(label));
-    }
-    return R"({"runs":[)" + labels + "],\n\"colours\":[" + colours + "],\n\"figures\":[" + figures +
-           "],\n\"maps\":[" + maps + "]}";
+    nlohmann::json colours = nlohmann::json::array();
+    for (int level = 0; level < 255; ++level) colours.push_back(hex(viridis(level / 254.0)));
+    nlohmann::json labels = nlohmann::json::array();
+    for (const std::string& label : content.labels) labels.push_back(clean_text(label));
+    return "{\"runs\":" + escape_json_for_script(labels.dump()) +
+           ",\n\"colours\":" + colours.dump() + ",\n\"figures\":[" + figures + "],\n\"maps\":[" +
+           maps + "]}";
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "core/support/output_file.h"
 
@@ -123,16 +124,7 @@ std::string escape_json_for_script(std::string_view json) {
 }
 
 std::string json_string(std::string_view text) {
-    std::string quoted = "\"";
-    for (char c : clean_text(text)) {
-        if (c == '"' || c == '\\') quoted += '\\';
-        quoted += c;
-    }
-    return escape_json_for_script(quoted + '"');
-}
-
-std::string json_number(double value) {
-    return std::isfinite(value) ? fmt::format("{:.6g}", value) : "null";
+    return escape_json_for_script(nlohmann::json(clean_text(text)).dump());
 }
 
 std::string base64(std::span<const std::uint8_t> bytes) {

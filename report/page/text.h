@@ -26,9 +26,6 @@ std::string escape_json_for_script(std::string_view json);
 /// `text` as a JSON string, in quotes, fit for <script>.
 std::string json_string(std::string_view text);
 
-/// The number with up to six significant digits, `null` if it is not finite.
-std::string json_number(double value);
-
 /// RFC 4648 with padding.
 std::string base64(std::span<const std::uint8_t> bytes);
 std::vector<std::uint8_t> bytes_of_hex(std::string_view hex);

@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -42,15 +44,49 @@ TEST_F(Package, TheInstalledProgramRuns) {
     EXPECT_EQ(outcome.out, std::string("grainfield ") + kVersion + "\n");
 }
 
+/// Configures and builds a project of tests/end_to_end against the installed package.
+std::string built(const std::string& project, const std::string& build, const std::string& prefix) {
+    const Outcome configured =
+        run({GRAINFIELD_CMAKE, "-S", GRAINFIELD_SOURCE_DIR "/tests/end_to_end/" + project, "-B",
+             build, "-G", "Ninja", "-DCMAKE_CXX_COMPILER=" GRAINFIELD_COMPILER,
+             "-DCMAKE_PREFIX_PATH=" + prefix});
+    if (configured.code != 0) return configured.out + configured.err;
+    const Outcome made = run({GRAINFIELD_CMAKE, "--build", build});
+    return made.code == 0 ? "" : made.out + made.err;
+}
+
+TEST_F(Package, AProgramThatAnalysesNeedsOnlyWhatTheAnalysisNeeds) {
+    const std::string build = *folder_ / "build-analysis";
+    ASSERT_EQ(built("analysis_consumer", build, prefix()), "");
+    const Outcome outcome = run({build + "/analysis_consumer"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(outcome.out, "1.000\n");
+}
+
+TEST_F(Package, HeadersIncludeOnlyHeadersThatAreInstalled) {
+    namespace fs = std::filesystem;
+    const fs::path root = fs::path(prefix()) / "include/grainfield";
+    const std::regex include("#include \"([a-z]+/[^\"]+)\"");
+    int headers = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(root)) {
+        const std::string name = entry.path().filename();
+        EXPECT_NE(name, "detail") << entry.path();
+        EXPECT_FALSE(name.ends_with("-inl.h")) << entry.path();
+        if (!entry.is_regular_file()) continue;
+        ++headers;
+        std::ifstream file(entry.path());
+        for (std::string line; std::getline(file, line);) {
+            std::smatch found;
+            if (!std::regex_match(line, found, include)) continue;
+            EXPECT_TRUE(fs::exists(root / found[1].str())) << entry.path() << ": " << found[1];
+        }
+    }
+    EXPECT_GT(headers, 50);
+}
+
 TEST_F(Package, AProgramOutsideTheTreeFindsCompilesAndLinksTheLibraries) {
     const std::string build = *folder_ / "build";
-    const Outcome configured =
-        run({GRAINFIELD_CMAKE, "-S", GRAINFIELD_SOURCE_DIR "/tests/end_to_end/consumer", "-B",
-             build, "-G", "Ninja", "-DCMAKE_CXX_COMPILER=" GRAINFIELD_COMPILER,
-             "-DCMAKE_PREFIX_PATH=" + prefix()});
-    ASSERT_EQ(configured.code, 0) << configured.out << configured.err;
-    const Outcome built = run({GRAINFIELD_CMAKE, "--build", build});
-    ASSERT_EQ(built.code, 0) << built.out << built.err;
+    ASSERT_EQ(built("consumer", build, prefix()), "");
 
     // A square lattice of 5 × 5 points: the 9 inside have four neighbours at right angles.
     const std::string points = *folder_ / "points.csv";
