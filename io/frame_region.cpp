@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
@@ -14,15 +12,6 @@
 
 namespace grainfield::io {
 namespace {
-
-std::optional<int> whole_number(std::string_view text) {
-    while (text.starts_with(' ')) text.remove_prefix(1);
-    while (text.ends_with(' ')) text.remove_suffix(1);
-    int value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-    return value;
-}
 
 /// Everything but what read() changes.
 class ChangedFrames : public PassedFrames {
@@ -69,31 +58,23 @@ class FlattenedFrames : public ChangedFrames {
 
 }  // namespace
 
-std::optional<FrameRegion> parse_region(std::string_view text, int width, int height) {
-    if (text.empty()) return std::nullopt;
-    const auto refuse = [&](std::string actual) {
-        throw OptionError({.problem = fmt::format("region '{}' cannot be used", text),
-                           .actual = std::move(actual),
+std::optional<FrameRegion> region_within(std::span<const int> sides, int width, int height) {
+    if (sides.empty()) return std::nullopt;
+    const auto refuse = [&](const std::string& actual) {
+        throw OptionError({.problem = "the region cannot be used",
+                           .actual = actual,
                            .expected = fmt::format("X,Y,WIDTH,HEIGHT within {} x {} px, at least "
                                                    "16 x 16",
                                                    width, height),
                            .suggestion = "for example 100,50,800,600"});
     };
-    std::vector<int> numbers;
-    for (std::string_view rest = text;;) {
-        const std::size_t comma = rest.find(',');
-        const std::optional<int> number = whole_number(rest.substr(0, comma));
-        if (!number) refuse(fmt::format("'{}'", rest.substr(0, comma)));
-        numbers.push_back(*number);
-        if (comma == std::string_view::npos) break;
-        rest.remove_prefix(comma + 1);
-    }
-    if (numbers.size() != 4) refuse(fmt::format("{} numbers", numbers.size()));
-    const FrameRegion r{numbers[0], numbers[1], numbers[2], numbers[3]};
+    if (sides.size() != 4) refuse(fmt::format("{} numbers", sides.size()));
+    const FrameRegion r{sides[0], sides[1], sides[2], sides[3]};
     // Compared by differences, so that no number of the user can overflow.
     if (r.x < 0 || r.y < 0 || r.x > width || r.y > height || r.width < 16 || r.height < 16 ||
         r.width > width - r.x || r.height > height - r.y) {
-        refuse("it does not lie within the frame");
+        refuse(
+            fmt::format("{},{},{},{} does not lie within the frame", r.x, r.y, r.width, r.height));
     }
     return r;
 }

@@ -2,7 +2,7 @@
 
 #include <memory>
 #include <optional>
-#include <string_view>
+#include <span>
 
 #include "core/frame.h"
 #include "core/frame_source.h"
@@ -15,9 +15,9 @@ struct FrameRegion {
     int width = 0, height = 0;
 };
 
-/// "X,Y,WIDTH,HEIGHT" in pixels of a source; empty text: nothing. Throws OptionError if the text is
-/// not four whole numbers or the rectangle does not lie within width × height pixels.
-std::optional<FrameRegion> parse_region(std::string_view text, int width, int height);
+/// The region X, Y, WIDTH, HEIGHT in pixels of a source; no numbers: nothing. Throws OptionError if
+/// they are not four or the rectangle does not lie within width × height pixels.
+std::optional<FrameRegion> region_within(std::span<const int> sides, int width, int height);
 
 /// That part of an image that holds all of it.
 Image cropped(const Image& image, const FrameRegion& region);

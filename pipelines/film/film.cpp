@@ -157,7 +157,8 @@ std::vector<std::string> pictures_of(const FilmOptions& options) {
 void describe(FilmOptions& options, OptionTable& table) {
     table.number("fps", options.fps, "1/s", {1e-9, 1e9}, "frame rate; auto: as the file says");
     table.text("frames", options.frames, "which frames, as FIRST:END:STEP");
-    table.text("region", options.region, "part of the frames to track, as X,Y,WIDTH,HEIGHT [px]");
+    table.integers("region", options.region, "px", {0, 1e9},
+                   "part of the frames to track, as X,Y,WIDTH,HEIGHT", {4, 4});
     table.text("flat-field", options.flat_field,
                "picture of the empty, lit cell to divide the frames by");
     table.text("mask", options.mask,
@@ -178,7 +179,7 @@ Film open_film(Session& session, const FilmOptions& options,
     std::unique_ptr<FrameSource> frames = io::select_frames(
         io::open_frames(session.inputs, {.fps = options.fps, .max_pixels = options.max_pixels}),
         options.frames);
-    const auto region = io::parse_region(options.region, frames->width(), frames->height());
+    const auto region = io::region_within(options.region, frames->width(), frames->height());
     Film film;
     film.visible = visible_pixels(*frames, options, region, session.plan);
     if (region) film.origin = {static_cast<double>(region->x), static_cast<double>(region->y)};

@@ -18,9 +18,9 @@ namespace grainfield::pipelines {
 struct FilmOptions {
     std::optional<double> fps;  ///< [1/s]; empty: as the file says
     std::string frames = "::";
-    std::string region;      ///< X,Y,WIDTH,HEIGHT [px]
-    std::string flat_field;  ///< picture of the empty, lit cell
-    std::string mask;        ///< picture, zero: not looked at
+    std::vector<int> region;  ///< X,Y,WIDTH,HEIGHT [px]; empty: all
+    std::string flat_field;   ///< picture of the empty, lit cell
+    std::string mask;         ///< picture, zero: not looked at
     BackgroundOptions background;
     std::int64_t max_pixels = 200'000'000;
     bool strict = false;

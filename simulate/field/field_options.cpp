@@ -61,7 +61,8 @@ OptionTable describe(SchemeOptions& o) {
                  "the order field has no modes above; auto: from the tolerance");
     table.integer("hold", o.hold, "-", {0, 1 << 20},
                   "steps for which one order field serves; 0: from the tolerance");
-    table.text("waves", o.waves, "adjoint: multiples n of the smallest wavevector, as 1,2,4");
+    table.integers("waves", o.waves, "-", {1, 1e6},
+                   "adjoint: multiples n of the smallest wavevector, as 1,2,4");
     return table;
 }
 

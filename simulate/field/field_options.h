@@ -49,8 +49,8 @@ struct SchemeOptions {
     NoiseShape noise = NoiseShape::automatic;  ///< of the density
     double tolerance = 0.005;                  ///< relative bias of S(k) that skips may cause
     std::optional<double> k_cut{};             ///< ψ has no modes above; auto: from the tolerance
-    int hold = 0;                       ///< steps for which one ψ serves; 0: from the tolerance
-    std::string waves = "1,2,3,4,6,8";  ///< adjoint: k = 2π n/Lx, along x and y
+    int hold = 0;  ///< steps for which one ψ serves; 0: from the tolerance
+    std::vector<int> waves{1, 2, 3, 4, 6, 8};  ///< adjoint: k = 2π n/Lx, along x and y
 };
 
 struct RecordOptions {

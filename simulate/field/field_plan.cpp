@@ -1,9 +1,9 @@
 #include "simulate/field/field_plan.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -179,21 +179,16 @@ FieldSchedule schedule_of(const RecordOptions& o, double dt) {
 
 std::vector<LatticeWave> waves_of(const SchemeOptions& o, const Lattice& lattice) {
     std::vector<LatticeWave> waves;
-    const char* next = o.waves.data();
-    const char* end = next + o.waves.size();
-    while (next != end) {
-        int n = 0;
-        const auto [stop, error] = std::from_chars(next, end, n);
-        if (error != std::errc() || n < 1 || (stop != end && *stop != ',')) {
+    const bool along_y = lattice.dimension == 2 && lattice.nx == lattice.ny;
+    for (const int n : o.waves) {
+        if (n < 1) {
             throw OptionError({.problem = "option 'scheme.waves' has a wrong value",
-                               .actual = fmt::format("'{}'", o.waves),
-                               .expected = "positive integers between commas",
-                               .suggestion = "for example 1,2,4,8"});
+                               .actual = std::to_string(n),
+                               .expected = "positive integers",
+                               .suggestion = {}});
         }
-        const bool along_y = lattice.dimension == 2 && lattice.nx == lattice.ny;
         waves.push_back({n, 0});
         if (along_y) waves.push_back({0, n});
-        next = stop == end ? end : stop + 1;
     }
     return waves;
 }

@@ -1,5 +1,7 @@
 #include "io/frame_region.h"
 
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "core/errors.h"
@@ -21,7 +23,7 @@ std::unique_ptr<FrameSource> ramp(int width, int height) {
 }
 
 TEST(FrameRegion, IsThatPartOfEveryFrame) {
-    const auto region = parse_region("3, 5,20,17", 40, 30);
+    const auto region = region_within(std::vector{3, 5, 20, 17}, 40, 30);
     ASSERT_TRUE(region);
     const auto frames = crop_frames(ramp(40, 30), *region);
     EXPECT_EQ(frames->width(), 20);
@@ -34,15 +36,20 @@ TEST(FrameRegion, IsThatPartOfEveryFrame) {
     EXPECT_EQ(frames->read(1).status, FrameStatus::corrupt);
 }
 
-TEST(FrameRegion, OfNoTextIsNone) {
-    EXPECT_FALSE(parse_region("", 40, 30));
+TEST(FrameRegion, OfNoNumbersIsNone) {
+    EXPECT_FALSE(region_within({}, 40, 30));
 }
 
 TEST(FrameRegion, MustLieWithinTheFrame) {
-    EXPECT_TRUE(parse_region("0,0,40,30", 40, 30));
-    for (const char* text : {"1,0,40,30", "0,-1,20,20", "0,0,0,0", "0,0,20", "0,0,20,20,1",
-                             "a,b,c,d", "2000000000,0,2000000000,20", "0,0,20.5,20"}) {
-        EXPECT_THROW(parse_region(text, 40, 30), OptionError) << text;
+    EXPECT_TRUE(region_within(std::vector{0, 0, 40, 30}, 40, 30));
+    for (const std::vector<int>& sides :
+         std::vector<std::vector<int>>{{1, 0, 40, 30},
+                                       {0, -1, 20, 20},
+                                       {0, 0, 0, 0},
+                                       {0, 0, 20},
+                                       {0, 0, 20, 20, 1},
+                                       {2000000000, 0, 2000000000, 20}}) {
+        EXPECT_THROW(region_within(sides, 40, 30), OptionError) << sides.size();
     }
 }
 

@@ -128,7 +128,7 @@ TEST(FieldPlan, RefusesWhatCannotBe) {
                 HasSubstr("ny = 5"));
     EXPECT_THAT(refused([](auto& o) {
                     o.scheme.scheme = SchemeChoice::adjoint;
-                    o.scheme.waves = "1,x";
+                    o.scheme.waves = {1, 0};
                 }),
                 HasSubstr("waves"));
 }
