@@ -6,11 +6,11 @@
 #include <fmt/format.h>
 
 #include "app/figures_folder.h"
-#include "app/interrupt_deadline.h"
 #include "core/errors.h"
 #include "core/support/interrupt.h"
 #include "io/h5/results_file.h"
 #include "io/output_file.h"
+#include "pipelines/interrupt_deadline.h"
 
 namespace grainfield::app {
 
@@ -57,7 +57,7 @@ std::vector<OptionTable> CompareCommand::options() {
 }
 
 Summary CompareCommand::run(Session& session) {
-    return run_or_discard("comparison", output_, [&] { return work(session); });
+    return pipelines::run_or_discard("comparison", output_, [&] { return work(session); });
 }
 
 Summary CompareCommand::work(Session& session) const {
@@ -69,12 +69,12 @@ Summary CompareCommand::work(Session& session) const {
         return explanation(session.plan);
     }
     const std::vector<Results> results = read_inputs(session);
-    const auto overwrite = session.common.force ? io::Overwrite::force : io::Overwrite::refuse;
+    const auto overwrite = session.overwrite;
     io::OutputFile html(output_, overwrite);
     std::optional<FiguresFolder> figures;
     if (report_.figures) figures.emplace(figures_folder(output_), overwrite);
     report::ReportOptions options = report_;
-    options.threads = session.threads();
+    options.threads = session.threads;
     report::write_report(results, options, html.temporary(), figures_folder(output_), session.plan);
     html.commit();
     session.outputs.push_back(output_);

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "app/interrupt_deadline.h"
 #include "core/errors.h"
 #include "io/file_kind.h"
 #include "io/h5/results_file.h"
@@ -11,6 +10,7 @@
 #include "io/output_file.h"
 #include "io/text/export_files.h"
 #include "io/video/colour_video.h"
+#include "pipelines/interrupt_deadline.h"
 
 namespace grainfield::app {
 
@@ -91,7 +91,7 @@ std::vector<OptionTable> ExportCommand::options() {
 
 Summary ExportCommand::run(Session& session) {
     if (!overlay_.output.empty()) return run_overlay(session);
-    return run_or_discard("export", output_, [&] { return work(session); });
+    return pipelines::run_or_discard("export", output_, [&] { return work(session); });
 }
 
 Summary ExportCommand::run_overlay(Session& session) const {
@@ -116,14 +116,14 @@ Summary ExportCommand::run_overlay(Session& session) const {
                                  input.string(), overlay_.output));
     if (session.common.explain) return explanation(session.plan);
     const auto* tracks = dynamic_cast<const io::TrajectoryFile*>(snapshots.get());
-    const auto overwrite = session.common.force ? io::Overwrite::force : io::Overwrite::refuse;
+    const auto overwrite = session.overwrite;
     return write_overlay(session, *snapshots, tracks == nullptr ? nullptr : &tracks->record(),
                          overlay_, overwrite);
 }
 
 Summary ExportCommand::work(Session& session) const {
     require_output(session, output_);
-    const auto overwrite = session.common.force ? io::Overwrite::force : io::Overwrite::refuse;
+    const auto overwrite = session.overwrite;
     const fs::path& input = session.inputs.front();
     const Form form = form_for(input, io::identify(input), output_);
     session.plan.run("export", fmt::format("'{}' to '{}'", input.string(), output_));

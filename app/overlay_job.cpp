@@ -104,7 +104,7 @@ Summary write_overlay(Session& session, SnapshotSource& snapshots, const RunReco
     io::ColourVideo video(
         request.output, {.width = options.width, .height = options.height, .fps = fps}, overwrite);
     report::Overlay overlay(options);
-    Progress progress("drawing", snapshots.count(), "frames", session.common.verbosity());
+    Progress progress("drawing", snapshots.count(), "frames", session.verbosity);
     std::int64_t drawn = 0;
     for (; drawn < snapshots.count() && caught_signal() == 0; ++drawn) {
         const Snapshot snapshot = snapshots.read(drawn);

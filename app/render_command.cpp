@@ -108,7 +108,7 @@ RenderCommand::Tally RenderCommand::render_all(Session& session, SnapshotSource&
     pipelines::SnapshotWindow window(source);
     simulate::LastingIds ids(renderer.crossing_span(source.read(0).box));
     Progress progress("rendering", static_cast<std::int64_t>(chosen.size()), "frames",
-                      session.common.verbosity());
+                      session.verbosity);
     if (render_.optics == simulate::OpticsKind::raytrace) progress.announce();
     for (std::size_t i = 0; i < chosen.size() && caught_signal() == 0; ++i) {
         const auto index = static_cast<std::int64_t>(i);
@@ -120,8 +120,7 @@ RenderCommand::Tally RenderCommand::render_all(Session& session, SnapshotSource&
         const simulate::SnapshotSeries series = window.around(chosen[i], renderer.half_exposure());
         if (tally.frames == 0) {
             tally.check = simulate::check_sampling(render_, renderer.view(), source.info(), series,
-                                                   static_cast<std::uint64_t>(session.common.seed),
-                                                   session.threads());
+                                                   session.seed, session.threads);
         }
         const auto start = Clock::now();
         simulate::RenderedFrame rendered = renderer.render(series, index);
@@ -162,8 +161,7 @@ Summary RenderCommand::run(Session& session) {
     }
     simulate::RenderOptions options = render_;
     options.exposure.frame_rate = rate;
-    simulate::Renderer renderer(options, source->info(), first.box,
-                                static_cast<std::uint64_t>(session.common.seed), session.threads(),
+    simulate::Renderer renderer(options, source->info(), first.box, session.seed, session.threads,
                                 session.plan);
     if (truth_.empty()) {
         session.plan.skip("truth", "no --truth FILE", "a trajectory file");
@@ -172,17 +170,17 @@ Summary RenderCommand::run(Session& session) {
     }
     if (session.common.explain) {
         pipelines::SnapshotWindow window(*source);
-        explain_rays(simulate::check_sampling(
-                         options, renderer.view(), source->info(),
-                         window.around(chosen.front(), renderer.half_exposure()),
-                         static_cast<std::uint64_t>(session.common.seed), session.threads()),
-                     session.plan);
+        explain_rays(
+            simulate::check_sampling(options, renderer.view(), source->info(),
+                                     window.around(chosen.front(), renderer.half_exposure()),
+                                     session.seed, session.threads),
+            session.plan);
         return explanation(session.plan);
     }
     require_output(session, output_);
     if (!truth_.empty()) require_output(session, truth_);
 
-    const auto overwrite = session.common.force ? io::Overwrite::force : io::Overwrite::refuse;
+    const auto overwrite = session.overwrite;
     const auto writer = io::make_frame_writer(output_,
                                               {.format = format_,
                                                .width = renderer.view().width(),

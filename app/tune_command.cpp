@@ -8,10 +8,10 @@
 
 #include "analysis/analysis.h"
 #include "app/figures_folder.h"
-#include "app/interrupt_deadline.h"
 #include "core/errors.h"
 #include "core/support/interrupt.h"
 #include "io/output_file.h"
+#include "pipelines/interrupt_deadline.h"
 #include "pipelines/tune/tune_report.h"
 
 namespace grainfield::app {
@@ -60,7 +60,7 @@ std::vector<OptionTable> TuneCommand::options() {
 }
 
 Summary TuneCommand::run(Session& session) {
-    return run_or_discard("tuning", output_, [&] { return work(session); });
+    return pipelines::run_or_discard("tuning", output_, [&] { return work(session); });
 }
 
 std::vector<Survey> TuneCommand::look(Session& session, pipelines::WatchedFrames& frames,
@@ -95,7 +95,7 @@ std::vector<Survey> TuneCommand::look(Session& session, pipelines::WatchedFrames
 
 Summary TuneCommand::work(Session& session) {
     if (!session.common.explain) require_output(session, output_);
-    tracking_.threads = session.threads();
+    tracking_.threads = session.threads;
     const pipelines::Film film = pipelines::open_film(session, film_, tracking_);
     tracking_.visible = film.visible;
     const tracking::Tracker tracker(*film.frames, tracking_, session.plan);
@@ -108,7 +108,7 @@ Summary TuneCommand::work(Session& session) {
              .expected = "a frame with spheres",
              .suggestion = "try --diameter and --polarity"});
     }
-    const auto overwrite = session.common.force ? io::Overwrite::force : io::Overwrite::refuse;
+    const auto overwrite = session.overwrite;
     io::OutputFile html(output_, overwrite);
     std::optional<FiguresFolder> figures;
     if (report_.figures) figures.emplace(figures_folder(output_), overwrite);
@@ -132,7 +132,7 @@ Summary TuneCommand::work(Session& session) {
     const auto settings = pipelines::suggested_settings(tuning, session);
     const std::string command_line = pipelines::command_line_of(settings, session);
     report::ReportOptions options = report_;
-    options.threads = session.threads();
+    options.threads = session.threads;
     options.observables = false;
     if (options.title.empty()) options.title = "Settings of the tracker";
     report::write_report({std::move(seen), std::move(left)}, options, html.temporary(),

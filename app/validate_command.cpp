@@ -148,8 +148,7 @@ ValidateCommand::Scene ValidateCommand::rendered_scene(Session& session) const {
                               .boundary = {Boundary::walls, Boundary::walls},
                               .height = md_.cell.height};
     auto frames = std::make_unique<pipelines::RenderedFrames>(
-        *scene.trajectory, box, render_, static_cast<std::uint64_t>(session.common.seed),
-        session.threads(), session.plan);
+        *scene.trajectory, box, render_, session.seed, session.threads, session.plan);
     scene.truth = std::make_unique<pipelines::RenderedTruth>(*frames);
     scene.sphere_diameter = frames->renderer().view().scale();
     scene.vibration_frequency = frames->truth_info().vibration_frequency;
@@ -171,16 +170,15 @@ std::unique_ptr<SnapshotSource> ValidateCommand::make_trajectory(Session& sessio
         !session.common.explain || render_.optics == simulate::OpticsKind::raytrace;
     simulate::GrainState initial;
     if (is_shown) {
-        initial =
-            simulate::make_initial_state(md_, static_cast<std::uint64_t>(session.common.seed));
+        initial = simulate::make_initial_state(md_, session.seed);
     }
     auto snapshots = std::make_unique<MovingGrains>();
     if (session.common.explain && is_shown) snapshots->write(snapshot_of(initial, md_));
-    simulate::MdSimulation simulation(md_, std::move(initial), session.threads(), session.plan);
+    simulate::MdSimulation simulation(md_, std::move(initial), session.threads, session.plan);
     snapshots->set_info(simulation.info());
     if (session.common.explain) return snapshots;
     Progress progress("simulating", static_cast<std::int64_t>(md_.run.periods), "periods",
-                      session.common.verbosity());
+                      session.verbosity);
     while (!simulation.is_done()) {
         throw_if_interrupted("validation");
         const double before = simulation.periods_done();
@@ -201,7 +199,7 @@ Summary ValidateCommand::finish(Session& session, const pipelines::ValidationOut
         run.record.warnings.clear();
     }
     report::ReportOptions options = report_;
-    options.threads = session.threads();
+    options.threads = session.threads;
     if (options.title.empty()) options.title = "Validation of the tracker";
     report::write_report(runs, options, html.temporary(), figures_folder(output_), session.plan,
                          pipelines::validation_report(outcome, checks));
@@ -231,7 +229,7 @@ Summary ValidateCommand::run(Session& session) {
         session.plan.run("analyse", "the true and the tracked positions");
         return explanation(session.plan);
     }
-    const auto overwrite = session.common.force ? io::Overwrite::force : io::Overwrite::refuse;
+    const auto overwrite = session.overwrite;
     io::OutputFile html(output_, overwrite);
     std::optional<FiguresFolder> figures;
     if (report_.figures) figures.emplace(figures_folder(output_), overwrite);
@@ -239,8 +237,8 @@ Summary ValidateCommand::run(Session& session) {
     settings.tracking = tracking_;
     settings.fit = fit_;
     settings.previews = previews_;
-    settings.threads = session.threads();
-    settings.verbosity = session.common.verbosity();
+    settings.threads = session.threads;
+    settings.verbosity = session.verbosity;
     settings.slow_frames =
         scene.rendered != nullptr && render_.optics == simulate::OpticsKind::raytrace;
     tracking::TrackSummary tracked;

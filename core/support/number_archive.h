@@ -88,7 +88,7 @@ class NumberArchive {
         throw InputError({.problem = "stored numbers do not fit",
                           .actual = actual,
                           .expected = {},
-                          .suggestion = "start again without --resume"});
+                          .suggestion = "start the run anew"});
     }
     double take() {
         if (rest_.empty()) fail("fewer numbers than expected");

@@ -118,8 +118,8 @@ void plan_background(const FilmOptions& options, const EvenedFrames& evened, Run
 /// Frames with the background evened out; those that came in where there is nothing to do.
 std::unique_ptr<FrameSource> evened(std::unique_ptr<FrameSource> frames, const FilmOptions& options,
                                     const Image& empty_cell, const tracking::TrackOptions& tracking,
-                                    Session& session) {
-    RunPlan& plan = session.plan;
+                                    Job& job) {
+    RunPlan& plan = job.plan;
     const BackgroundOptions& background = options.background;
     if (background.kind == "none") return frames;
     if (empty_cell.empty() && frames->count() < 3) {
@@ -136,7 +136,7 @@ std::unique_ptr<FrameSource> evened(std::unique_ptr<FrameSource> frames, const F
             std::make_unique<EvenedFrames>(std::move(frames), empty_cell, levels, tracking.visible);
     } else {
         evened = std::make_unique<EvenedFrames>(std::move(frames), background, levels,
-                                                tracking.visible, session.threads());
+                                                tracking.visible, job.threads);
     }
     throw_if_interrupted("tracking");
     plan_background(options, *evened, plan);
@@ -173,14 +173,13 @@ void describe(FilmOptions& options, OptionTable& table) {
     table.flag("strict", options.strict, "fail on the first bad frame instead of leaving it out");
 }
 
-Film open_film(Session& session, const FilmOptions& options,
-               const tracking::TrackOptions& tracking) {
+Film open_film(Job& job, const FilmOptions& options, const tracking::TrackOptions& tracking) {
     std::unique_ptr<FrameSource> frames = io::select_frames(
-        io::open_frames(session.inputs, {.fps = options.fps, .max_pixels = options.max_pixels}),
+        io::open_frames(job.inputs, {.fps = options.fps, .max_pixels = options.max_pixels}),
         options.frames);
     const auto region = io::parse_region(options.region, frames->width(), frames->height());
     Film film;
-    film.visible = visible_pixels(*frames, options, region, session.plan);
+    film.visible = visible_pixels(*frames, options, region, job.plan);
     if (region) film.origin = {static_cast<double>(region->x), static_cast<double>(region->y)};
     if (!options.flat_field.empty()) {
         const Image flat = companion(options.flat_field, "flat field", *frames, options);
@@ -197,10 +196,10 @@ Film open_film(Session& session, const FilmOptions& options,
     if (region) frames = io::crop_frames(std::move(frames), *region);
     tracking::TrackOptions first = tracking;
     first.visible = film.visible;
-    frames = evened(std::move(frames), options, empty, first, session);
+    frames = evened(std::move(frames), options, empty, first, job);
     film.frames = std::make_unique<WatchedFrames>(
         io::read_ahead(std::move(frames)), options.strict ? BadFrames::refuse : BadFrames::allow);
-    for (const std::string& warning : film.frames->warnings()) session.plan.warn(warning);
+    for (const std::string& warning : film.frames->warnings()) job.plan.warn(warning);
     return film;
 }
 

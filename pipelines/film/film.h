@@ -9,7 +9,7 @@
 #include "core/option_table.h"
 #include "pipelines/film/evened_frames.h"
 #include "pipelines/film/watched_frames.h"
-#include "pipelines/session.h"
+#include "pipelines/job.h"
 #include "tracking/tracker.h"
 
 namespace grainfield::pipelines {
@@ -40,9 +40,8 @@ struct Film {
     tracking::VisiblePixels visible;  ///< where the mask is not zero
 };
 
-/// What is done to the frames goes into the plan of the session; a background is estimated with the
+/// What is done to the frames goes into the plan of the job; a background is estimated with the
 /// image model that `tracking` calibrates. Throws OptionError, InputError.
-Film open_film(Session& session, const FilmOptions& options,
-               const tracking::TrackOptions& tracking);
+Film open_film(Job& job, const FilmOptions& options, const tracking::TrackOptions& tracking);
 
 }  // namespace grainfield::pipelines

@@ -320,10 +320,10 @@ double Tuning::forbidden_distance() const {
     return *options.sphere_diameter * std::sqrt(std::max(0.0, 1 - slack * slack));
 }
 
-Settings suggested_settings(const Tuning& tuning, const Session& session) {
+Settings suggested_settings(const Tuning& tuning, const Job& job) {
     Settings settings;
     // What the user said of the film holds for the run as well.
-    for (const auto& [name, value] : session.configuration) {
+    for (const auto& [name, value] : job.configuration) {
         for (const char* kept : {"region", "flat-field", "mask", "background"}) {
             if (name == kept && !value.empty() && value != "none") {
                 settings.emplace_back("track." + name, "\"" + value + "\"");
@@ -373,11 +373,11 @@ std::string toml_of(const Settings& settings) {
     return text;
 }
 
-std::string command_line_of(const Settings& settings, const Session& session) {
+std::string command_line_of(const Settings& settings, const Job& job) {
     std::string text = "grainfield track";
-    for (const auto& input : session.inputs) {
+    for (const auto& input : job.inputs) {
         text += " '" + input.string() + "'";
-        if (session.inputs.size() > 3) {
+        if (job.inputs.size() > 3) {
             text += " …";
             break;
         }

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "pipelines/session.h"
+#include "pipelines/job.h"
 #include "report/report.h"
 #include "tracking/survey.h"
 
@@ -27,12 +27,12 @@ struct Tuning {
 /// Settings that fix what was estimated and save what the film does not need: "section.name" and
 /// its value as TOML has it.
 std::vector<std::pair<std::string, std::string>> suggested_settings(const Tuning& tuning,
-                                                                    const Session& session);
+                                                                    const Job& job);
 
 /// They as a configuration file, and as words of a command line.
 std::string toml_of(const std::vector<std::pair<std::string, std::string>>& settings);
 std::string command_line_of(const std::vector<std::pair<std::string, std::string>>& settings,
-                            const Session& session);
+                            const Job& job);
 
 /// Tables and figures of the page.
 report::ReportAdditions tuning_report(

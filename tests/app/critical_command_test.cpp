@@ -38,7 +38,7 @@ Summary run_command(const testing::ScratchFolder& folder, std::vector<std::files
     for (const auto& [name, text] : options) tables.front().set(name, OptionValue(text));
     Session session;
     session.command = "critical";
-    session.common.force = true;
+    session.overwrite = Overwrite::force;
     session.inputs = std::move(inputs);
     return command.run(session);
 }
