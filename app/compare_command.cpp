@@ -5,12 +5,11 @@
 
 #include <fmt/format.h>
 
-#include "app/figures_folder.h"
 #include "core/errors.h"
 #include "core/support/interrupt.h"
 #include "io/h5/results_file.h"
-#include "io/output_file.h"
 #include "pipelines/interrupt_deadline.h"
+#include "pipelines/page/report_page.h"
 
 namespace grainfield::app {
 
@@ -69,26 +68,18 @@ Summary CompareCommand::work(Session& session) const {
         return explanation(session.plan);
     }
     const std::vector<Results> results = read_inputs(session);
-    const auto overwrite = session.overwrite;
-    io::OutputFile html(output_, overwrite);
-    std::optional<FiguresFolder> figures;
-    if (report_.figures) figures.emplace(figures_folder(output_), overwrite);
-    report::ReportOptions options = report_;
-    options.threads = session.threads;
-    report::write_report(results, options, html.temporary(), figures_folder(output_), session.plan);
-    html.commit();
-    session.outputs.push_back(output_);
-    if (figures) {
-        figures->keep();
-        session.outputs.push_back(figures->path());
-    }
+    pipelines::ReportPage page(output_, report_, session);
+    page.draw(results, session);
+    page.commit(session);
 
     Summary summary;
     summary.text = fmt::format("{}: report of {} results\n", output_, results.size());
     const std::size_t left_out = session.inputs.size() - results.size();
     if (left_out > 0) summary.text += fmt::format("  left out   {}, see the warnings\n", left_out);
     summary.facts["left_out"] = left_out;
-    if (figures) summary.text += fmt::format("  figures    {}\n", figures->path().string());
+    if (!page.figures().empty()) {
+        summary.text += fmt::format("  figures    {}\n", page.figures().string());
+    }
     summary.facts["labels"] = nlohmann::ordered_json::array();
     for (const Results& r : results) summary.facts["labels"].push_back(r.label);
     return summary;

@@ -18,13 +18,18 @@ namespace grainfield::pipelines {
 struct FilmOptions {
     std::optional<double> fps;  ///< [1/s]; empty: as the file says
     std::string frames = "::";
-    std::string region;      ///< X,Y,WIDTH,HEIGHT [px]
-    std::string flat_field;  ///< picture of the empty, lit cell
-    std::string mask;        ///< picture, zero: not looked at
-    BackgroundOptions background;
+    std::string region;                     ///< X,Y,WIDTH,HEIGHT [px]
+    std::string flat_field;                 ///< picture of the empty, lit cell
+    std::string mask;                       ///< picture, zero: not looked at
+    std::string background = "none";        ///< none, static, running, or a picture
+    std::int64_t background_frames = 48;    ///< looked at for one estimate
+    std::int64_t background_window = 1000;  ///< [frames] running: what one estimate sees
     std::int64_t max_pixels = 200'000'000;
     bool strict = false;
 };
+
+/// Where the background comes from. Throws OptionError.
+BackgroundOptions background_of(const FilmOptions& options);
 
 /// The files besides the frames that they name: mask, flat field, picture of the background.
 std::vector<std::string> pictures_of(const FilmOptions& options);

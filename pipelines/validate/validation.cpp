@@ -11,7 +11,7 @@
 #include "core/errors.h"
 #include "core/support/interrupt.h"
 #include "pipelines/film/watched_frames.h"
-#include "pipelines/stored_snapshots.h"
+#include "pipelines/validate/stored_snapshots.h"
 #include "tracking/score/edge_noise.h"
 
 namespace grainfield::pipelines {

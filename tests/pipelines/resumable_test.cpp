@@ -24,6 +24,13 @@ using ::testing::Not;
 constexpr ResumeOptions kAnew{.resume = false, .every = std::chrono::hours(1)};
 constexpr ResumeOptions kResume{.resume = true, .every = std::chrono::hours(1)};
 
+Checkpoint state() {
+    Checkpoint checkpoint;
+    checkpoint.kind = "test";
+    checkpoint.reals["state"] = {2.5};
+    return checkpoint;
+}
+
 class ResumableJob : public ::testing::Test {
  protected:
     Resumable::Identity identity(const std::string& nu = "0.01") const {
@@ -40,7 +47,7 @@ class ResumableJob : public ::testing::Test {
         Resumable run(job, identity(), kAnew);
         run.start();
         for (double i = 0; i < 5; ++i) {
-            if (i == 3) run.save({.kind = "test", .reals = {{"state", {2.5}}}});
+            if (i == 3) run.save(state());
             run.log().append({i, 10 * i});
         }
     }
@@ -79,7 +86,7 @@ TEST_F(ResumableJob, VouchesForFewerRecordsIfAsked) {
         Resumable run(job, identity(), kAnew);
         run.start();
         for (double i = 0; i < 4; ++i) run.log().append({i});
-        run.save({.kind = "test"}, 1);
+        run.save(state(), 1);
     }
     Job job;
     Resumable run(job, identity(), kResume);
@@ -190,7 +197,7 @@ TEST_F(ResumableJob, SaysHowToGoOnOnceThatIsPossible) {
     Resumable run(job, identity(), kAnew);
     run.start();
     EXPECT_EQ(run.interrupted(3, 40, "frames"), "interrupted after 3 of 40 frames");
-    run.save({.kind = "test"});
+    run.save(state());
     EXPECT_THAT(run.interrupted(2.5, 14, "periods"),
                 AllOf(HasSubstr("interrupted after 2.5 of 14 periods; "), HasSubstr("'resume'")));
 }
