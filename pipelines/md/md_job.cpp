@@ -168,7 +168,8 @@ MdJobResult run_md(const MdJobOptions& options, Job& job) {
     if (resumable.from() == nullptr) initial = initial_state(options, job.seed);
     MdSimulation simulation(options.md, std::move(initial), job.threads, job.plan);
     if (resumable.from() != nullptr) {
-        simulation.restore(*resumable.from(), "'" + resumable.checkpoint_path().string() + "'");
+        simulation.restore(*resumable.from(),
+                           fmt::format("'{}'", resumable.checkpoint_path().string()));
     }
     io::TrajectoryWriter writer(options.output, simulation.info(), resumable.overwrite());
     resumable.start();
