@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pipelines/stored_snapshots.h"
+#include "pipelines/validate/stored_snapshots.h"
 
 namespace grainfield::pipelines {
 namespace {

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "pipelines/stored_snapshots.h"
+#include "pipelines/validate/stored_snapshots.h"
 #include "core/frame_source.h"
 #include "tests/support/layer_frames.h"
 
