@@ -1,12 +1,10 @@
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
 
-#include "analysis/analysis.h"
 #include "app/command.h"
-#include "pipelines/analyze/adjusted_snapshots.h"
+#include "pipelines/analyze/analyze_job.h"
 
 namespace grainfield::app {
 
@@ -20,23 +18,17 @@ class AnalyzeCommand : public Command {
     Summary run(Session& session) override;
 
  private:
-    Summary work(Session& session) const;
-    Summary run_fields(Session& session) const;
     enum class BoundaryChoice { as_in_file, periodic, walls };
 
-    pipelines::Adjustment adjustment() const;
-    std::string label_of(const Results& results, const std::filesystem::path& input) const;
+    pipelines::AnalyzeJobOptions job() const;
 
     std::string output_;
-    std::string label_;
     std::string box_;
     std::string wavevectors_;
     BoundaryChoice boundary_ = BoundaryChoice::as_in_file;
-    std::optional<double> fps_;
-    std::optional<double> particle_diameter_;
     std::optional<double> gamma_;
     bool from_fields_ = false;
-    analysis::AnalysisOptions analysis_;
+    pipelines::AnalyzeJobOptions job_;
 };
 
 }  // namespace grainfield::app

@@ -16,8 +16,8 @@ ordered_json json_summary(const Session& session, const Summary& summary) {
     ordered_json object;
     object["command"] = session.command;
     object["version"] = kVersion;
-    object["seed"] = session.common.seed;
-    object["threads"] = session.threads();
+    object["seed"] = session.seed;
+    object["threads"] = session.threads;
     object["seconds"] = session.seconds();
     object["skipped"] = ordered_json::array();
     for (const PlannedStage& stage : session.plan.skipped()) {

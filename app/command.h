@@ -10,15 +10,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "app/session.h"
 #include "core/option_table.h"
 #include "core/results.h"
 #include "core/run_plan.h"
-#include "pipelines/session.h"
 
 namespace grainfield::app {
-
-using pipelines::counted;
-using pipelines::Session;
 
 /// What a command reports when it is done. Commands print nothing themselves.
 struct Summary {

@@ -130,7 +130,7 @@ class BoundCommand {
             options_.entries()[i].option.set_from_text(given_[i]->results().back());
         }
         session.command = command_->name();
-        session.common = common_;
+        session.apply(common_);
         session.inputs.assign(inputs_.begin(), inputs_.end());
         session.configuration = options_.configuration();
         return command_->run(session);
@@ -185,7 +185,7 @@ class BoundCommand {
     }
 
     std::unique_ptr<Command> command_;
-    pipelines::CommonOptions common_;
+    CommonOptions common_;
     OptionSet options_;
     CLI::App* parser_ = nullptr;
     std::vector<CLI::Option*> given_;  // parallel to the entries of options_

@@ -5,13 +5,11 @@
 
 #include <fmt/format.h>
 
-#include "analysis/observables.h"
-#include "app/figures_folder.h"
-#include "app/interrupt_deadline.h"
 #include "core/errors.h"
 #include "core/support/interrupt.h"
 #include "io/h5/results_file.h"
-#include "io/output_file.h"
+#include "pipelines/interrupt_deadline.h"
+#include "pipelines/page/report_page.h"
 
 namespace grainfield::app {
 
@@ -58,7 +56,7 @@ std::vector<OptionTable> CompareCommand::options() {
 }
 
 Summary CompareCommand::run(Session& session) {
-    return run_or_discard("comparison", output_, [&] { return work(session); });
+    return pipelines::run_or_discard("comparison", output_, [&] { return work(session); });
 }
 
 Summary CompareCommand::work(Session& session) const {
@@ -70,27 +68,18 @@ Summary CompareCommand::work(Session& session) const {
         return explanation(session.plan);
     }
     const std::vector<Results> results = read_inputs(session);
-    const auto overwrite = session.common.force ? io::Overwrite::force : io::Overwrite::refuse;
-    io::OutputFile html(output_, overwrite);
-    std::optional<FiguresFolder> figures;
-    if (report_.figures) figures.emplace(figures_folder(output_), overwrite);
-    report::ReportOptions options = report_;
-    options.threads = session.threads();
-    options.hints = analysis::figure_hints();
-    report::write_report(results, options, html.temporary(), figures_folder(output_), session.plan);
-    html.commit();
-    session.outputs.push_back(output_);
-    if (figures) {
-        figures->keep();
-        session.outputs.push_back(figures->path());
-    }
+    pipelines::ReportPage page(output_, report_, session);
+    page.draw(results, session);
+    page.commit(session);
 
     Summary summary;
     summary.text = fmt::format("{}: report of {} results\n", output_, results.size());
     const std::size_t left_out = session.inputs.size() - results.size();
     if (left_out > 0) summary.text += fmt::format("  left out   {}, see the warnings\n", left_out);
     summary.facts["left_out"] = left_out;
-    if (figures) summary.text += fmt::format("  figures    {}\n", figures->path().string());
+    if (!page.figures().empty()) {
+        summary.text += fmt::format("  figures    {}\n", page.figures().string());
+    }
     summary.facts["labels"] = nlohmann::ordered_json::array();
     for (const Results& r : results) summary.facts["labels"].push_back(r.label);
     return summary;

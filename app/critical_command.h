@@ -1,10 +1,9 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
-#include "analysis/statistics/critical.h"
 #include "app/command.h"
+#include "pipelines/critical/critical_job.h"
 
 namespace grainfield::app {
 
@@ -18,19 +17,11 @@ class CriticalCommand : public Command {
     Summary run(Session& session) override;
 
  private:
-    enum class Exponent { as_fitted, shared };
-
     Summary work(Session& session) const;
-    std::vector<double> control_values(const Session& session,
-                                       const std::vector<Results>& results) const;
-    std::string parameter_text(const std::vector<Results>& results) const;
 
     std::string output_;
     std::string values_;
-    std::string parameter_;
-    std::string label_ = "critical point";
-    analysis::CriticalLine line_ = analysis::CriticalLine::free;
-    Exponent exponent_ = Exponent::as_fitted;
+    pipelines::CriticalJobOptions job_;
 };
 
 }  // namespace grainfield::app

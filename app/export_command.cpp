@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "app/interrupt_deadline.h"
 #include "core/errors.h"
 #include "io/file_kind.h"
 #include "io/h5/results_file.h"
@@ -11,6 +10,7 @@
 #include "io/output_file.h"
 #include "io/text/export_files.h"
 #include "io/video/colour_video.h"
+#include "pipelines/interrupt_deadline.h"
 
 namespace grainfield::app {
 
@@ -77,10 +77,10 @@ Command::Inputs ExportCommand::inputs() const {
 std::vector<OptionTable> ExportCommand::options() {
     OptionTable own("");
     own.text("output", output_, "FILE.csv or FILE.xyz for trajectories, a folder for curves");
-    own.text("overlay", overlay_.output,
+    own.text("overlay", overlay_output_,
              "FILE.mp4: the film with detections, trails and |Q4| colours; in place of --output");
     own.text(
-        "film", overlay_.film,
+        "film", film_,
         "of --overlay: the video or folder of frames that was tracked; by default as recorded");
     own.integer("trail", overlay_.trail, "frames", {0, 10000},
                 "of --overlay: length of the trails");
@@ -90,40 +90,46 @@ std::vector<OptionTable> ExportCommand::options() {
 }
 
 Summary ExportCommand::run(Session& session) {
-    if (!overlay_.output.empty()) return run_overlay(session);
-    return run_or_discard("export", output_, [&] { return work(session); });
+    if (!overlay_output_.empty()) return run_overlay(session);
+    return pipelines::run_or_discard("export", output_, [&] { return work(session); });
 }
 
 Summary ExportCommand::run_overlay(Session& session) const {
     if (!output_.empty()) {
         throw OptionError({.problem = "--output and --overlay exclude each other",
-                           .actual = fmt::format("'{}' and '{}'", output_, overlay_.output),
+                           .actual = fmt::format("'{}' and '{}'", output_, overlay_output_),
                            .expected = "one of them",
                            .suggestion = "run export twice"});
     }
-    require_output(session, overlay_.output);
-    if (!io::is_colour_video_name(overlay_.output)) {
+    require_output(session, overlay_output_);
+    if (!io::is_colour_video_name(overlay_output_)) {
         throw OptionError(
-            {.problem = fmt::format("cannot tell what video '{}' is to be", overlay_.output),
+            {.problem = fmt::format("cannot tell what video '{}' is to be", overlay_output_),
              .actual = {},
              .expected = "a name that ends in .mp4, .mkv or .mov",
              .suggestion = {}});
     }
-    const fs::path& input = session.inputs.front();
-    const auto snapshots = io::open_snapshots(input, std::nullopt, {});
-    session.plan.run("overlay",
-                     fmt::format("{} of '{}' to '{}'", counted(snapshots->count(), "frame"),
-                                 input.string(), overlay_.output));
-    if (session.common.explain) return explanation(session.plan);
-    const auto* tracks = dynamic_cast<const io::TrajectoryFile*>(snapshots.get());
-    const auto overwrite = session.common.force ? io::Overwrite::force : io::Overwrite::refuse;
-    return write_overlay(session, *snapshots, tracks == nullptr ? nullptr : &tracks->record(),
-                         overlay_, overwrite);
+    pipelines::OverlayJobOptions job = overlay_;
+    job.output = overlay_output_;
+    job.film = film_;
+    if (session.common.explain) {
+        pipelines::plan_overlay(job, session);
+        return explanation(session.plan);
+    }
+    const pipelines::OverlayJobResult result = pipelines::draw_overlay(job, session);
+    Summary summary;
+    summary.signal = result.signal;
+    summary.text = fmt::format("{}: {}, {} x {} px, {:g} a second{}\n", overlay_output_,
+                               counted(result.frames, "frame"), result.width, result.height,
+                               result.fps, result.has_film ? "" : ", without the film");
+    summary.facts["frames"] = result.frames;
+    summary.facts["frame_rate"] = result.fps;
+    return summary;
 }
 
 Summary ExportCommand::work(Session& session) const {
     require_output(session, output_);
-    const auto overwrite = session.common.force ? io::Overwrite::force : io::Overwrite::refuse;
+    const auto overwrite = session.overwrite;
     const fs::path& input = session.inputs.front();
     const Form form = form_for(input, io::identify(input), output_);
     session.plan.run("export", fmt::format("'{}' to '{}'", input.string(), output_));

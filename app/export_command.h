@@ -3,7 +3,7 @@
 #include <string>
 
 #include "app/command.h"
-#include "app/overlay_job.h"
+#include "pipelines/overlay/overlay_job.h"
 
 namespace grainfield::app {
 
@@ -21,7 +21,9 @@ class ExportCommand : public Command {
     Summary run_overlay(Session& session) const;
 
     std::string output_;
-    OverlayRequest overlay_;
+    std::string overlay_output_;
+    std::string film_;
+    pipelines::OverlayJobOptions overlay_;
 };
 
 }  // namespace grainfield::app

@@ -1,7 +1,5 @@
 #include "app/optics_summary.h"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 namespace grainfield::app {
@@ -24,23 +22,18 @@ void add_flights(const simulate::FlightTally& flights, Summary& summary) {
 
 }  // namespace
 
-void add_optics_summary(const simulate::Renderer& renderer, std::int64_t frames,
-                        const simulate::SamplingCheck& check, Summary& summary) {
-    const simulate::OpticsCost cost = renderer.cost();
-    const double pixels = std::max(
-        1.0, static_cast<double>(frames) * renderer.view().width() * renderer.view().height());
-    const double saved = cost.uniform_rays > 0 ? 1 - cost.rays / cost.uniform_rays : 0;
-    const double settled = cost.settled / std::max(cost.pixels, 1.0);
-    summary.facts["rays_per_pixel"] = cost.rays / pixels;
-    summary.facts["samples_per_pixel"] = cost.samples / pixels;
-    summary.facts["settled_pixels"] = settled;
-    summary.facts["rays_saved"] = saved;
-    add_flights(renderer.flights(), summary);
-    if (cost.rays <= 0) return;
+void add_optics_summary(const pipelines::OpticsUse& use, Summary& summary) {
+    summary.facts["rays_per_pixel"] = use.rays_per_pixel;
+    summary.facts["samples_per_pixel"] = use.samples_per_pixel;
+    summary.facts["settled_pixels"] = use.settled_pixels;
+    summary.facts["rays_saved"] = use.rays_saved;
+    add_flights(use.flights, summary);
+    if (use.rays_per_pixel <= 0) return;
     summary.text += fmt::format(
         "  {:.1f} rays a pixel of the frame, {:.0f} % fewer than by uniform sampling; none in "
         "{:.0f} % of the pixels\n",
-        cost.rays / pixels, 100 * saved, 100 * settled);
+        use.rays_per_pixel, 100 * use.rays_saved, 100 * use.settled_pixels);
+    const simulate::SamplingCheck& check = use.check;
     if (check.size == 0) return;
     summary.facts["sampling_difference"] = check.difference;
     summary.facts["camera_noise"] = check.noise;
@@ -48,17 +41,6 @@ void add_optics_summary(const simulate::Renderer& renderer, std::int64_t frames,
         "  differs from uniform sampling by {:.2f} % of the bright field, camera noise {:.2f} % "
         "(RMS, {} px in the middle)\n",
         100 * check.difference, 100 * check.noise, check.size);
-}
-
-void explain_rays(const simulate::SamplingCheck& check, RunPlan& plan) {
-    if (check.size == 0) return;
-    plan.run("rays",
-             fmt::format("{:.1f} a pixel, {:.0f} % fewer than by uniform sampling, on {} px "
-                         "in the middle of the first frame",
-                         check.rays, 100 * check.saved, check.size));
-    plan.run("sampling error",
-             fmt::format("{:.2f} % of the bright field there, camera noise {:.2f} %",
-                         100 * check.difference, 100 * check.noise));
 }
 
 }  // namespace grainfield::app

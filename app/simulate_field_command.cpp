@@ -1,13 +1,13 @@
 #include "app/simulate_field_command.h"
 
 #include <charconv>
+#include <chrono>
 #include <filesystem>
 
 #include <fmt/format.h>
 
 #include "core/errors.h"
 #include "core/support/progress.h"
-#include "pipelines/field/field_job.h"
 
 namespace grainfield::app {
 
@@ -54,6 +54,16 @@ std::string words(const std::filesystem::path& output, const pipelines::FieldJob
                               result.mass_drift);
 }
 
+// The session's job for one value of nu, which its output records: `critical` looks there.
+pipelines::Job job_of(const Session& session, const pipelines::FieldJobOptions& options) {
+    pipelines::Job job = session;
+    job.plan = {};
+    for (auto& [name, text] : job.configuration) {
+        if (name == "model.nu") text = to_text(OptionValue(options.field.model.nu));
+    }
+    return job;
+}
+
 ordered_json facts(const pipelines::FieldJobResult& result) {
     ordered_json facts;
     facts["steps"] = result.steps;
@@ -73,28 +83,26 @@ std::string SimulateFieldCommand::purpose() const {
 std::vector<OptionTable> SimulateFieldCommand::options() {
     OptionTable own("");
     own.text("output", output_, "field file to write");
-    own.flag("resume", resume_, "go on from the checkpoint of an interrupted run");
+    own.flag("resume", job_.resume.resume,
+             "go on from the checkpoint of an interrupted run if it is there");
     own.number("checkpoint-every", checkpoint_every_, "s", {0.01, 1e9},
                "wall time between checkpoints");
     own.text("nu-list", nu_list_, "values of nu, one output each, as 0.005,0.001");
     OptionTable sk("sk");
-    sk.number("k-max", sk_.k_max, "1/l", {1e-9, 1e9}, "largest wavevector of S(k)");
+    sk.number("k-max", job_.sk.k_max, "1/l", {1e-9, 1e9}, "largest wavevector of S(k)");
     std::vector<OptionTable> tables{own, sk};
-    for (OptionTable& table : simulate::describe(field_)) tables.push_back(std::move(table));
+    for (OptionTable& table : simulate::describe(job_.field)) tables.push_back(std::move(table));
     return tables;
 }
 
-Summary SimulateFieldCommand::run(Session& session) {
-    require_output(session, output_);
-    require_hdf5_name(output_);
-    field_.seed = static_cast<std::uint64_t>(session.common.seed);
-    field_.threads = session.threads();
+std::vector<pipelines::FieldJobOptions> SimulateFieldCommand::jobs() const {
     const std::vector<double> list = parse_list(nu_list_);
     std::vector<pipelines::FieldJobOptions> jobs;
-    for (const double nu : list.empty() ? std::vector<double>{field_.model.nu} : list) {
-        pipelines::FieldJobOptions job{output_, resume_, checkpoint_every_, field_, sk_};
+    for (const double nu : list.empty() ? std::vector<double>{job_.field.model.nu} : list) {
+        pipelines::FieldJobOptions job = job_;
+        job.output = list.empty() ? std::filesystem::path(output_) : name_for(output_, nu);
+        job.resume.every = std::chrono::duration<double>(checkpoint_every_);
         job.field.model.nu = nu;
-        if (!list.empty()) job.output = name_for(output_, nu);
         for (const pipelines::FieldJobOptions& other : jobs) {
             if (other.output != job.output) continue;
             throw OptionError({.problem = "option 'nu-list' has two values with one output",
@@ -105,26 +113,38 @@ Summary SimulateFieldCommand::run(Session& session) {
         }
         jobs.push_back(std::move(job));
     }
+    return jobs;
+}
+
+Summary SimulateFieldCommand::run(Session& session) {
+    require_output(session, output_);
+    require_hdf5_name(output_);
+    job_.field.seed = session.seed;
+    job_.field.threads = session.threads;
+    const std::vector<pipelines::FieldJobOptions> jobs = this->jobs();
+    if (session.common.explain) {
+        pipelines::plan_field(jobs.front(), session);
+        return explanation(session.plan);
+    }
     Summary summary;
-    for (std::size_t i = 0; i < jobs.size(); ++i) {
-        RunPlan plan;
-        const simulate::FieldPlan field = simulate::plan_field(jobs[i].field, plan);
-        if (i == 0) session.plan = plan;
-        for (const Warning& warning : plan.warnings()) session.plan.warn(warning);
-        if (session.common.explain) return explanation(session.plan);
-        // What --resume finds finished is left as it is.
-        if (resume_ && jobs.size() > 1 && std::filesystem::exists(jobs[i].output)) continue;
-        // Each output records its own ν.
-        for (auto& [name, text] : session.configuration) {
-            if (name == "model.nu") text = to_text(OptionValue(jobs[i].field.model.nu));
-        }
-        const pipelines::FieldJobResult result = pipelines::run_field_job(jobs[i], field, session);
-        summary.text += words(jobs[i].output, result);
+    for (const pipelines::FieldJobOptions& job : jobs) {
+        // What an earlier run finished is left as it is.
+        const bool is_done = jobs.size() > 1 && job_.resume.resume &&
+                             std::filesystem::exists(job.output) &&
+                             !std::filesystem::exists(job.output.string() + ".checkpoint");
+        if (is_done) continue;
+        pipelines::Job one = job_of(session, job);
+        const pipelines::FieldJobResult result = pipelines::run_field(job, one);
+        if (&job == &jobs.front()) session.plan = one.plan;
+        for (const std::string& warning : one.plan.warnings()) session.plan.warn(warning);
+        session.outputs = one.outputs;
+        summary.text += words(job.output, result);
         if (jobs.size() == 1) {
             summary.facts = facts(result);
+            session.start = one.start;
         } else {
             ordered_json entry = facts(result);
-            entry["nu"] = jobs[i].field.model.nu;
+            entry["nu"] = job.field.model.nu;
             summary.facts["runs"].push_back(std::move(entry));
         }
         summary.signal = result.signal;

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
-#include "analysis/spectra/structure_factor.h"
 #include "app/command.h"
-#include "simulate/field/field_options.h"
+#include "pipelines/field/field_job.h"
 
 namespace grainfield::app {
 
@@ -20,12 +20,13 @@ class SimulateFieldCommand : public Command {
     Summary run(Session& session) override;
 
  private:
+    /// One for each value of nu.
+    std::vector<pipelines::FieldJobOptions> jobs() const;
+
     std::string output_;
-    bool resume_ = false;
-    double checkpoint_every_ = 60;
+    double checkpoint_every_ = 60;  ///< [s]
     std::string nu_list_;
-    simulate::FieldOptions field_;
-    analysis::StructureFactorOptions sk_;
+    pipelines::FieldJobOptions job_;
 };
 
 }  // namespace grainfield::app

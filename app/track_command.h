@@ -1,12 +1,9 @@
 #pragma once
 
-#include <cstdint>
 #include <string>
 
 #include "app/command.h"
-#include "pipelines/film/film.h"
-#include "pipelines/track/track_checkpoint.h"
-#include "tracking/tracker.h"
+#include "pipelines/track/track_job.h"
 
 namespace grainfield::app {
 
@@ -20,15 +17,9 @@ class TrackCommand : public Command {
     Summary run(Session& session) override;
 
  private:
-    void plan_checkpoints(const pipelines::TrackCheckpoint& saved, std::int64_t frames,
-                          RunPlan& plan) const;
-    void warn_of_unit(const tracking::Tracker& tracker, RunPlan& plan) const;
-
     std::string output_;
-    pipelines::FilmOptions film_;
-    std::int64_t previews_ = 3;
-    pipelines::TrackCheckpoint::Options checkpoint_;
-    tracking::TrackOptions tracking_;
+    double checkpoint_every_ = 1;  ///< [min]
+    pipelines::TrackJobOptions job_;
 };
 
 }  // namespace grainfield::app

@@ -1,13 +1,10 @@
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "app/command.h"
-#include "pipelines/film/film.h"
-#include "report/report.h"
-#include "tracking/survey.h"
+#include "pipelines/tune/tune_job.h"
 
 namespace grainfield::app {
 
@@ -23,15 +20,13 @@ class TuneCommand : public Command {
 
  private:
     Summary work(Session& session);
-    std::vector<tracking::Survey> look(Session& session, pipelines::WatchedFrames& frames,
-                                       const tracking::Tracker& tracker,
-                                       std::vector<Preview>& previews) const;
 
     std::string output_;
-    std::int64_t samples_ = 3;
-    pipelines::FilmOptions film_;
-    tracking::TrackOptions tracking_;
-    report::ReportOptions report_;
+    pipelines::TuneJobOptions job_;
 };
+
+/// The command line that tracks `inputs` with the settings.
+std::string track_command_line(const std::vector<pipelines::Setting>& settings,
+                               const std::vector<std::filesystem::path>& inputs);
 
 }  // namespace grainfield::app

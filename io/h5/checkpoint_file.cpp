@@ -221,8 +221,9 @@ void require_same_configuration(
     throw InputError({.problem = fmt::format("'{}' is of a run with other options", path.string()),
                       .actual = differences,
                       .expected = {},
-                      .suggestion = "resume with the options of the checkpoint, or start again "
-                                    "without --resume under another name"});
+                      .suggestion =
+                          "resume with the options of the checkpoint, or start anew under "
+                          "another name"});
 }
 
 }  // namespace grainfield::io

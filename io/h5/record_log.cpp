@@ -73,7 +73,7 @@ void RecordLog::fail_reading(const char* what) const {
     throw InputError({.problem = fmt::format("cannot go on from '{}'", path_.string()),
                       .actual = what,
                       .expected = {},
-                      .suggestion = "start again without --resume"});
+                      .suggestion = "start the run anew"});
 }
 
 std::vector<char> RecordLog::bytes_at(std::int64_t start, std::size_t count) const {

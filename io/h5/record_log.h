@@ -25,6 +25,10 @@ class RecordLog {
     std::vector<double> read(std::int64_t index) const;
 
     std::int64_t bytes() const { return bytes_; }
+    /// Of the first `records`, which are at most count().
+    std::int64_t bytes_of(std::int64_t records) const {
+        return records < count() ? starts_.at(static_cast<std::size_t>(records)) : bytes_;
+    }
     /// Brings it to the disk; before the checkpoint that notes its length.
     void sync();
     void remove();

@@ -1,8 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
-#include <utility>
 #include <vector>
 
 #include "core/support/snapshot_numbers.h"
@@ -11,12 +9,12 @@
 
 namespace grainfield::io {
 
-/// The snapshots that a run under way has written so far (RecordLog): an HDF5 file that was not
-/// closed cannot be cut back to a checkpoint. Six doubles a particle.
+/// The snapshots that a run under way has stored so far, one record each: an HDF5 file that was not
+/// closed cannot be cut back to a checkpoint. All columns, eight bytes a number.
 class SnapshotLog : public SnapshotSink {
  public:
-    /// Keeps the first `bytes` of what is there; 0 starts afresh.
-    SnapshotLog(std::filesystem::path path, std::int64_t bytes) : log_(std::move(path), bytes) {}
+    /// `log` must outlive this.
+    explicit SnapshotLog(RecordLog& log) : log_(log) {}
 
     void write(const Snapshot& snapshot) override {
         NumberArchive archive;
@@ -24,11 +22,6 @@ class SnapshotLog : public SnapshotSink {
         archive(copy);
         log_.append(archive.take_numbers());
     }
-    std::int64_t bytes() const { return log_.bytes(); }
-    /// Brings it to the disk; before the checkpoint that notes its length.
-    void sync() { log_.sync(); }
-    void remove() { log_.remove(); }
-
     std::int64_t count() const { return log_.count(); }
     Snapshot read(std::int64_t index) const {
         const std::vector<double> numbers = log_.read(index);
@@ -40,7 +33,7 @@ class SnapshotLog : public SnapshotSink {
     }
 
  private:
-    RecordLog log_;
+    RecordLog& log_;
 };
 
 }  // namespace grainfield::io

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <functional>
-#include <system_error>
+#include <memory>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -13,7 +13,6 @@
 #include "core/errors.h"
 #include "core/support/interrupt.h"
 #include "core/support/progress.h"
-#include "io/h5/checkpoint_file.h"
 #include "io/h5/field_file.h"
 #include "io/h5/field_log.h"
 #include "simulate/field/adjoint.h"
@@ -23,18 +22,12 @@ namespace grainfield::pipelines {
 
 namespace {
 
-namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 constexpr double longest_chunk = 0.2;  // seconds without a look at signals and progress
 
 double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-fs::path with_suffix(fs::path path, const char* suffix) {
-    path += suffix;
-    return path;
 }
 
 /// Something that advances in steps and can be saved: a density or an adjoint estimator.
@@ -46,22 +39,21 @@ class Work {
     virtual void save(Checkpoint& checkpoint) = 0;
     virtual double mass_drift() const { return 0; }
     virtual void finish(io::FieldWriter& writer) { static_cast<void>(writer); }
-    virtual void discard() {}
     virtual std::size_t memory() const { return 0; }  ///< of fields and tables [B]
     virtual std::vector<ObservableResult> results() const = 0;
 };
 
 class DensityWork : public Work {
  public:
-    DensityWork(const FieldJobOptions& options, const simulate::FieldPlan& plan, int threads,
+    DensityWork(const FieldJobOptions& options, const simulate::FieldPlan& plan, io::RecordLog& log,
                 const Checkpoint* from)
-        : fields_(simulate::make_integrator(plan.setup, threads)),
+        : fields_(simulate::make_integrator(plan.setup, plan.threads)),
           statistics_(options.sk, plan.schedule.samples),
-          log_(with_suffix(options.output, ".fields"), from ? log_bytes(*from) : 0),
+          log_(log),
           run_(*fields_, plan.schedule, statistics_, log_),
           mass_at_start_(fields_->mass(0)) {
         if (from == nullptr) return;
-        mass_at_start_ = from->reals.at("mass at start").at(0);
+        mass_at_start_ = recorded_mass(*from);
         fields_->restore(*from);
         statistics_.restore(*from, simulate::frame_of(*fields_));
     }
@@ -69,10 +61,8 @@ class DensityWork : public Work {
     std::int64_t advance(std::int64_t at_most) override { return run_.advance(at_most); }
     void save(Checkpoint& checkpoint) override {
         simulate::require_finite(*fields_);
-        log_.sync();
         fields_->save(checkpoint);
         statistics_.save(checkpoint);
-        checkpoint.integers["log bytes"] = {log_.bytes()};
         checkpoint.reals["mass at start"] = {mass_at_start_};
     }
     double mass_drift() const override {
@@ -85,19 +75,16 @@ class DensityWork : public Work {
     void finish(io::FieldWriter& writer) override {
         for (std::int64_t i = 0; i < log_.count(); ++i) writer.write(log_.read(i));
     }
-    void discard() override { log_.remove(); }
     std::size_t memory() const override { return fields_->memory(); }
     std::vector<ObservableResult> results() const override { return statistics_.results(); }
 
  private:
-    static std::int64_t log_bytes(const Checkpoint& from) {
-        const auto found = from.integers.find("log bytes");
+    static double recorded_mass(const Checkpoint& from) {
         const auto mass = from.reals.find("mass at start");
-        if (found == from.integers.end() || found->second.size() != 1 || found->second[0] < 0 ||
-            mass == from.reals.end() || mass->second.size() != 1) {
+        if (mass == from.reals.end() || mass->second.size() != 1) {
             throw InputError("the checkpoint does not fit: it is not one of a density run.");
         }
-        return found->second[0];
+        return mass->second[0];
     }
 
     std::unique_ptr<simulate::FieldIntegrator> fields_;
@@ -109,10 +96,10 @@ class DensityWork : public Work {
 
 class AdjointWork : public Work {
  public:
-    AdjointWork(const simulate::FieldPlan& plan, int threads, const Checkpoint* from)
+    AdjointWork(const simulate::FieldPlan& plan, const Checkpoint* from)
         : total_(plan.schedule.total()),
           nu_(plan.setup.has_order ? plan.setup.model.nu : 1),
-          adjoint_(plan.setup, plan.waves, threads) {
+          adjoint_(plan.setup, plan.waves, plan.threads) {
         if (from != nullptr) adjoint_.restore(*from);
     }
     std::int64_t step() const override { return adjoint_.step(); }
@@ -139,52 +126,33 @@ std::vector<ObservableResult> AdjointWork::results() const {
 }
 
 std::unique_ptr<Work> begin(const FieldJobOptions& options, const simulate::FieldPlan& plan,
-                            int threads, const Checkpoint* from) {
+                            Resumable& resumable) {
     if (plan.waves.empty()) {
-        return std::make_unique<DensityWork>(options, plan, threads, from);
+        return std::make_unique<DensityWork>(options, plan, resumable.log(), resumable.from());
     }
-    return std::make_unique<AdjointWork>(plan, threads, from);
+    return std::make_unique<AdjointWork>(plan, resumable.from());
 }
 
-void save(Work& work, const FieldJobOptions& options, const fs::path& path) {
+/// What a checkpoint of this run belongs to. An adjoint run stores no fields on its way.
+Resumable::Identity identity_of(const FieldJobOptions& options, const simulate::FieldPlan& plan) {
+    const bool is_adjoint = !plan.waves.empty();
+    Configuration physics = simulate::physics_of(options.field);
+    physics.emplace_back("sk.k-max", fmt::format("{}", options.sk.k_max));
+    return {.kind = is_adjoint ? "field adjoint" : "field",
+            .output = options.output,
+            .log = is_adjoint ? "" : ".fields",
+            .configuration = std::move(physics)};
+}
+
+void save(Work& work, Resumable& resumable) {
     Checkpoint checkpoint;
     work.save(checkpoint);
-    checkpoint.configuration = simulate::physics_of(options.field);
-    checkpoint.configuration.emplace_back("sk.k-max", fmt::format("{}", options.sk.k_max));
-    io::write_checkpoint(checkpoint, path);
-}
-
-std::optional<Checkpoint> checkpoint_to_resume(const FieldJobOptions& options, const fs::path& path,
-                                               Session& session) {
-    const fs::path fields = with_suffix(options.output, ".fields");
-    if (!options.resume) {
-        for (const fs::path& left : {path, fields}) {
-            if (session.common.force || !fs::exists(left)) continue;
-            throw OutputError({.problem = fmt::format("'{}' exists: an interrupted run of '{}'",
-                                                      left.string(), options.output.string()),
-                               .actual = {},
-                               .expected = {},
-                               .suggestion = "go on with --resume, or start anew with --force"});
-        }
-        return std::nullopt;
-    }
-    if (!fs::exists(path)) {
-        session.plan.warn(
-            fmt::format("there is no '{}': starting from the beginning", path.string()));
-        return std::nullopt;
-    }
-    Checkpoint checkpoint = io::read_checkpoint(path);
-    auto configuration = simulate::physics_of(options.field);
-    configuration.emplace_back("sk.k-max", fmt::format("{}", options.sk.k_max));
-    io::require_same_configuration(checkpoint, configuration, path);
-    return checkpoint;
+    resumable.save(std::move(checkpoint));
 }
 
 /// Advances `work` to `total`, saving now and then; returns the signal that stopped it, if any.
-int advance(Work& work, std::int64_t total, double checkpoint_every, Progress& progress,
-            const std::function<void()>& save_now) {
+int advance(Work& work, std::int64_t total, Resumable& resumable, Progress& progress) {
     std::int64_t chunk = 1;
-    Clock::time_point saved = Clock::now();
     while (work.step() < total) {
         const Clock::time_point start = Clock::now();
         const std::int64_t steps = work.advance(chunk);
@@ -193,33 +161,35 @@ int advance(Work& work, std::int64_t total, double checkpoint_every, Progress& p
         const double ideal = static_cast<double>(steps) * longest_chunk / took;
         chunk = std::clamp<std::int64_t>(static_cast<std::int64_t>(ideal), 1, 2 * chunk + 1);
         if (caught_signal() != 0) {
-            save_now();
+            save(work, resumable);
             return caught_signal();
         }
-        if (seconds_since(saved) < checkpoint_every) continue;
-        save_now();
-        saved = Clock::now();
+        if (resumable.is_due()) save(work, resumable);
     }
     return 0;
 }
 
 }  // namespace
 
-FieldJobResult run_field_job(const FieldJobOptions& options, const simulate::FieldPlan& plan,
-                             Session& session) {
-    const auto overwrite = session.common.force ? io::Overwrite::force : io::Overwrite::refuse;
-    const fs::path path = with_suffix(options.output, ".checkpoint");
-    const std::optional<Checkpoint> from = checkpoint_to_resume(options, path, session);
-    io::FieldWriter writer(options.output, overwrite);
-    const std::unique_ptr<Work> work = begin(options, plan, plan.threads, from ? &*from : nullptr);
+void plan_field(const FieldJobOptions& options, Job& job) {
+    const simulate::FieldPlan plan = simulate::plan_field(options.field, job.plan);
+    Resumable(job, identity_of(options, plan), options.resume).explain();
+}
+
+FieldJobResult run_field(const FieldJobOptions& options, Job& job) {
+    const simulate::FieldPlan plan = simulate::plan_field(options.field, job.plan);
+    Resumable resumable(job, identity_of(options, plan), options.resume);
+    resumable.require_free();
+    io::FieldWriter writer(options.output, resumable.overwrite());
+    resumable.start();
+    const std::unique_ptr<Work> work = begin(options, plan, resumable);
 
     const std::int64_t total = plan.schedule.total();
     const std::int64_t first = work->step();
-    Progress progress("simulating", total - first, "steps", session.common.verbosity());
+    Progress progress("simulating", total - first, "steps", job.verbosity);
     const Clock::time_point start = Clock::now();
     FieldJobResult result;
-    result.signal = advance(*work, total, options.checkpoint_every, progress,
-                            [&] { save(*work, options, path); });
+    result.signal = advance(*work, total, resumable, progress);
     progress.finish();
     const std::int64_t taken = work->step() - first;
     result.steps = work->step();
@@ -229,18 +199,14 @@ FieldJobResult run_field_job(const FieldJobOptions& options, const simulate::Fie
     result.memory_mb = static_cast<double>(work->memory()) / 1e6;
     result.statistics = work->results();
     if (result.signal != 0) {
-        session.plan.warn(
-            fmt::format("interrupted after {} of {} steps; go on with --resume "
-                        "('{}' holds what was done)",
-                        result.steps, total, path.string()));
+        job.plan.warn(resumable.interrupted(static_cast<double>(result.steps),
+                                            static_cast<double>(total), "steps"));
         return result;
     }
     work->finish(writer);
-    writer.finish(result.statistics, simulate::identity_of(options.field), session.record());
-    session.outputs.push_back(options.output);
-    std::error_code ignored;
-    fs::remove(path, ignored);
-    work->discard();
+    writer.finish(result.statistics, job.record());
+    job.outputs.push_back(options.output);
+    resumable.finish();
     return result;
 }
 

@@ -3,7 +3,8 @@
 #include <filesystem>
 
 #include "analysis/spectra/structure_factor.h"
-#include "pipelines/session.h"
+#include "pipelines/job.h"
+#include "pipelines/resumable.h"
 #include "simulate/field/field_plan.h"
 
 namespace grainfield::pipelines {
@@ -11,8 +12,7 @@ namespace grainfield::pipelines {
 /// What one run of the field model is asked for.
 struct FieldJobOptions {
     std::filesystem::path output;
-    bool resume = false;
-    double checkpoint_every = 60;  ///< [s] of wall time
+    ResumeOptions resume;
     simulate::FieldOptions field;
     analysis::StructureFactorOptions sk;
 };
@@ -28,11 +28,13 @@ struct FieldJobResult {
     int signal = 0;
 };
 
-/// Runs the plan to its end and writes the field file; at a signal leaves a checkpoint
-/// (`<output>.checkpoint`, `<output>.fields`) from which `resume` goes on bit by bit, as it does
-/// after a kill from the last periodic one. Both are removed at the end.
-/// Throws OutputError, InputError (checkpoint), OptionError.
-FieldJobResult run_field_job(const FieldJobOptions& options, const simulate::FieldPlan& plan,
-                             Session& session);
+/// Says in the plan of the job what run_field would do. Throws OptionError, InputError
+/// (checkpoint).
+void plan_field(const FieldJobOptions& options, Job& job);
+
+/// Simulates to the end and writes the field file; at a signal leaves a checkpoint from which
+/// `resume` goes on bit by bit (Resumable, log ".fields"). Throws OutputError, InputError
+/// (checkpoint), OptionError, PhysicsError (fields that are no longer finite).
+FieldJobResult run_field(const FieldJobOptions& options, Job& job);
 
 }  // namespace grainfield::pipelines

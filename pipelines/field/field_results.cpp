@@ -47,26 +47,37 @@ void name_lengths(std::vector<ObservableResult>& observables) {
     }
 }
 
+bool takes_accumulated(const io::FieldFile& file, FieldSamples samples) {
+    return samples == FieldSamples::accumulated && !file.statistics().empty();
+}
+
+void say_samples(io::FieldFile& file, bool accumulated, RunPlan& plan) {
+    if (accumulated) {
+        plan.run("statistics", "as accumulated by the run over all of its samples");
+        plan.skip("stored fields", fmt::format("{} of them are among the samples", file.count()),
+                  "one Fourier transform a field");
+    } else {
+        plan.run("stored fields", fmt::format("{} of them", file.count()));
+    }
+}
+
 }  // namespace
 
-Results field_results(const std::filesystem::path& path, bool from_fields,
-                      const analysis::FieldAnalysisOptions& options, Session& session) {
+void plan_field_results(const std::filesystem::path& path, FieldSamples samples, RunPlan& plan) {
+    io::FieldFile file(path);
+    say_samples(file, takes_accumulated(file, samples), plan);
+}
+
+Results field_results(const std::filesystem::path& path, FieldSamples samples,
+                      const analysis::FieldAnalysisOptions& options, Job& job) {
     io::FieldFile file(path);
     Results results;
     results.frames = file.count();
     results.source.source = path.string();
     if (file.count() > 0) results.box = file.read(0).density.front().box();
     if (file.count() == 0) results.box = Box{.origin = {}, .length = {1, 1}};
-    const bool accumulated = !from_fields && !file.statistics().empty();
-    if (accumulated) {
-        session.plan.run("statistics", "as accumulated by the run over all of its samples");
-        session.plan.skip("stored fields",
-                          fmt::format("{} of them are among the samples", file.count()),
-                          "one Fourier transform a field");
-    } else {
-        session.plan.run("stored fields", fmt::format("{} of them", file.count()));
-    }
-    if (session.common.explain) return results;
+    const bool accumulated = takes_accumulated(file, samples);
+    say_samples(file, accumulated, job.plan);
     if (!file.record().command.empty()) results.sources = {file.record()};
     results.identity = file.identity();
     results.previews = pictures(file);
@@ -75,11 +86,10 @@ Results field_results(const std::filesystem::path& path, bool from_fields,
         std::optional<FieldFrame> like;
         if (file.count() > 0) like = file.read(0);
         analysis::add_fits(results.observables, like ? &*like : nullptr, options);
-        name_lengths(results.observables);
-        return results;
+    } else {
+        Progress progress("analysing", file.count(), "fields", job.verbosity);
+        results.observables = analysis::analyze_fields(file, options, progress);
     }
-    Progress progress("analysing", file.count(), "fields", session.common.verbosity());
-    results.observables = analysis::analyze_fields(file, options, progress);
     name_lengths(results.observables);
     return results;
 }

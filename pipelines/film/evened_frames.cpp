@@ -17,7 +17,7 @@ EvenedFrames::EvenedFrames(std::unique_ptr<FrameSource> source, const Background
       levels_(levels),
       visible_(visible),
       frames_(options.frames),
-      half_window_(options.kind == "running" && options.window < count()
+      half_window_(options.source == BackgroundSource::running && options.window < count()
                        ? std::max<std::int64_t>(1, options.window / 2)
                        : 0),
       threads_(threads) {

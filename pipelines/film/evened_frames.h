@@ -2,21 +2,14 @@
 
 #include <cstdint>
 #include <memory>
-#include <string>
 
 #include "core/frame_source.h"
 #include "core/run_plan.h"
 #include "io/passed_frames.h"
+#include "pipelines/film/background.h"
 #include "tracking/calibrate/film_background.h"
 
 namespace grainfield::pipelines {
-
-/// Where the background of a film comes from.
-struct BackgroundOptions {
-    std::string kind = "none";   ///< none, static, running, or a picture of the empty cell
-    std::int64_t frames = 48;    ///< looked at for one estimate
-    std::int64_t window = 1000;  ///< [frames] running: what one estimate sees
-};
 
 /// Every frame with its background evened out (tracking::Evening).
 ///

@@ -30,8 +30,7 @@ Image companion(const std::string& path, const char* purpose, const FrameSource&
     if (frame.status != FrameStatus::ok) refuse(frame.message, "a whole picture");
     if (frame.image.width() != frames.width() || frame.image.height() != frames.height()) {
         refuse(fmt::format("it has {} x {} px", frame.image.width(), frame.image.height()),
-               fmt::format("{} x {} px, as the frames before --region", frames.width(),
-                           frames.height()));
+               fmt::format("{} x {} px, as the whole frames", frames.width(), frames.height()));
     }
     return std::move(frame.image);
 }
@@ -74,22 +73,26 @@ tracking::VisiblePixels visible_pixels(const FrameSource& frames, const FilmOpti
     return visible;
 }
 
-bool is_picture(const BackgroundOptions& background) {
-    const std::string& kind = background.kind;
-    return kind != "none" && kind != "static" && kind != "running";
-}
-
-/// The picture that --background names, the region of it; empty if it names none.
+/// The picture of the background, the region of it; empty if there is none.
 Image empty_cell(const FilmOptions& options, const std::optional<io::FrameRegion>& region,
                  const FrameSource& frames) {
-    if (!is_picture(options.background)) return {};
-    const Image whole = companion(options.background.kind, "background", frames, options);
+    if (background_of(options).source != BackgroundSource::picture) return {};
+    const Image whole = companion(options.background, "background", frames, options);
     return region ? io::cropped(whole, *region) : whole;
 }
 
-std::string origin_of(const std::string& kind, bool is_running) {
-    if (kind == "static" || is_running) return kind;
-    return kind == "running" ? "static (film shorter than the window)" : "as in '" + kind + "'";
+std::string origin_of(const BackgroundOptions& background, bool is_running) {
+    switch (background.source) {
+        case BackgroundSource::smooth:
+            return "none";
+        case BackgroundSource::film:
+            return "static";
+        case BackgroundSource::running:
+            return is_running ? "running" : "static (film shorter than the window)";
+        case BackgroundSource::picture:
+            return "as in '" + background.picture.string() + "'";
+    }
+    return "";
 }
 
 void plan_background(const FilmOptions& options, const EvenedFrames& evened, RunPlan& plan) {
@@ -97,20 +100,20 @@ void plan_background(const FilmOptions& options, const EvenedFrames& evened, Run
     plan.run("background",
              fmt::format("{}: {:.2f} % of the pixels differ from a smooth surface, by up to {:.2f} "
                          "of the contrast, and are evened out; {:.2f} % are never clear",
-                         origin_of(options.background.kind, evened.is_running()),
+                         origin_of(background_of(options), evened.is_running()),
                          100 * evening.uneven, evening.strongest, 100 * evening.never_clear));
     constexpr double too_much = 0.2;
     if (evening.never_clear > too_much) {
         plan.warn(
             fmt::format("background: {:.0f} % of the pixels are never clear in the frames looked "
                         "at: the film is too short or "
-                        "too slow for its own background; use more frames (--background-frames, "
-                        "--background-window) or a picture of the empty cell",
+                        "too slow for its own background; use more frames (background-frames, "
+                        "background-window) or a picture of the empty cell",
                         100 * evening.never_clear));
     } else if (evening.never_clear > 0.01) {
         plan.warn(fmt::format(
             "background: {:.0f} % of the pixels are never clear in the frames looked at; spheres "
-            "that rest there are kept, dirt that blocks all light needs --mask",
+            "that rest there are kept, dirt that blocks all light needs a mask",
             100 * evening.never_clear));
     }
 }
@@ -118,10 +121,10 @@ void plan_background(const FilmOptions& options, const EvenedFrames& evened, Run
 /// Frames with the background evened out; those that came in where there is nothing to do.
 std::unique_ptr<FrameSource> evened(std::unique_ptr<FrameSource> frames, const FilmOptions& options,
                                     const Image& empty_cell, const tracking::TrackOptions& tracking,
-                                    Session& session) {
-    RunPlan& plan = session.plan;
-    const BackgroundOptions& background = options.background;
-    if (background.kind == "none") return frames;
+                                    Job& job) {
+    RunPlan& plan = job.plan;
+    const BackgroundOptions background = background_of(options);
+    if (background.source == BackgroundSource::smooth) return frames;
     if (empty_cell.empty() && frames->count() < 3) {
         plan.skip("background", "fewer than three frames", "one pass over each frame");
         return frames;
@@ -136,7 +139,7 @@ std::unique_ptr<FrameSource> evened(std::unique_ptr<FrameSource> frames, const F
             std::make_unique<EvenedFrames>(std::move(frames), empty_cell, levels, tracking.visible);
     } else {
         evened = std::make_unique<EvenedFrames>(std::move(frames), background, levels,
-                                                tracking.visible, session.threads());
+                                                tracking.visible, job.threads);
     }
     throw_if_interrupted("tracking");
     plan_background(options, *evened, plan);
@@ -145,12 +148,22 @@ std::unique_ptr<FrameSource> evened(std::unique_ptr<FrameSource> frames, const F
 
 }  // namespace
 
+BackgroundOptions background_of(const FilmOptions& options) {
+    BackgroundOptions background;
+    background.frames = options.background_frames;
+    background.window = options.background_window;
+    set_source(background, options.background);
+    return background;
+}
+
 std::vector<std::string> pictures_of(const FilmOptions& options) {
     std::vector<std::string> pictures;
     for (const std::string& path : {options.mask, options.flat_field}) {
         if (!path.empty()) pictures.push_back(path);
     }
-    if (is_picture(options.background)) pictures.push_back(options.background.kind);
+    if (background_of(options).source == BackgroundSource::picture) {
+        pictures.push_back(options.background);
+    }
     return pictures;
 }
 
@@ -163,25 +176,24 @@ void describe(FilmOptions& options, OptionTable& table) {
                "picture of the empty, lit cell to divide the frames by");
     table.text("mask", options.mask,
                "picture of the size of the frames: where it is zero is not looked at");
-    table.text("background", options.background.kind,
+    table.text("background", options.background,
                "dirt and stains: none (a smooth surface only), static, running, or a picture of "
                "the empty cell");
-    table.integer("background-frames", options.background.frames, "frames", {3, 1000},
+    table.integer("background-frames", options.background_frames, "frames", {3, 1000},
                   "looked at for one estimate of the background");
-    table.integer("background-window", options.background.window, "frames", {10, 1e9},
+    table.integer("background-window", options.background_window, "frames", {10, 1e9},
                   "running: what one estimate of the background sees");
     table.integer("max-pixels", options.max_pixels, "px", {1, 1e11}, "largest frame accepted");
     table.flag("strict", options.strict, "fail on the first bad frame instead of leaving it out");
 }
 
-Film open_film(Session& session, const FilmOptions& options,
-               const tracking::TrackOptions& tracking) {
+Film open_film(Job& job, const FilmOptions& options, const tracking::TrackOptions& tracking) {
     std::unique_ptr<FrameSource> frames = io::select_frames(
-        io::open_frames(session.inputs, {.fps = options.fps, .max_pixels = options.max_pixels}),
+        io::open_frames(job.inputs, {.fps = options.fps, .max_pixels = options.max_pixels}),
         options.frames);
     const auto region = io::region_within(options.region, frames->width(), frames->height());
     Film film;
-    film.visible = visible_pixels(*frames, options, region, session.plan);
+    film.visible = visible_pixels(*frames, options, region, job.plan);
     if (region) film.origin = {static_cast<double>(region->x), static_cast<double>(region->y)};
     if (!options.flat_field.empty()) {
         const Image flat = companion(options.flat_field, "flat field", *frames, options);
@@ -190,18 +202,18 @@ Film open_film(Session& session, const FilmOptions& options,
     const Image empty = empty_cell(options, region, *frames);
     if (!options.flat_field.empty() && !empty.empty()) {
         throw OptionError(
-            {.problem = "--flat-field and a picture as --background correct the same light twice",
-             .actual = options.background.kind,
+            {.problem = "a flat field and a picture as background correct the same light twice",
+             .actual = options.background,
              .expected = "one of them",
-             .suggestion = "leave out --flat-field, or take --background static"});
+             .suggestion = "leave out the flat field, or estimate the background from the film"});
     }
     if (region) frames = io::crop_frames(std::move(frames), *region);
     tracking::TrackOptions first = tracking;
     first.visible = film.visible;
-    frames = evened(std::move(frames), options, empty, first, session);
+    frames = evened(std::move(frames), options, empty, first, job);
     film.frames = std::make_unique<WatchedFrames>(
         io::read_ahead(std::move(frames)), options.strict ? BadFrames::refuse : BadFrames::allow);
-    for (const std::string& warning : film.frames->warnings()) session.plan.warn(warning);
+    for (const std::string& warning : film.frames->warnings()) job.plan.warn(warning);
     return film;
 }
 

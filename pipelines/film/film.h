@@ -9,7 +9,7 @@
 #include "core/option_table.h"
 #include "pipelines/film/evened_frames.h"
 #include "pipelines/film/watched_frames.h"
-#include "pipelines/session.h"
+#include "pipelines/job.h"
 #include "tracking/tracker.h"
 
 namespace grainfield::pipelines {
@@ -18,13 +18,18 @@ namespace grainfield::pipelines {
 struct FilmOptions {
     std::optional<double> fps;  ///< [1/s]; empty: as the file says
     std::string frames = "::";
-    std::vector<int> region;  ///< X,Y,WIDTH,HEIGHT [px]; empty: all
-    std::string flat_field;   ///< picture of the empty, lit cell
-    std::string mask;         ///< picture, zero: not looked at
-    BackgroundOptions background;
+    std::string region;                     ///< X,Y,WIDTH,HEIGHT [px]
+    std::string flat_field;                 ///< picture of the empty, lit cell
+    std::string mask;                       ///< picture, zero: not looked at
+    std::string background = "none";        ///< none, static, running, or a picture
+    std::int64_t background_frames = 48;    ///< looked at for one estimate
+    std::int64_t background_window = 1000;  ///< [frames] running: what one estimate sees
     std::int64_t max_pixels = 200'000'000;
     bool strict = false;
 };
+
+/// Where the background comes from. Throws OptionError.
+BackgroundOptions background_of(const FilmOptions& options);
 
 /// The files besides the frames that they name: mask, flat field, picture of the background.
 std::vector<std::string> pictures_of(const FilmOptions& options);
@@ -40,9 +45,8 @@ struct Film {
     tracking::VisiblePixels visible;  ///< where the mask is not zero
 };
 
-/// What is done to the frames goes into the plan of the session; a background is estimated with the
+/// What is done to the frames goes into the plan of the job; a background is estimated with the
 /// image model that `tracking` calibrates. Throws OptionError, InputError.
-Film open_film(Session& session, const FilmOptions& options,
-               const tracking::TrackOptions& tracking);
+Film open_film(Job& job, const FilmOptions& options, const tracking::TrackOptions& tracking);
 
 }  // namespace grainfield::pipelines

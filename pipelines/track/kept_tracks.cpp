@@ -1,7 +1,6 @@
 #include "pipelines/track/kept_tracks.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <utility>
 
 #include <fmt/format.h>
@@ -70,26 +69,28 @@ double KeptTracks::particles_mean() const {
     return particles_ / static_cast<double>(std::max<std::int64_t>(frames(), 1));
 }
 
-LastAct::LastAct(Session session, std::string output, std::function<std::string()> advice)
-    : session_(std::move(session)), output_(std::move(output)), advice_(std::move(advice)) {}
+LastAct::LastAct(Job job, const Resumable& resumable)
+    : job_(std::move(job)), resumable_(resumable) {}
 
-void LastAct::holds(KeptTracks* tracks) {
+void LastAct::holds(KeptTracks* tracks, const Job& job) {
     const std::lock_guard lock(mutex_);
     tracks_ = tracks;
+    job_ = job;
 }
 
-void LastAct::operator()() {
+std::string LastAct::operator()() {
     const std::lock_guard lock(mutex_);
+    const std::string output = resumable_.output().string();
     if (tracks_ == nullptr || tracks_->frames() == 0) {
-        fmt::print(stderr,
-                   "error: tracking interrupted in the first frame; '{}' was not written.\n",
-                   output_);
-        return;
+        resumable_.abandon();
+        return fmt::format("error: tracking interrupted in the first frame; '{}' was not written.",
+                           output);
     }
-    session_.plan.warn(fmt::format("interrupted within a frame; '{}' holds the {} before it{}",
-                                   output_, counted(tracks_->frames(), "frame"), advice_()));
-    tracks_->finish(session_.record());
-    fmt::print(stderr, "warning: {}\n", session_.plan.warnings().back().text);
+    job_.plan.warn(fmt::format("interrupted within a frame; '{}' holds the {} before it{}", output,
+                               counted(tracks_->frames(), "frame"), resumable_.advice()));
+    tracks_->finish(job_.record());
+    resumable_.abandon();
+    return "warning: " + job_.plan.warnings().back();
 }
 
 }  // namespace grainfield::pipelines

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -11,7 +10,8 @@
 #include "io/h5/snapshot_log.h"
 #include "io/h5/trajectory_file.h"
 #include "io/output_file.h"
-#include "pipelines/session.h"
+#include "pipelines/job.h"
+#include "pipelines/resumable.h"
 
 namespace grainfield::pipelines {
 
@@ -50,20 +50,22 @@ class KeptTracks : public SnapshotSink {
     double particles_ = 0;
 };
 
-/// What a signal leaves if the work does not stop by itself: the frames that are written.
+/// What a signal leaves if the work does not stop by itself: the frames that are written, as a
+/// complete file, and the last checkpoint if there is one.
 class LastAct {
  public:
-    /// `advice` ends the warning: how to go on, as it is then.
-    LastAct(Session session, std::string output, std::function<std::string()> advice);
+    /// `resumable` must outlive this.
+    LastAct(Job job, const Resumable& resumable);
 
-    void holds(KeptTracks* tracks);
-    void operator()();
+    /// From now on there is something to keep; `job` as it is now is recorded with it.
+    void holds(KeptTracks* tracks, const Job& job);
+    /// Returns what is to be said, "warning: …" or "error: …".
+    std::string operator()();
 
  private:
     std::mutex mutex_;
-    Session session_;
-    std::string output_;
-    std::function<std::string()> advice_;
+    Job job_;
+    const Resumable& resumable_;
     KeptTracks* tracks_ = nullptr;
 };
 

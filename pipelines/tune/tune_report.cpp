@@ -2,14 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <functional>
 #include <limits>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "pipelines/job.h"
 #include "report/figures/figure_source.h"
+
 namespace grainfield::pipelines {
 
 namespace {
@@ -20,37 +21,8 @@ using report::Table;
 using tracking::Polarity;
 using tracking::Survey;
 
-using Settings = std::vector<std::pair<std::string, std::string>>;
-
-double median(std::vector<double> values) {
-    std::erase_if(values, [](double v) { return !std::isfinite(v); });
-    if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
-/// One value a sphere, of all frames.
-std::vector<double> gathered(const Tuning& tuning,
-                             const std::function<std::vector<double>(const Survey&)>& of) {
-    std::vector<double> all;
-    for (const Survey& survey : tuning.surveys) {
-        const std::vector<double> values = of(survey);
-        all.insert(all.end(), values.begin(), values.end());
-    }
-    return all;
-}
-
-std::vector<double> errors(const Tuning& tuning) {
-    return gathered(tuning, [](const Survey& survey) {
-        std::vector<double> values;
-        for (const Vec2 e : survey.error) values.push_back(norm(e) / std::sqrt(2.0));
-        return values;
-    });
-}
-
 std::vector<double> distances(const Tuning& tuning) {
-    return gathered(tuning, [&](const Survey& survey) {
+    return tuning.gathered([&](const Survey& survey) {
         std::vector<double> values =
             tracking::nearest_distances(survey.found.position, 2.5 * tuning.diameter());
         for (double& d : values) d /= tuning.diameter();
@@ -59,7 +31,7 @@ std::vector<double> distances(const Tuning& tuning) {
 }
 
 std::vector<double> evidence(const Tuning& tuning) {
-    return gathered(tuning, [](const Survey& survey) { return survey.evidence; });
+    return tuning.gathered([](const Survey& survey) { return survey.evidence; });
 }
 
 struct Histogram {
@@ -111,15 +83,14 @@ Figure phase_figure(const Tuning& tuning) {
         {"density", "Density", "", Scale::linear, true});
     constexpr int bins = 20;
     for (const int axis : {0, 1}) {
-        const Histogram h = histogram(gathered(tuning,
-                                               [axis](const Survey& survey) {
-                                                   std::vector<double> phases;
-                                                   for (const Vec2 p : survey.found.position) {
-                                                       const double v = axis == 0 ? p.x : p.y;
-                                                       phases.push_back(v - std::floor(v + 0.5));
-                                                   }
-                                                   return phases;
-                                               }),
+        const Histogram h = histogram(tuning.gathered([axis](const Survey& survey) {
+            std::vector<double> phases;
+            for (const Vec2 p : survey.found.position) {
+                const double v = axis == 0 ? p.x : p.y;
+                phases.push_back(v - std::floor(v + 0.5));
+            }
+            return phases;
+        }),
                                       -0.5, 0.5, bins);
         Series series{0, 0, h.x, {}, {}};
         for (const double share : h.y) {
@@ -172,7 +143,7 @@ Figure residual_figure(const Tuning& tuning) {
         {"residual", "RMS residual", "contrast", Scale::linear, true},
         {"share", "Share of the spheres", "", Scale::linear, true});
     const std::vector<double> values =
-        gathered(tuning, [](const Survey& survey) { return survey.found.residual; });
+        tuning.gathered([](const Survey& survey) { return survey.found.residual; });
     const Histogram h = histogram(values, 0, 0.25, 100);
     add(figure, {"spheres", Mark::steps, true}, {0, 0, h.x, h.y, {}});
     return figure;
@@ -258,7 +229,7 @@ Table calibration_table(const Tuning& tuning) {
     row("Noise", fmt::format("{:.4f} of the contrast", noise));
     row("RMS residual", fmt::format("{:.4f} of the contrast", tuning.residual_rms()),
         tuning.residual_rms() > 0.12 && tuning.residual_rms() > 2 * noise);
-    row("Standard error, median", fmt::format("{:.4f} px", median(errors(tuning))));
+    row("Standard error, median", fmt::format("{:.4f} px", tuning.median_error()));
     std::vector<Vec2> all;
     for (const Survey& survey : tuning.surveys) {
         all.insert(all.end(), survey.found.position.begin(), survey.found.position.end());
@@ -278,119 +249,25 @@ Table calibration_table(const Tuning& tuning) {
     return table;
 }
 
-Table settings_table(const Settings& settings, const std::string& command_line) {
+Table settings_table(const std::vector<Setting>& settings, const std::string& in_words) {
     Table table;
     table.name = "suggested_settings";
     table.title = "Suggested settings";
-    table.note = "The same as words: " + command_line;
+    if (!in_words.empty()) table.note = "The same as words: " + in_words;
     table.columns = {{"value", "TOML", "", true}};
-    for (const auto& [name, value] : settings) {
-        const std::size_t dot = name.find('.');
-        table.rows.push_back({"[" + name.substr(0, dot) + "]",
+    for (const Setting& setting : settings) {
+        table.rows.push_back({"[" + setting.section + "]",
                               {{std::numeric_limits<double>::quiet_NaN(),
-                                name.substr(dot + 1) + " = " + value, false}}});
+                                setting.name + " = " + setting.value, false}}});
     }
     return table;
 }
 
 }  // namespace
 
-double Tuning::particles_mean() const {
-    double sum = 0;
-    for (const Survey& survey : surveys) sum += static_cast<double>(survey.found.position.size());
-    return sum / std::max<double>(1, static_cast<double>(surveys.size()));
-}
-
-double Tuning::residual_rms() const {
-    double sum = 0;
-    for (const Survey& survey : surveys) sum += survey.found.residual_rms;
-    return sum / std::max<double>(1, static_cast<double>(surveys.size()));
-}
-
-double Tuning::diameter() const {
-    return options.sphere_diameter.value_or(model.disc.diameter);
-}
-
-double Tuning::forbidden_distance() const {
-    if (!options.layers.height || !options.sphere_diameter) return 0;
-    const tracking::SphereCell cell{.height = *options.layers.height};
-    return *options.sphere_diameter * cell.least_distance();
-}
-
-Settings suggested_settings(const Tuning& tuning, const Session& session) {
-    Settings settings;
-    // What the user said of the film holds for the run as well.
-    for (const auto& [name, value] : session.configuration) {
-        for (const char* kept : {"region", "flat-field", "mask", "background"}) {
-            if (name == kept && !value.empty() && value != "none") {
-                settings.emplace_back("track." + name, "\"" + value + "\"");
-            }
-        }
-    }
-    const auto& model = tuning.model;
-    settings.emplace_back("calibrate.polarity",
-                          model.polarity == Polarity::dark ? "\"dark\"" : "\"bright\"");
-    settings.emplace_back("calibrate.disc-diameter", fmt::format("{:.3f}", model.disc.diameter));
-    settings.emplace_back("calibrate.edge-width", fmt::format("{:.3f}", model.disc.edge_width));
-    settings.emplace_back("calibrate.meeting-edges", model.meeting == tracking::EdgeMeeting::product
-                                                         ? "\"product\""
-                                                         : "\"blurred-union\"");
-    settings.emplace_back("calibrate.profile",
-                          model.correction.is_zero() ? "\"tanh\"" : "\"learned\"");
-    // Steps far below the error buy nothing.
-    const double error = median(errors(tuning));
-    const double tolerance = std::clamp(0.1 * error, 0.003, 0.03);
-    if (tolerance > 1.5 * tuning.options.refinement.tolerance) {
-        settings.emplace_back("refine.tolerance", fmt::format("{:.3f}", tolerance));
-    }
-    if (tuning.options.sphere_diameter) {
-        settings.emplace_back("track.sphere-diameter",
-                              fmt::format("{:g}", *tuning.options.sphere_diameter));
-    }
-    if (tuning.options.layers.height) {
-        settings.emplace_back("layers.height", fmt::format("{:g}", *tuning.options.layers.height));
-    }
-    std::stable_sort(settings.begin(), settings.end(), [](const auto& a, const auto& b) {
-        return a.first.substr(0, a.first.find('.')) > b.first.substr(0, b.first.find('.'));
-    });
-    return settings;
-}
-
-std::string toml_of(const Settings& settings) {
-    std::string text = "# Suggested by 'grainfield tune'; use with 'grainfield track -c'.\n";
-    std::string section;
-    for (const auto& [name, value] : settings) {
-        const std::size_t dot = name.find('.');
-        if (name.substr(0, dot) != section) {
-            section = name.substr(0, dot);
-            text += "\n[" + section + "]\n";
-        }
-        text += name.substr(dot + 1) + " = " + value + "\n";
-    }
-    return text;
-}
-
-std::string command_line_of(const Settings& settings, const Session& session) {
-    std::string text = "grainfield track";
-    for (const auto& input : session.inputs) {
-        text += " '" + input.string() + "'";
-        if (session.inputs.size() > 3) {
-            text += " …";
-            break;
-        }
-    }
-    text += " -o tracks.h5";
-    for (const auto& [name, value] : settings) {
-        std::string plain = value;
-        std::ranges::replace(plain, '"', '\'');
-        text += " --" + name.substr(name.find('.') + 1) + " " + plain;
-    }
-    return text;
-}
-
-report::ReportAdditions tuning_report(const Tuning& tuning, const Settings& settings,
-                                      const std::string& command_line) {
-    return {.tables = {calibration_table(tuning), settings_table(settings, command_line)},
+report::ReportAdditions tuning_report(const Tuning& tuning, const std::vector<Setting>& settings,
+                                      const std::string& in_words) {
+    return {.tables = {calibration_table(tuning), settings_table(settings, in_words)},
             .figures = {phase_figure(tuning), distance_figure(tuning), evidence_figure(tuning),
                         residual_figure(tuning), profile_figure(tuning)}};
 }

@@ -16,8 +16,8 @@ namespace {
 Session session() {
     Session s;
     s.command = "track";
-    s.common.threads = 3;
-    s.common.seed = 42;
+    s.threads = 3;
+    s.seed = 42;
     s.configuration = {{"fps", "auto"}, {"link.memory", "3"}};
     s.plan.run("detect", "always");
     s.plan.skip("link", "one frame", "identities");
@@ -82,7 +82,7 @@ TEST(Commands, HaveOneLinePurposesAndUniqueFlags) {
         names.push_back(command->name());
         EXPECT_FALSE(command->purpose().empty());
         EXPECT_EQ(command->purpose().find('\n'), std::string::npos);
-        pipelines::CommonOptions common;
+        CommonOptions common;
         std::vector<OptionTable> tables = command->options();
         tables.push_back(describe(common));
         const auto flags = OptionSet(command->name(), tables).flags();

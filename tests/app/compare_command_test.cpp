@@ -61,7 +61,7 @@ Compared compare(const testing::ScratchFolder& folder, std::vector<std::filesyst
     tables.front().set("figures", OptionValue(figures));
     Session session;
     session.command = "compare";
-    session.common.force = true;
+    session.overwrite = Overwrite::force;
     session.inputs = std::move(inputs);
     Compared out;
     out.summary = command.run(session);

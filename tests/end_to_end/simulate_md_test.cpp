@@ -53,7 +53,7 @@ TEST(SimulateMd, KeepsTheContractForScripts) {
     }
     EXPECT_LT(summary["energy_audit_relative_error"], 1e-10);
     EXPECT_LT(summary["max_overlap"], 1e-12);
-    EXPECT_EQ(folder.entries(), 1U) << "no segments, no checkpoint";
+    EXPECT_EQ(folder.entries(), 1U) << "no snapshots, no checkpoint";
     const Outcome analysis =
         testing::run_grainfield({"analyze", folder / "a.h5", "-o", folder / "r.h5", "--json"});
     EXPECT_EQ(analysis.code, 0) << analysis.err;
@@ -160,7 +160,7 @@ TEST(SimulateMd, StopsWithinTwoSecondsAndGoesOnAsIfNothingHadHappened) {
     const Outcome outcome = process.wait();
     EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
     ASSERT_EQ(outcome.code, 130) << outcome.err;
-    EXPECT_THAT(outcome.err, HasSubstr("--resume"));
+    EXPECT_THAT(outcome.err, HasSubstr("option 'resume' goes on from there"));
     const Outcome again = testing::run_grainfield(small_run(folder / "cut.h5"));
     EXPECT_EQ(again.code, 4) << "an interrupted run is not thrown away";
     const Outcome other = testing::run_grainfield(
@@ -199,13 +199,15 @@ TEST(SimulateMd, RefusesForeignAndDamagedCheckpoints) {
     const ScratchFolder folder;
     const std::string path = folder / "a.h5.checkpoint";
     const auto resume = with(small_run(folder / "a.h5"), {"--resume"});
-    EXPECT_EQ(testing::run_grainfield(resume).code, 3) << "none there";
     std::ofstream(path) << "something else";
     EXPECT_EQ(testing::run_grainfield(resume).code, 3);
     std::ofstream(path) << "grainfield checkpoint 1\nwith rubbish";
     const Outcome damaged = testing::run_grainfield(resume);
     EXPECT_EQ(damaged.code, 3);
     EXPECT_THAT(damaged.err, HasSubstr("checkpoint"));
+    std::filesystem::remove(path);
+    const Outcome anew = testing::run_grainfield(resume);
+    EXPECT_EQ(anew.code, 0) << "where nothing is to be resumed it starts anew: " << anew.err;
 }
 
 TEST(SimulateMd, ReportsInelasticCollapseWithExitCodeFive) {
@@ -243,7 +245,7 @@ TEST(SimulateMd, KeepsWhatWasSampledBeforeACollapse) {
                                                      "20000"});
     EXPECT_EQ(outcome.code, 5);
     EXPECT_THAT(outcome.err, HasSubstr("inelastic collapse: grain"));
-    EXPECT_EQ(folder.entries(), 1U) << "no segments, no checkpoint";
+    EXPECT_EQ(folder.entries(), 1U) << "no snapshots, no checkpoint";
     const Outcome info = testing::run_grainfield({"info", folder / "a.h5"});
     EXPECT_EQ(info.code, 0) << info.err;
     EXPECT_THAT(info.out, HasSubstr("incomplete"));
@@ -266,15 +268,15 @@ TEST(SimulateMd, StopsWhileItMeltsTheLattice) {
     EXPECT_EQ(folder.entries(), 0U);
 }
 
-// The last segment gets its name when the run is done and the snapshots are joined.
-TEST(SimulateMd, StopsWhileItJoinsTheSnapshots) {
+// The first checkpoint is made when the run is done; then its snapshots go to the output.
+TEST(SimulateMd, StopsWhileItWritesTheSnapshots) {
     const ScratchFolder folder;
     const std::vector<std::string> run{"simulate",         "md",    "-o",         folder / "a.h5",
                                        "--grains",         "400",   "--length-x", "20.5",
                                        "--length-y",       "20.5",  "--periods",  "2",
                                        "--snapshot-every", "0.001", "--order"};
     const Process process(program(run));
-    for (int i = 0; i < 12000 && !std::filesystem::exists(folder / "a.h5.segment-0"); ++i) {
+    for (int i = 0; i < 12000 && !std::filesystem::exists(folder / "a.h5.checkpoint"); ++i) {
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
     const auto start = std::chrono::steady_clock::now();

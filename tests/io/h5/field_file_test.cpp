@@ -143,20 +143,25 @@ TEST(FieldLog, KeepsFramesAndForgetsWhatCameAfterTheCheckpoint) {
     const std::string path = folder / "f.fields";
     std::int64_t noted = 0;
     {
-        FieldLog log(path, 0);
+        RecordLog store(path, 0);
+        FieldLog log(store);
         log.write(frame(1, 4, 6, 2, true));
         log.write(frame(2, 4, 6, 2, true));
-        log.sync();
-        noted = log.bytes();
+        store.sync();
+        noted = store.bytes();
+        EXPECT_EQ(store.bytes_of(2), noted);
+        EXPECT_EQ(store.bytes_of(1), noted / 2);
+        EXPECT_EQ(store.bytes_of(0), 0);
         log.write(frame(3, 4, 6, 2, true));
     }
-    FieldLog log(path, noted);
+    RecordLog store(path, noted);
+    FieldLog log(store);
     ASSERT_EQ(log.count(), 2);
     expect_same(log.read(0), frame(1, 4, 6, 2, true));
     log.write(frame(4, 4, 6, 2, true));
     expect_same(log.read(2), frame(4, 4, 6, 2, true));
-    EXPECT_THROW(FieldLog(path, log.bytes() + 1), InputError);
-    log.remove();
+    EXPECT_THROW(RecordLog(path, store.bytes() + 1), InputError);
+    store.remove();
     EXPECT_EQ(folder.entries(), 0U);
 }
 
@@ -165,15 +170,17 @@ TEST(FieldLog, NoticesAFlippedBit) {
     const std::string path = folder / "f.fields";
     std::int64_t bytes = 0;
     {
-        FieldLog log(path, 0);
+        RecordLog store(path, 0);
+        FieldLog log(store);
         log.write(frame(1, 4, 4, 1, true));
-        bytes = log.bytes();
+        bytes = store.bytes();
     }
     std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
     file.seekp(100);
     file.put('x');
     file.close();
-    FieldLog log(path, bytes);
+    RecordLog store(path, bytes);
+    FieldLog log(store);
     EXPECT_THROW(log.read(0), InputError);
 }
 

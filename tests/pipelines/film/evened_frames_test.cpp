@@ -42,7 +42,11 @@ std::unique_ptr<FrameSource> film() {
 }
 
 EvenedFrames evened(std::int64_t window, const tracking::VisiblePixels& visible = {}) {
-    return {film(), {.kind = "running", .frames = 20, .window = window}, kLevels, visible, 1};
+    return {film(),
+            {.source = BackgroundSource::running, .picture = {}, .frames = 20, .window = window},
+            kLevels,
+            visible,
+            1};
 }
 
 TEST(EvenedFrames, WhatRepeatsTheFrameBeforeStillDoesWithARunningBackground) {

@@ -1,6 +1,6 @@
-#include "pipelines/common_options.h"
+#include "app/common_options.h"
 
-namespace grainfield::pipelines {
+namespace grainfield::app {
 
 OptionTable describe(CommonOptions& options) {
     OptionTable table("");
@@ -15,4 +15,4 @@ OptionTable describe(CommonOptions& options) {
     return table;
 }
 
-}  // namespace grainfield::pipelines
+}  // namespace grainfield::app

@@ -6,7 +6,7 @@
 #include "core/option_table.h"
 #include "core/support/progress.h"
 
-namespace grainfield::pipelines {
+namespace grainfield::app {
 
 /// What every command understands, besides `-c file.toml`.
 struct CommonOptions {
@@ -27,4 +27,4 @@ struct CommonOptions {
 /// In the empty section: command-wide.
 OptionTable describe(CommonOptions& options);
 
-}  // namespace grainfield::pipelines
+}  // namespace grainfield::app

@@ -1,27 +1,22 @@
-#include "pipelines/session.h"
+#include "pipelines/job.h"
 
 #include <fmt/format.h>
 
-#include "core/support/parallel.h"
 #include "core/version.h"
 #include "io/input_record.h"
 
 namespace grainfield::pipelines {
 
-int Session::threads() const {
-    return thread_count(common.threads);
-}
-
-double Session::seconds() const {
+double Job::seconds() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-RunRecord Session::record() const {
+RunRecord Job::record() const {
     RunRecord record;
     record.command = command;
     record.version = kVersion;
-    record.seed = static_cast<std::uint64_t>(common.seed);
-    record.threads = threads();
+    record.seed = seed;
+    record.threads = threads;
     record.seconds = seconds();
     record.configuration = configuration;
     for (const auto& input : inputs) record.inputs.push_back(io::describe_input(input));

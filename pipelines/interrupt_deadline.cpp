@@ -1,4 +1,4 @@
-#include "app/interrupt_deadline.h"
+#include "pipelines/interrupt_deadline.h"
 
 #include <chrono>
 #include <condition_variable>
@@ -10,11 +10,10 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "core/errors.h"
 #include "core/support/interrupt.h"
 #include "core/support/output_file.h"
 
-namespace grainfield::app {
+namespace grainfield::pipelines {
 
 namespace {
 
@@ -36,30 +35,27 @@ std::string discarded(const std::string& what, int signal, const std::string& ou
 
 }  // namespace
 
-InterruptDeadline::InterruptDeadline(std::function<void(int signal)> last_act)
+InterruptDeadline::InterruptDeadline(std::function<std::string(int signal)> last_act)
     : watch_([act = std::move(last_act)](const std::stop_token& stop) {
           while (caught_signal() == 0) {
               if (!sleep(stop, 50ms)) return;
           }
           if (!sleep(stop, 1200ms)) return;
-          act(caught_signal());
+          fmt::print(stderr, "{}\n", act(caught_signal()));
           static_cast<void>(abandon_outputs());
           std::fflush(nullptr);
           _exit(128 + caught_signal());
       }) {}
 
-Summary run_or_discard(const std::string& what, const std::string& output,
-                       const std::function<Summary()>& work) {
-    const InterruptDeadline deadline([&](int signal) {
-        // Nothing may be completed any more while this is said.
-        static_cast<void>(abandon_outputs());
-        fmt::print(stderr, "error: {}\n", discarded(what, signal, output));
-    });
-    try {
-        return work();
-    } catch (const Interrupted& stop) {
-        throw Interrupted(stop.signal(), discarded(what, stop.signal(), output));
-    }
+DiscardDeadline::DiscardDeadline(std::string what, std::string output)
+    : what_(std::move(what)), output_(std::move(output)), deadline_([this](int signal) {
+          // Nothing may be completed any more while this is said.
+          static_cast<void>(abandon_outputs());
+          return "error: " + discarded(what_, signal, output_);
+      }) {}
+
+Interrupted DiscardDeadline::error(int signal) const {
+    return Interrupted(signal, discarded(what_, signal, output_));
 }
 
-}  // namespace grainfield::app
+}  // namespace grainfield::pipelines

@@ -1,10 +1,15 @@
-#include "pipelines/validate/validation_summary.h"
+#include "app/validation_summary.h"
 
 #include <cmath>
 
 #include <fmt/format.h>
 
-namespace grainfield::pipelines {
+namespace grainfield::app {
+
+using pipelines::DownstreamEffect;
+using pipelines::kTruthClasses;
+using pipelines::ThresholdCheck;
+using pipelines::ValidationOutcome;
 
 namespace {
 
@@ -115,4 +120,4 @@ std::string missed_thresholds(const std::vector<ThresholdCheck>& checks) {
     return text.empty() ? text : text + ".";
 }
 
-}  // namespace grainfield::pipelines
+}  // namespace grainfield::app

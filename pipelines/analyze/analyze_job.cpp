@@ -1,0 +1,172 @@
+#include "pipelines/analyze/analyze_job.h"
+
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "analysis/statistics/run_series.h"
+#include "core/errors.h"
+#include "core/support/interrupt.h"
+#include "io/file_kind.h"
+#include "io/h5/results_file.h"
+#include "io/h5/trajectory_file.h"
+#include "io/open_snapshots.h"
+#include "io/text/points_csv.h"
+#include "io/text/wavevector_csv.h"
+#include "pipelines/analyze/lengths.h"
+#include "report/run_identity.h"
+
+namespace grainfield::pipelines {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+void require_possible(const AnalyzeJobOptions& options, const fs::path& input, io::FileKind kind) {
+    if (kind == io::FileKind::field && !options.wavevectors.empty()) {
+        throw OptionError(
+            {.problem = "fields have no S(k) at listed wavevectors",
+             .actual = fmt::format("wavevectors '{}'", options.wavevectors.string()),
+             .expected = "a trajectory or a table of points",
+             .suggestion = "leave them out: the modes of the lattice are all that a field has"});
+    }
+    const Adjustment& adjustment = options.adjustment;
+    if (kind == io::FileKind::points && adjustment.boundary == Boundary::periodic &&
+        !adjustment.box_length && !io::states_box(input)) {
+        throw OptionError({.problem = "a periodic boundary needs the box",
+                           .actual = fmt::format("'{}' does not say it, and the extent of the "
+                                                 "points is smaller than the period",
+                                                 input.string()),
+                           .expected = "the lengths of the box",
+                           .suggestion = "give the periods in the unit of the positions"});
+    }
+}
+
+/// A trajectory or table of points, as the adjustment says it is.
+struct Input {
+    std::unique_ptr<SnapshotSource> file;
+    std::unique_ptr<AdjustedSnapshots> snapshots;
+    const io::TrajectoryFile* trajectory = nullptr;  ///< the file, if it is one
+};
+
+Input open_input(const fs::path& path, const Adjustment& adjustment) {
+    TrajectoryInfo hints;
+    adjustment.apply_to(hints);
+    std::optional<Box> box;
+    if (adjustment.box_length) box = Box{.origin = {}, .length = *adjustment.box_length};
+    if (box && adjustment.boundary) box->boundary = {*adjustment.boundary, *adjustment.boundary};
+    Input input;
+    input.file = io::open_snapshots(path, box, hints);
+    input.snapshots = std::make_unique<AdjustedSnapshots>(*input.file, adjustment);
+    input.trajectory = dynamic_cast<const io::TrajectoryFile*>(input.file.get());
+    return input;
+}
+
+/// Warnings of the run that made the trajectory, as far as they hold for its analysis.
+void pass_warnings_on(const Input& input, const Adjustment& adjustment, RunPlan& plan) {
+    if (input.trajectory == nullptr) return;
+    for (const std::string& warning : input.trajectory->record().warnings) {
+        const bool is_apparent =
+            warning.starts_with(apparent_diameter_warning) && !adjustment.diameter;
+        if (is_apparent || warning.starts_with("incomplete")) plan.warn(warning);
+    }
+}
+
+analysis::AnalysisOptions analysis_of(const AnalyzeJobOptions& options) {
+    analysis::AnalysisOptions analysis = options.analysis;
+    if (!options.wavevectors.empty()) {
+        analysis.wavevectors = io::read_wavevectors(options.wavevectors);
+    }
+    return analysis;
+}
+
+/// The frames that the tracker kept; where there are none, the last snapshot alone.
+std::vector<Preview> previews_of(const Input& input) {
+    if (input.trajectory != nullptr && !input.trajectory->previews().empty()) {
+        return input.trajectory->previews();
+    }
+    AdjustedSnapshots& snapshots = *input.snapshots;
+    if (snapshots.count() == 0) return {};
+    Preview last;
+    last.snapshot = snapshots.read(snapshots.count() - 1);
+    last.frame.index = last.snapshot.frame;
+    last.frame.time = last.snapshot.time;
+    return {last};
+}
+
+/// Origin and control parameter where the records know them, else the name of the file.
+std::string label_of(const Results& results, const fs::path& input) {
+    const report::RunIdentity identity = report::identity_of(results);
+    return identity.value ? report::legend_of(identity) : input.stem().string();
+}
+
+Results measure(const AnalyzeJobOptions& options, const fs::path& path, Job& job) {
+    const analysis::AnalysisOptions wanted = analysis_of(options);
+    const Input input = open_input(path, options.adjustment);
+    AdjustedSnapshots& snapshots = *input.snapshots;
+    pass_warnings_on(input, options.adjustment, job.plan);
+    Progress progress("analysing", snapshots.count(), "frames", job.verbosity);
+    Results results;
+    results.observables = analysis::analyze(snapshots, wanted, job.threads, job.plan, progress);
+    progress.finish();
+    results.source = snapshots.info();
+    results.observables.insert(results.observables.begin(),
+                               lengths_of(*input.file, results.source, options.adjustment));
+    if (input.trajectory != nullptr) {
+        if (!input.trajectory->record().command.empty()) {
+            results.sources = {input.trajectory->record()};
+        }
+        if (!input.trajectory->curves().empty()) {
+            results.observables.push_back(analysis::run_series(input.trajectory->curves()));
+        }
+    }
+    results.frames = snapshots.count();
+    results.particles_mean = snapshots.particles_mean();
+    if (results.frames > 0) results.box = snapshots.read(0).box;
+    results.previews = previews_of(input);
+    for (Preview& preview : results.previews) {
+        preview.abs_q4 = analysis::abs_q4(preview.snapshot, results.source.diameter, wanted.q4);
+    }
+    if (results.frames == 0 || results.particles_mean == 0) {
+        job.plan.warn(fmt::format("'{}' has no particles", path.string()));
+    }
+    return results;
+}
+
+}  // namespace
+
+void plan_analysis(const AnalyzeJobOptions& options, Job& job) {
+    const fs::path& path = job.inputs.front();
+    const io::FileKind kind = io::identify(path);
+    require_possible(options, path, kind);
+    if (kind == io::FileKind::field) {
+        plan_field_results(path, options.fields, job.plan);
+        return;
+    }
+    const Input input = open_input(path, options.adjustment);
+    pass_warnings_on(input, options.adjustment, job.plan);
+    analysis::plan_analysis(*input.snapshots, analysis_of(options), job.plan);
+}
+
+Results run_analysis(const AnalyzeJobOptions& options, Job& job) {
+    const fs::path path = job.inputs.front();
+    const io::FileKind kind = io::identify(path);
+    require_possible(options, path, kind);
+    OutputFile output(options.output, job.overwrite);
+    const analysis::AnalysisOptions& analysis = options.analysis;
+    Results results = kind == io::FileKind::field
+                          ? field_results(path, options.fields,
+                                          {analysis.sk, analysis.fit, analysis.synthetic}, job)
+                          : measure(options, path, job);
+    results.record = job.record();
+    results.label = options.label.empty() ? label_of(results, path) : options.label;
+    throw_if_interrupted("analysis");
+    io::write_results(std::move(output), results);
+    job.outputs.push_back(options.output);
+    return results;
+}
+
+}  // namespace grainfield::pipelines

@@ -1,0 +1,169 @@
+#include "pipelines/resumable.h"
+
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
+#include "core/version.h"
+#include "io/h5/checkpoint_file.h"
+
+namespace grainfield::pipelines {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+constexpr const char* version_key = "program version";
+
+bool is_there(const fs::path& path) {
+    std::error_code unreachable;
+    return fs::exists(path, unreachable);
+}
+
+std::string version_of(const Checkpoint& checkpoint) {
+    const auto found = checkpoint.texts.find(version_key);
+    return found == checkpoint.texts.end() || found->second.size() != 1 ? std::string()
+                                                                        : found->second.front();
+}
+
+[[noreturn]] void refuse(const fs::path& path, std::string actual, std::string expected,
+                         std::string suggestion) {
+    throw InputError({.problem = fmt::format("cannot go on from '{}'", path.string()),
+                      .actual = std::move(actual),
+                      .expected = std::move(expected),
+                      .suggestion = std::move(suggestion)});
+}
+
+}  // namespace
+
+Resumable::Resumable(Job& job, Identity identity, const ResumeOptions& options)
+    : job_(job), identity_(std::move(identity)), options_(options) {
+    // A run that was resumed is recorded as the one that it completes.
+    std::erase_if(job_.configuration, [](const auto& option) { return option.first == "resume"; });
+    is_saved_ = is_there(checkpoint_path());
+    if (!is_saved_ || !options_.resume) return;
+    from_ = io::read_checkpoint(checkpoint_path());
+    require_same_run(*from_);
+    log_bytes();
+}
+
+Resumable::~Resumable() {
+    if (log_ && !is_saved_) log_->remove();
+}
+
+fs::path Resumable::with_suffix(const std::string& suffix) const {
+    fs::path path = identity_.output;
+    path += suffix;
+    return path;
+}
+
+void Resumable::require_same_run(const Checkpoint& checkpoint) const {
+    if (checkpoint.kind != identity_.kind) {
+        refuse(checkpoint_path(), fmt::format("it is of kind '{}'", checkpoint.kind),
+               fmt::format("kind '{}'", identity_.kind), "start the run anew");
+    }
+    if (const std::string version = version_of(checkpoint); version != kVersion) {
+        refuse(checkpoint_path(),
+               version.empty() ? std::string("it does not say which version wrote it")
+                               : fmt::format("version {} wrote it", version),
+               fmt::format("version {}, as this program", kVersion),
+               "finish the run with the program that began it, or start it anew");
+    }
+    io::require_same_configuration(checkpoint, identity_.configuration, checkpoint_path());
+}
+
+std::int64_t Resumable::log_bytes() const {
+    if (!from_ || identity_.log.empty()) return 0;
+    const auto found = from_->integers.find("log bytes");
+    if (found == from_->integers.end() || found->second.size() != 1 || found->second[0] < 0) {
+        refuse(checkpoint_path(), "it does not say how much was stored", {}, "start the run anew");
+    }
+    return found->second[0];
+}
+
+void Resumable::explain() {
+    if (from_) {
+        job_.plan.run("resume", "goes on from the checkpoint");
+    } else if (options_.resume) {
+        job_.plan.run("resume", "there is no checkpoint: starts from the beginning");
+    }
+    job_.plan.run("checkpoints", fmt::format("every {:g} min", options_.every.count() / 60));
+}
+
+void Resumable::require_free() const {
+    if (from_ || !is_saved_ || job_.overwrite == Overwrite::force) return;
+    throw OutputError(
+        {.problem = fmt::format("'{}' exists: an interrupted run of '{}'",
+                                checkpoint_path().string(), identity_.output.string()),
+         .actual = {},
+         .expected = {},
+         .suggestion = "option 'resume' goes on with it, option 'force' starts anew"});
+}
+
+Overwrite Resumable::overwrite() const {
+    return from_ ? Overwrite::force : job_.overwrite;
+}
+
+void Resumable::start() {
+    if (from_) {
+        const auto found = from_->reals.find("seconds");
+        const double before =
+            found == from_->reals.end() || found->second.empty() ? 0 : found->second.front();
+        job_.start -=
+            std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(before));
+    } else if (is_saved_) {
+        // One that is not gone on from must not outlive the records that it vouches for.
+        fs::remove(checkpoint_path());
+        is_saved_ = false;
+    }
+    if (!identity_.log.empty()) log_.emplace(with_suffix(identity_.log), log_bytes());
+    saved_ = Clock::now();
+}
+
+bool Resumable::is_due() const {
+    return Clock::now() - saved_ >= options_.every;
+}
+
+void Resumable::save(Checkpoint state, std::optional<std::int64_t> records) {
+    if (log_) {
+        log_->sync();
+        state.integers["log bytes"] = {records ? log_->bytes_of(*records) : log_->bytes()};
+    }
+    state.kind = identity_.kind;
+    state.configuration = identity_.configuration;
+    state.texts[version_key] = {kVersion};
+    state.reals["seconds"] = {job_.seconds()};
+    io::write_checkpoint(state, checkpoint_path());
+    is_saved_ = true;
+    saved_ = Clock::now();
+}
+
+std::string Resumable::interrupted(double done, double all, const std::string& units,
+                                   const std::string& kept) const {
+    return fmt::format("interrupted after {:.10g} of {:.10g} {}{}{}", done, all, units, kept,
+                       advice());
+}
+
+std::string Resumable::advice() const {
+    return is_there(checkpoint_path()) ? "; option 'resume' goes on from there" : "";
+}
+
+void Resumable::finish() {
+    std::error_code ignored;
+    fs::remove(checkpoint_path(), ignored);
+    is_saved_ = false;
+    if (log_) log_->remove();
+    log_.reset();
+}
+
+void Resumable::abandon() const {
+    std::error_code ignored;
+    if (!is_there(checkpoint_path()) && !identity_.log.empty()) {
+        fs::remove(with_suffix(identity_.log), ignored);
+    }
+}
+
+}  // namespace grainfield::pipelines

@@ -1,0 +1,204 @@
+#include "pipelines/track/track_job.h"
+
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "core/support/interrupt.h"
+#include "io/h5/snapshot_log.h"
+#include "io/input_record.h"
+#include "pipelines/analyze/lengths.h"
+#include "pipelines/interrupt_deadline.h"
+#include "pipelines/track/kept_tracks.h"
+
+namespace grainfield::pipelines {
+
+namespace {
+
+namespace fs = std::filesystem;
+using tracking::Tracker;
+
+/// The frames by number and bytes, in words. Their content is not read for it: calibration shows
+/// whether it is the same film.
+std::string film_in_words(const std::vector<fs::path>& inputs) {
+    if (inputs.empty()) return "none";
+    std::uintmax_t bytes = 0;
+    for (const fs::path& input : inputs) {
+        std::error_code unreadable;
+        const std::uintmax_t size = fs::file_size(input, unreadable);
+        if (!unreadable) bytes += size;
+    }
+    return fmt::format("{} from '{}', {} bytes",
+                       counted(static_cast<std::int64_t>(inputs.size()), "file"),
+                       inputs.front().filename().string(), bytes);
+}
+
+/// All that the result depends on: options, the content of the pictures that they name, the film.
+Resumable::Identity identity_of(const TrackJobOptions& options, const Job& job) {
+    FilmOptions film = options.film;
+    tracking::TrackOptions tracking = options.tracking;
+    std::vector<OptionTable> tables{OptionTable("")};
+    describe(film, tables.front());
+    for (OptionTable& table : tracking::describe(tracking)) tables.push_back(std::move(table));
+    Configuration compared = recorded_options(tables, {"strict", "max-pixels"});
+    compared.emplace_back("previews", std::to_string(options.previews));
+    compared.emplace_back("seed", std::to_string(job.seed));
+    for (const std::string& picture : pictures_of(options.film)) {
+        const RunRecord::Input record = io::describe_input(picture);
+        throw_if_interrupted("tracking");
+        compared.emplace_back(fmt::format("content of '{}'", picture),
+                              fmt::format("{} bytes, {}", record.bytes, record.checksum));
+    }
+    compared.emplace_back("input", film_in_words(job.inputs));
+    return {.kind = "track",
+            .output = options.output,
+            .log = ".snapshots",
+            .configuration = std::move(compared)};
+}
+
+void plan_checkpoints(Resumable& resumable, std::int64_t frames, RunPlan& plan) {
+    if (frames > 1) {
+        resumable.explain();
+    } else {
+        plan.skip("checkpoints", "one frame", "a log of what is written");
+    }
+}
+
+std::vector<std::int64_t> recorded_previews(const Checkpoint& checkpoint) {
+    const auto found = checkpoint.integers.find("previews");
+    return found == checkpoint.integers.end() ? std::vector<std::int64_t>{} : found->second;
+}
+
+std::optional<SphereImage> spheres_of(const Tracker& tracker) {
+    if (!tracker.is_calibrated()) return std::nullopt;
+    const tracking::ImageModel& model = tracker.model();
+    return SphereImage{model.polarity, model.disc.diameter, model.disc.edge_width};
+}
+
+void warn_of_unit(const TrackJobOptions& options, const Tracker& tracker, RunPlan& plan) {
+    if (options.tracking.sphere_diameter || !tracker.is_calibrated()) return;
+    plan.warn(
+        fmt::format("{} = {:.3f} px; steel spheres: D is about 0.88 a; give --sphere-diameter",
+                    apparent_diameter_warning, tracker.model().disc.diameter));
+}
+
+/// Puts into the tracks what an interrupted run had, and hands the tracker what it goes on from.
+class Resumption {
+ public:
+    Resumption(Resumable& resumable, KeptTracks& tracks, PreviewChoice& choice)
+        : resumable_(resumable), tracks_(tracks), choice_(choice) {}
+
+    void replay(FrameSource& frames) {
+        if (resumable_.from() == nullptr) return;
+        for (const std::int64_t position : recorded_previews(*resumable_.from())) {
+            const Frame frame = frames.read(position);
+            Snapshot awaited;
+            awaited.frame = frame.index;
+            take(frame, awaited, position);
+        }
+        tracks_.replay();
+    }
+
+    void take(const Frame& frame, const Snapshot& snapshot, std::int64_t position) {
+        if (!choice_.takes(position)) return;
+        tracks_.add_preview(frame, snapshot);
+        previews_.push_back(position);
+    }
+
+    tracking::TrackResumption of_tracker(std::int64_t frames) {
+        tracking::TrackResumption resumption{.from = resumable_.from()};
+        if (frames <= 1) return resumption;
+        resumption.is_due = [this] { return resumable_.is_due(); };
+        resumption.save = [this](Checkpoint&& state) {
+            state.integers["previews"] = previews_;
+            resumable_.save(std::move(state));
+        };
+        return resumption;
+    }
+
+ private:
+    Resumable& resumable_;
+    KeptTracks& tracks_;
+    PreviewChoice& choice_;
+    std::vector<std::int64_t> previews_;
+};
+
+}  // namespace
+
+void plan_tracking(const TrackJobOptions& options, Job& job) {
+    Resumable resumable(job, identity_of(options, job), options.resume);
+    tracking::TrackOptions tracking = options.tracking;
+    tracking.threads = job.threads;
+    const Film film = open_film(job, options.film, tracking);
+    tracking.visible = film.visible;
+    plan_checkpoints(resumable, film.frames->count(), job.plan);
+    const Tracker tracker(*film.frames, tracking, job.plan);
+}
+
+TrackJobResult track_film(const TrackJobOptions& options, Job& job) {
+    const std::string name = options.output.string();
+    Resumable resumable(job, identity_of(options, job), options.resume);
+    resumable.require_free();
+    OutputFile output(options.output, resumable.overwrite());
+    // Before the deadline, so that they outlive it.
+    std::optional<io::SnapshotLog> log;
+    std::optional<KeptTracks> tracks;
+    LastAct last_act(job, resumable);
+    std::optional<InterruptDeadline> deadline;
+    deadline.emplace([&](int) { return last_act(); });
+    tracking::TrackOptions tracking = options.tracking;
+    tracking.threads = job.threads;
+    const Film film = open_film(job, options.film, tracking);
+    WatchedFrames& frames = *film.frames;
+    tracking.visible = film.visible;
+    plan_checkpoints(resumable, frames.count(), job.plan);
+
+    Tracker tracker(frames, tracking, job.plan);
+    warn_of_unit(options, tracker, job.plan);
+    if (frames.count() > 1) {
+        resumable.start();
+        log.emplace(resumable.log());
+    }
+    tracks.emplace(std::move(output), tracker.info(), film.origin, log ? &*log : nullptr);
+    last_act.holds(&*tracks, job);
+    PreviewChoice choice(options.previews, frames.count());
+    Resumption resumption(resumable, *tracks, choice);
+    resumption.replay(frames);
+
+    Progress progress("tracking", frames.count(), "frames", job.verbosity);
+    TrackJobResult result;
+    result.summary = tracker.run(
+        *tracks, progress,
+        [&](const Frame& frame, const Snapshot& snapshot, std::int64_t position) {
+            resumption.take(frame, snapshot, position);
+        },
+        resumption.of_tracker(frames.count()));
+    deadline.reset();
+    result.signal = caught_signal();
+    result.spheres = spheres_of(tracker);
+    tracking::TrackSummary& summary = result.summary;
+    // Without the tracks that are too short to be written.
+    summary.particles_mean = tracks->particles_mean();
+    const std::int64_t done = summary.frames + summary.frames_corrupt + summary.frames_missing;
+    const bool is_complete = done >= frames.count();
+    if (result.signal != 0) {
+        job.plan.warn(resumable.interrupted(static_cast<double>(done),
+                                            static_cast<double>(frames.count()), "frames",
+                                            fmt::format("; '{}' holds those", name)));
+    }
+    if (summary.frames > 0 && !result.has_residual()) {
+        job.plan.warn("no residual is given: no spheres were found");
+    }
+    if (result.has_residual()) {
+        tracks->add_curve(calibration_curve(result.spheres->diameter, result.spheres->edge_width,
+                                            summary.residual_rms));
+    }
+    tracks->finish(job.record());
+    job.outputs.push_back(options.output);
+    if (is_complete) resumable.finish();
+    return result;
+}
+
+}  // namespace grainfield::pipelines

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+
+#include "pipelines/film/film.h"
+#include "pipelines/job.h"
+#include "pipelines/resumable.h"
+#include "tracking/tracker.h"
+
+namespace grainfield::pipelines {
+
+/// What tracking one film is asked for; the film is the inputs of the job.
+struct TrackJobOptions {
+    std::filesystem::path output;
+    FilmOptions film;
+    std::int64_t previews = 3;  ///< frames kept in the output to look at
+    ResumeOptions resume{.resume = false, .every = std::chrono::minutes(1)};
+    tracking::TrackOptions tracking;
+};
+
+/// The spheres as the calibrated image model has them.
+struct SphereImage {
+    tracking::Polarity polarity = tracking::Polarity::dark;
+    double diameter = 0;    ///< apparent D [px]
+    double edge_width = 0;  ///< w [px]
+};
+
+/// What tracking, or the part of it until a signal, did.
+struct TrackJobResult {
+    tracking::TrackSummary summary;
+    std::optional<SphereImage> spheres;  ///< empty: the tracker could not calibrate
+    int signal = 0;                      ///< that ended it early; 0: none
+
+    /// Whether summary.residual_rms was measured.
+    bool has_residual() const { return spheres && summary.particles_mean > 0; }
+};
+
+/// Says in the plan what track_film would do; calibrates for it. Throws what track_film throws.
+void plan_tracking(const TrackJobOptions& options, Job& job);
+
+/// Tracks the film and writes the trajectory. At a signal the frames done so far are a complete
+/// output, and a checkpoint beside it is what `resume` goes on from (Resumable, log ".snapshots"):
+/// the file in the end is that of a run that was not stopped, byte by byte but for the wall time.
+/// A frame that takes longer than a second is given up at a signal. Throws OptionError, InputError,
+/// OutputError.
+TrackJobResult track_film(const TrackJobOptions& options, Job& job);
+
+}  // namespace grainfield::pipelines

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pipelines/film/film.h"
+#include "pipelines/tune/tuning.h"
+
+namespace grainfield::pipelines {
+
+/// One setting for a run of the tracker.
+struct Setting {
+    std::string section;  ///< of the configuration file: "calibrate"
+    std::string name;     ///< "edge-width"
+    std::string value;    ///< as TOML has it: 2.5, true, "dark"
+
+    friend bool operator==(const Setting&, const Setting&) = default;
+};
+
+/// Settings for a run on the same film: all that the user gave, with what was estimated in place of
+/// what it replaces, and steps no finer than the error of the positions asks for. Options of the
+/// film stand in the section "track".
+std::vector<Setting> suggested_settings(const Tuning& tuning, const FilmOptions& film);
+
+/// They as a configuration file.
+std::string toml_of(const std::vector<Setting>& settings);
+
+}  // namespace grainfield::pipelines

@@ -1,0 +1,62 @@
+#include "pipelines/validate/validate_job.h"
+
+#include <utility>
+
+#include "core/support/interrupt.h"
+#include "pipelines/page/report_page.h"
+#include "pipelines/validate/validation_report.h"
+
+namespace grainfield::pipelines {
+
+namespace {
+
+ValidationSettings settings_of(const ValidateJobOptions& options, const ValidationScene& scene,
+                               const Job& job) {
+    ValidationSettings settings;
+    settings.tracking = options.tracking;
+    settings.fit = options.fit;
+    settings.previews = options.previews;
+    settings.threads = job.threads;
+    settings.verbosity = job.verbosity;
+    settings.slow_frames =
+        scene.rendered != nullptr && options.scene.render.optics == simulate::OpticsKind::raytrace;
+    return settings;
+}
+
+}  // namespace
+
+void plan_validation(const ValidateJobOptions& options, Job& job) {
+    const ValidationScene scene = plan_scene(options.scene, job);
+    if (scene.rendered != nullptr && scene.rendered->count() > 0) {
+        plan_rays(scene.rendered->check_sampling(), job.plan);
+    }
+    job.plan.run("track", "calibrates on the first frame, as a run on the frames would");
+    job.plan.run("score", "matched within D/4, against the joint Cramér–Rao bound");
+    job.plan.run("analyse", "the true and the tracked positions");
+}
+
+ValidateJobResult run_validation(const ValidateJobOptions& options, Job& job) {
+    const ValidationScene scene = open_scene(options.scene, job);
+    ReportPage page(options.output, options.report, job);
+    tracking::TrackSummary tracked;
+    ValidationOutcome outcome =
+        validate({*scene.frames, *scene.truth, scene.sphere_diameter, scene.vibration_frequency},
+                 settings_of(options, scene, job), tracked, job.plan);
+    std::vector<ThresholdCheck> checks = check(options.thresholds, outcome);
+    std::vector<Results> runs;
+    for (const Results& run : outcome.runs) runs.push_back(page_run(run, job));
+    page.draw(runs, job, "Validation of the tracker", validation_report(outcome, checks));
+    page.commit(job);
+    ValidateJobResult result{.outcome = std::move(outcome),
+                             .tracked = tracked,
+                             .checks = std::move(checks),
+                             .optics = std::nullopt,
+                             .signal = caught_signal()};
+    if (scene.rendered != nullptr) {
+        result.optics = optics_use(scene.rendered->renderer(), scene.rendered->rendered(),
+                                   scene.rendered->check_sampling());
+    }
+    return result;
+}
+
+}  // namespace grainfield::pipelines

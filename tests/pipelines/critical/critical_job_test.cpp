@@ -1,0 +1,103 @@
+#include "pipelines/critical/critical_job.h"
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/errors.h"
+#include "io/h5/results_file.h"
+#include "tests/support/scratch_folder.h"
+
+namespace grainfield::pipelines {
+namespace {
+
+using ::testing::HasSubstr;
+
+// Results whose S0/S1 is 0.7 (ν − 5.2), ν standing in the record.
+std::filesystem::path write_run(const std::filesystem::path& path, double nu, bool has_fit = true) {
+    Results run;
+    run.label = path.stem().string();
+    run.box = {{0, 0}, {1, 1}, {}, 0};
+    ObservableResult fit;
+    fit.name = "fit";
+    fit.measurements = {{"s0_over_s1", "-", 0.7 * (nu - 5.2), 0.01, 100, ""}};
+    if (!has_fit) {
+        fit.measurements.clear();
+        fit.reason = "no pre-peak";
+    }
+    run.observables = {fit};
+    run.record.configuration = {{"field.nu", std::to_string(nu)}};
+    io::write_results(path, run, io::Overwrite::force);
+    return path;
+}
+
+struct Found {
+    CriticalJobResult result;
+    std::vector<std::string> warnings;
+};
+
+Found find(const testing::ScratchFolder& folder, std::vector<std::filesystem::path> inputs,
+           CriticalJobOptions options) {
+    Job job;
+    job.command = "critical";
+    job.overwrite = Overwrite::force;
+    job.inputs = std::move(inputs);
+    options.output = folder / "critical.h5";
+    CriticalJobResult result = find_critical_point(options, job);
+    return {std::move(result), job.plan.warnings()};
+}
+
+CriticalJobOptions by_record(const std::string& parameter) {
+    CriticalJobOptions options;
+    options.parameter = parameter;
+    return options;
+}
+
+CriticalJobOptions by_value(std::vector<double> values) {
+    CriticalJobOptions options;
+    options.values = std::move(values);
+    return options;
+}
+
+TEST(CriticalJob, FindsWhereS0OverS1VanishesFromValuesOrFromTheRecords) {
+    const testing::ScratchFolder folder;
+    std::vector<std::filesystem::path> inputs;
+    for (double nu : {5.5, 5.8, 6.4, 7.0}) {
+        inputs.push_back(write_run(folder / ("run" + std::to_string(inputs.size()) + ".h5"), nu));
+    }
+    inputs.push_back(write_run(folder / "without.h5", 9, false));
+    for (const CriticalJobOptions& options :
+         {by_record("field.nu"), by_value({5.5, 5.8, 6.4, 7.0, 9})}) {
+        const Found found = find(folder, inputs, options);
+        const Measurement* value = found.result.critical.find_measurement("critical_value");
+        ASSERT_NE(value, nullptr);
+        EXPECT_NEAR(*value->value, 5.2, 1e-9);
+        EXPECT_EQ(found.result.runs, 4U);
+        const Results out = io::read_results(folder / "critical.h5");
+        EXPECT_NE(out.find("critical")->find_curve("critical"), nullptr);
+        ASSERT_EQ(out.record.warnings.size(), 1U);
+        EXPECT_THAT(out.record.warnings[0], HasSubstr("no pre-peak"));
+        EXPECT_EQ(found.warnings.size(), 1U);
+    }
+}
+
+TEST(CriticalJob, SaysWhatIsWrongWithTheControlParameter) {
+    const testing::ScratchFolder folder;
+    const std::vector<std::filesystem::path> inputs{write_run(folder / "a.h5", 6)};
+    EXPECT_THROW(find(folder, inputs, {}), OptionError);
+    EXPECT_THROW(find(folder, inputs, by_value({1, 2})), OptionError);
+    EXPECT_THROW(find(folder, inputs, by_record("field.mu")), OptionError);
+}
+
+TEST(CriticalJob, NeedsARunWithAFit) {
+    const testing::ScratchFolder folder;
+    const std::vector<std::filesystem::path> inputs{write_run(folder / "a.h5", 6, false)};
+    EXPECT_THROW(find(folder, inputs, by_value({1})), InputError);
+}
+
+}  // namespace
+}  // namespace grainfield::pipelines
