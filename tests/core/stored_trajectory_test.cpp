@@ -9,7 +9,9 @@ namespace {
 
 TEST(StoredTrajectory, ReadsBackWhatWasWrittenAsOftenAsAsked) {
     StoredTrajectory stored;
-    stored.set_info({.diameter = 8});
+    TrajectoryInfo info;
+    info.diameter = 8;
+    stored.set_info(info);
     for (int f = 0; f < 3; ++f) {
         Snapshot snapshot;
         snapshot.frame = 2 * f;

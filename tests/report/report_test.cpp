@@ -50,8 +50,8 @@ TEST(WriteReport, WithoutFiguresMakesOneFile) {
     const sample::TemporaryFolder folder("report_alone");
     RunPlan plan;
     write_report({sample::results({1, 200, 60, true, "A"})},
-                 {.figures = false, .hints = analysis::figure_hints()}, folder / "r.html",
-                 folder / "figures", plan);
+                 {.title = "", .figures = false, .hints = analysis::figure_hints()},
+                 folder / "r.html", folder / "figures", plan);
     std::size_t files = 0;
     for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder.path())) {
         ++files;
@@ -68,16 +68,16 @@ TEST(WriteReport, OfTwentyRunsStaysBelow15Megabytes) {
         runs.back().previews.resize(3, runs.back().previews.front());
     }
     RunPlan plan;
-    write_report(runs, {.figures = false, .hints = analysis::figure_hints()}, folder / "r.html",
-                 folder / "figures", plan);
+    write_report(runs, {.title = "", .figures = false, .hints = analysis::figure_hints()},
+                 folder / "r.html", folder / "figures", plan);
     EXPECT_LE(std::filesystem::file_size(folder / "r.html"), 15'000'000U);
 }
 
 TEST(WriteReport, WhereItCannotWriteIsAnOutputError) {
     const sample::TemporaryFolder folder("report_unwritable");
     RunPlan plan;
-    EXPECT_THROW(write_report({Results{}}, {.figures = false}, folder / "absent" / "r.html",
-                              folder / "figures", plan),
+    EXPECT_THROW(write_report({Results{}}, {.title = "", .figures = false},
+                              folder / "absent" / "r.html", folder / "figures", plan),
                  OutputError);
 }
 
