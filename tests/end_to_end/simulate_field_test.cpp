@@ -213,7 +213,7 @@ TEST_P(InterruptedField, LeavesACheckpointWithinTwoSecondsAndGoesOn) {
     words.insert(words.end(), {"--resume", "--nu", "0.5"});
     Outcome refused = run_grainfield(words);
     EXPECT_EQ(refused.code, 3);
-    EXPECT_THAT(refused.err, HasSubstr("model.nu: 0.01 in the checkpoint, 0.5 now"));
+    EXPECT_THAT(refused.err, HasSubstr("--nu: 0.01 in the checkpoint, 0.5 now"));
     std::filesystem::resize_file(folder / "f.h5.checkpoint", 5000);
     words.resize(words.size() - 2);
     refused = run_grainfield(words);

@@ -309,7 +309,7 @@ TEST(SimulateMd, StartsOnlyFromTheSameCell) {
     EXPECT_FALSE(std::filesystem::exists(folder / "b.h5"));
     const Outcome other = testing::run_grainfield(again);
     EXPECT_EQ(other.code, 2);
-    EXPECT_THAT(other.err, HasSubstr("cell.length-x"));
+    EXPECT_THAT(other.err, HasSubstr("--length-x"));
     const Outcome same = testing::run_grainfield(with(again, cell));
     EXPECT_EQ(same.code, 0) << same.err;
 }

@@ -159,7 +159,7 @@ TEST_F(TrackResume, InterruptedItKeepsWhatWasDoneAndSaysHowToGoOn) {
     EXPECT_TRUE(state() == before);
     const Outcome other = testing::run_grainfield(run({"--resume", "--memory", "1"}));
     EXPECT_EQ(other.code, 3);
-    EXPECT_THAT(other.err, HasSubstr("link.memory: 2 in the checkpoint, 1 now"));
+    EXPECT_THAT(other.err, HasSubstr("--memory: 2 in the checkpoint, 1 now"));
     const Outcome resumed = testing::run_grainfield(run({"--resume"}));
     ASSERT_EQ(resumed.code, 0) << resumed.err;
     EXPECT_EQ(folder_.entries(), 1U);
