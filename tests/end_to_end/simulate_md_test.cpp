@@ -166,7 +166,7 @@ TEST(SimulateMd, StopsWithinTwoSecondsAndGoesOnAsIfNothingHadHappened) {
     const Outcome other = testing::run_grainfield(
         with(small_run(folder / "cut.h5"), {"--resume", "--amplitude", "0.09"}));
     EXPECT_EQ(other.code, 3);
-    EXPECT_THAT(other.err, HasSubstr("vibration.amplitude: 0.08 in the checkpoint, 0.09 now"));
+    EXPECT_THAT(other.err, HasSubstr("--amplitude: 0.08 in the checkpoint, 0.09 now"));
     const Outcome resumed =
         testing::run_grainfield(with(small_run(folder / "cut.h5"), {"--resume"}));
     ASSERT_EQ(resumed.code, 0) << resumed.err;
