@@ -94,7 +94,8 @@ std::vector<OptionTable> AnalyzeCommand::options() {
         "name in plots; by default origin and control parameter if known, else the input's name");
     own.number("gamma", gamma_, "-", {0, 1e6},
                "acceleration of the vibration, A omega^2/g; auto: as the simulation says");
-    own.text("box", box_, "box of the points as LX,LY in their length unit");
+    own.numbers("box", box_, "", {1e-12, 1e12}, "box of the points as LX,LY in their length unit",
+                {2, 2});
     own.choice("boundary", boundary_,
                {{"as-in-file", BoundaryChoice::as_in_file},
                 {"periodic", BoundaryChoice::periodic},
@@ -119,7 +120,7 @@ pipelines::AnalyzeJobOptions AnalyzeCommand::job() const {
     job.wavevectors = wavevectors_;
     job.fields =
         from_fields_ ? pipelines::FieldSamples::stored : pipelines::FieldSamples::accumulated;
-    if (!box_.empty()) job.adjustment.box_length = pipelines::parse_box_length(box_);
+    if (!box_.empty()) job.adjustment.box_length = Vec2{box_[0], box_[1]};
     if (boundary_ == BoundaryChoice::periodic) job.adjustment.boundary = Boundary::periodic;
     if (boundary_ == BoundaryChoice::walls) job.adjustment.boundary = Boundary::walls;
     return job;

@@ -23,7 +23,7 @@ class AnalyzeCommand : public Command {
     pipelines::AnalyzeJobOptions job() const;
 
     std::string output_;
-    std::string box_;
+    std::vector<double> box_;
     std::string wavevectors_;
     BoundaryChoice boundary_ = BoundaryChoice::as_in_file;
     std::optional<double> gamma_;

@@ -1,9 +1,6 @@
 #include "app/critical_command.h"
 
-#include <charconv>
-#include <cmath>
 #include <optional>
-#include <sstream>
 
 #include <fmt/format.h>
 
@@ -17,31 +14,6 @@ namespace {
 
 using nlohmann::ordered_json;
 using pipelines::SharedExponent;
-
-std::optional<double> number_in(std::string text) {
-    text.erase(0, text.find_first_not_of(" \t"));
-    text.erase(text.find_last_not_of(" \t") + 1);
-    double value = 0;
-    const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (problem != std::errc() || end != text.data() + text.size()) return std::nullopt;
-    return std::isfinite(value) ? std::optional<double>(value) : std::nullopt;
-}
-
-std::vector<double> numbers_in(const std::string& list) {
-    std::vector<double> values;
-    std::istringstream entries(list);
-    for (std::string entry; std::getline(entries, entry, ',');) {
-        const auto value = number_in(entry);
-        if (!value) {
-            throw OptionError({.problem = "--values holds something that is not a number",
-                               .actual = "'" + entry + "'",
-                               .expected = "numbers with commas between them",
-                               .suggestion = {}});
-        }
-        values.push_back(*value);
-    }
-    return values;
-}
 
 std::string words(const Session& session, const ObservableResult& critical, std::size_t runs) {
     std::string text = fmt::format("{}: S0/S1 of {}\n", session.outputs.front().string(),
@@ -71,7 +43,8 @@ Command::Inputs CriticalCommand::inputs() const {
 std::vector<OptionTable> CriticalCommand::options() {
     OptionTable own("");
     own.text("output", output_, "results file to write");
-    own.text("values", values_, "control parameter of each input, as V1,V2,… in their order");
+    own.numbers("values", values_, "", {},
+                "control parameter of each input, as V1,V2,… in their order");
     own.text("parameter", job_.parameter,
              "name of the control parameter; without --values an option that the inputs record");
     own.text("label", job_.label, "name in plots");
@@ -96,7 +69,7 @@ Summary CriticalCommand::work(Session& session) const {
     if (session.common.explain) return explanation(session.plan);
     pipelines::CriticalJobOptions job = job_;
     job.output = output_;
-    job.values = numbers_in(values_);
+    job.values = values_;
     const auto [runs, critical] = pipelines::find_critical_point(job, session);
 
     Summary summary;

@@ -20,7 +20,7 @@ class CriticalCommand : public Command {
     Summary work(Session& session) const;
 
     std::string output_;
-    std::string values_;
+    std::vector<double> values_;
     pipelines::CriticalJobOptions job_;
 };
 

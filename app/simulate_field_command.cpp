@@ -1,6 +1,5 @@
 #include "app/simulate_field_command.h"
 
-#include <charconv>
 #include <chrono>
 #include <filesystem>
 
@@ -14,25 +13,6 @@ namespace grainfield::app {
 namespace {
 
 using nlohmann::ordered_json;
-
-std::vector<double> parse_list(const std::string& text) {
-    std::vector<double> values;
-    const char* next = text.data();
-    const char* end = next + text.size();
-    while (next != end) {
-        double value = 0;
-        const auto [stop, error] = std::from_chars(next, end, value);
-        if (error != std::errc() || !(value >= 0) || (stop != end && *stop != ',')) {
-            throw OptionError({.problem = "option 'nu-list' has a wrong value",
-                               .actual = fmt::format("'{}'", text),
-                               .expected = "numbers between commas",
-                               .suggestion = "for example 0.005,0.001"});
-        }
-        values.push_back(value);
-        next = stop == end ? end : stop + 1;
-    }
-    return values;
-}
 
 std::filesystem::path name_for(const std::filesystem::path& output, double nu) {
     return output.parent_path() /
@@ -87,7 +67,8 @@ std::vector<OptionTable> SimulateFieldCommand::options() {
              "go on from the checkpoint of an interrupted run if it is there");
     own.number("checkpoint-every", checkpoint_every_, "s", {0.01, 1e9},
                "wall time between checkpoints");
-    own.text("nu-list", nu_list_, "values of nu, one output each, as 0.005,0.001");
+    own.numbers("nu-list", nu_list_, "-", {.minimum = 0},
+                "values of nu, one output each, as 0.005,0.001");
     OptionTable sk("sk");
     sk.number("k-max", job_.sk.k_max, "1/l", {1e-9, 1e9}, "largest wavevector of S(k)");
     std::vector<OptionTable> tables{own, sk};
@@ -96,11 +77,10 @@ std::vector<OptionTable> SimulateFieldCommand::options() {
 }
 
 std::vector<pipelines::FieldJobOptions> SimulateFieldCommand::jobs() const {
-    const std::vector<double> list = parse_list(nu_list_);
     std::vector<pipelines::FieldJobOptions> jobs;
-    for (const double nu : list.empty() ? std::vector<double>{job_.field.model.nu} : list) {
+    for (const double nu : nu_list_.empty() ? std::vector<double>{job_.field.model.nu} : nu_list_) {
         pipelines::FieldJobOptions job = job_;
-        job.output = list.empty() ? std::filesystem::path(output_) : name_for(output_, nu);
+        job.output = nu_list_.empty() ? std::filesystem::path(output_) : name_for(output_, nu);
         job.resume.every = std::chrono::duration<double>(checkpoint_every_);
         job.field.model.nu = nu;
         for (const pipelines::FieldJobOptions& other : jobs) {

@@ -25,7 +25,7 @@ class SimulateFieldCommand : public Command {
 
     std::string output_;
     double checkpoint_every_ = 60;  ///< [s]
-    std::string nu_list_;
+    std::vector<double> nu_list_;
     pipelines::FieldJobOptions job_;
 };
 

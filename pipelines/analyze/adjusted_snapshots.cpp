@@ -1,40 +1,8 @@
 #include "pipelines/analyze/adjusted_snapshots.h"
 
-#include <charconv>
-#include <cmath>
-#include <string>
-
-#include <fmt/format.h>
-
-#include "core/errors.h"
 #include "core/support/interrupt.h"
 
 namespace grainfield::pipelines {
-
-namespace {
-
-std::optional<double> parse_length(std::string_view text) {
-    double value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-    if (!std::isfinite(value) || value <= 0) return std::nullopt;
-    return value;
-}
-
-}  // namespace
-
-Vec2 parse_box_length(std::string_view text) {
-    const std::size_t comma = text.find(',');
-    if (comma != std::string_view::npos) {
-        const auto x = parse_length(text.substr(0, comma));
-        const auto y = parse_length(text.substr(comma + 1));
-        if (x && y) return {*x, *y};
-    }
-    throw OptionError({.problem = "option 'box' has a wrong value",
-                       .actual = fmt::format("'{}'", text),
-                       .expected = "two positive lengths LX,LY in the unit of the positions",
-                       .suggestion = "for example --box 100,100"});
-}
 
 void Adjustment::apply_to(TrajectoryInfo& info) const {
     if (particle_diameter) {

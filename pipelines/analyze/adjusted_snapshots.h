@@ -2,7 +2,6 @@
 
 #include <memory>
 #include <optional>
-#include <string_view>
 #include <vector>
 
 #include "core/trajectory.h"
@@ -21,9 +20,6 @@ struct Adjustment {
     void apply_to(TrajectoryInfo& info) const;
     void apply_to(Snapshot& snapshot) const;
 };
-
-/// "LX,LY" in the length unit of the file. Throws OptionError.
-Vec2 parse_box_length(std::string_view text);
 
 /// Snapshots of another source as the adjustment says they are; counts particles as they pass and
 /// stops with Interrupted at the next snapshot once a signal was caught.

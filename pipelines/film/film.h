@@ -18,7 +18,7 @@ namespace grainfield::pipelines {
 struct FilmOptions {
     std::optional<double> fps;  ///< [1/s]; empty: as the file says
     std::string frames = "::";
-    std::string region;                     ///< X,Y,WIDTH,HEIGHT [px]
+    std::vector<int> region;                ///< X,Y,WIDTH,HEIGHT [px]; empty: all
     std::string flat_field;                 ///< picture of the empty, lit cell
     std::string mask;                       ///< picture, zero: not looked at
     std::string background = "none";        ///< none, static, running, or a picture

@@ -69,13 +69,5 @@ TEST(AdjustedSnapshots, MeanNumberOfParticlesReadsOnlyWhatWasNotRead) {
     EXPECT_EQ(file.reads, 2);
 }
 
-TEST(ParseBoxLength, TakesTwoPositiveLengthsAndNothingElse) {
-    EXPECT_EQ(parse_box_length("100,50.5"), (Vec2{100, 50.5}));
-    for (const char* text :
-         {"", "100", "100,", ",5", "1,2,3", "0,5", "-1,5", "nan,5", "inf,5", "1;2", "1, 2"}) {
-        EXPECT_THROW(parse_box_length(text), OptionError) << text;
-    }
-}
-
 }  // namespace
 }  // namespace grainfield::pipelines

@@ -74,7 +74,7 @@ TEST_F(TuneSettings, PutWhatWasEstimatedInPlaceOfWhatWasGiven) {
 }
 
 TEST_F(TuneSettings, AreAConfigurationFileWithOneBlockASection) {
-    film_.region = "0,0,10,10";
+    film_.region = {0, 0, 10, 10};
     const std::string toml = toml_of(suggested());
     EXPECT_THAT(toml, HasSubstr("\n[track]\nregion = \"0,0,10,10\"\n"));
     EXPECT_THAT(toml, HasSubstr("\n[calibrate]\n"));
