@@ -15,6 +15,7 @@
 #include "app/exit_code.h"
 #include "app/option_set.h"
 #include "core/errors.h"
+#include "core/support/team.h"
 #include "core/version.h"
 
 namespace grainfield::app {
@@ -133,7 +134,10 @@ class BoundCommand {
         session.apply(common_);
         session.inputs.assign(inputs_.begin(), inputs_.end());
         session.configuration = options_.configuration();
-        return command_->run(session);
+        // One team for the whole run: its threads are started once and sleep between their work.
+        Summary summary;
+        on_team(session.threads(), [&](Team&) { summary = command_->run(session); });
+        return summary;
     }
 
     const OptionSet& options() const { return options_; }

@@ -1,5 +1,4 @@
 # Every third-party library, found once. `scripts/install-dependencies` lists the Debian packages.
-find_package(Threads REQUIRED)
 find_package(OpenMP REQUIRED COMPONENTS CXX)
 find_package(fmt REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)

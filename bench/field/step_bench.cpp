@@ -13,7 +13,7 @@
 #include <sys/resource.h>
 
 #include "bench/field/plain_paper_scheme.h"
-#include "simulate/field/field_integrator.h"
+#include "simulate/field/integrators/integrator_choice.h"
 
 using namespace grainfield;
 using namespace grainfield::simulate;

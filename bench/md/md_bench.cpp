@@ -18,8 +18,8 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
-#include "simulate/md/engine.h"
-#include "simulate/md/initial_state.h"
+#include "simulate/md/engine/engine_choice.h"
+#include "simulate/md/state/initial_state.h"
 
 namespace {
 

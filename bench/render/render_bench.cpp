@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "core/support/random.h"
-#include "simulate/render/camera.h"
-#include "simulate/render/raytrace.h"
-#include "simulate/render/silhouette.h"
+#include "simulate/render/sensor/camera.h"
+#include "simulate/render/optics/raytrace.h"
+#include "simulate/render/optics/silhouette.h"
 
 namespace {
 
@@ -84,7 +84,7 @@ void trace(int threads) {
     const View fine = camera.radiance_view(view);
     for (const bool crystal : {false, true}) {
         const auto instants = exposed(layer(crystal), 5);
-        RaytraceOptics optics(options.raytrace, threads);
+        RaytraceOptics optics(options.optics.of<Raytrace>(), threads);
         report(crystal ? "raytrace, s = .81 a" : "raytrace, s = .924 a", 3,
                [&] { optics.radiance(instants, fine); });
         const double pixels = 3 * 1600.0 * 1600;

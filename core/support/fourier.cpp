@@ -17,6 +17,7 @@
 
 #include "core/errors.h"
 #include "core/support/fftw_planner.h"
+#include "core/support/parallel.h"
 
 namespace grainfield {
 
@@ -26,6 +27,13 @@ std::mutex& fftw_planner_mutex() {
 }
 
 namespace {
+
+// The jobs of a threaded plan, on our threads.
+void run_jobs(void* (*work)(char*), char* jobs, std::size_t job_size, int count, void*) {
+    parallel_for(count, count, [&](std::int64_t i) {
+        static_cast<void>(work(jobs + job_size * static_cast<std::size_t>(i)));
+    });
+}
 
 template <class Real>
 struct Fftw;
@@ -37,7 +45,10 @@ struct Fftw<double> {
     static constexpr const char* wisdom_file = "fftw3.wisdom";
     static void* allocate(std::size_t bytes) { return fftw_malloc(bytes); }
     static void release(void* p) { fftw_free(p); }
-    static void init_threads() { fftw_init_threads(); }
+    static void init_threads() {
+        fftw_init_threads();
+        fftw_threads_set_callback(run_jobs, nullptr);
+    }
     static void use_threads(int n) { fftw_plan_with_nthreads(n); }
     static void forget_wisdom() { fftw_forget_wisdom(); }
     static char* export_wisdom() { return fftw_export_wisdom_to_string(); }
@@ -59,7 +70,10 @@ struct Fftw<float> {
     static constexpr const char* wisdom_file = "fftw3f.wisdom";
     static void* allocate(std::size_t bytes) { return fftwf_malloc(bytes); }
     static void release(void* p) { fftwf_free(p); }
-    static void init_threads() { fftwf_init_threads(); }
+    static void init_threads() {
+        fftwf_init_threads();
+        fftwf_threads_set_callback(run_jobs, nullptr);
+    }
     static void use_threads(int n) { fftwf_plan_with_nthreads(n); }
     static void forget_wisdom() { fftwf_forget_wisdom(); }
     static char* export_wisdom() { return fftwf_export_wisdom_to_string(); }

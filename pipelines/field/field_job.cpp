@@ -15,7 +15,8 @@
 #include "core/support/progress.h"
 #include "io/h5/field_file.h"
 #include "io/h5/field_log.h"
-#include "simulate/field/adjoint.h"
+#include "simulate/field/integrators/integrator_choice.h"
+#include "simulate/field/integrators/adjoint.h"
 #include "simulate/field/field_run.h"
 
 namespace grainfield::pipelines {

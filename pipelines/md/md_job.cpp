@@ -14,7 +14,7 @@
 #include "io/h5/trajectory_file.h"
 #include "io/open_snapshots.h"
 #include "pipelines/md/order_series.h"
-#include "simulate/md/initial_state.h"
+#include "simulate/md/state/initial_state.h"
 #include "simulate/md/md_simulation.h"
 
 namespace grainfield::pipelines {

@@ -12,8 +12,8 @@
 #include "io/h5/trajectory_file.h"
 #include "io/open_snapshots.h"
 #include "pipelines/render/snapshot_window.h"
-#include "simulate/render/grain_motion.h"
-#include "simulate/render/lasting_ids.h"
+#include "simulate/render/motion/grain_motion.h"
+#include "simulate/render/motion/lasting_ids.h"
 
 namespace grainfield::pipelines {
 
@@ -110,7 +110,7 @@ Tally render_all(const RenderJobOptions& options, Scene& scene, const Job& job,
     simulate::LastingIds ids(renderer.crossing_span(scene.source->read(0).box));
     Progress progress("rendering", static_cast<std::int64_t>(scene.chosen.size()), "frames",
                       job.verbosity);
-    if (scene.options.optics == simulate::OpticsKind::raytrace) progress.announce();
+    if (scene.options.optics.chosen().samples()) progress.announce();
     for (std::size_t i = 0; i < scene.chosen.size() && caught_signal() == 0; ++i) {
         const auto index = static_cast<std::int64_t>(i);
         if (renderer.loses(index)) {

@@ -9,7 +9,7 @@
 #include "core/run_plan.h"
 #include "core/trajectory.h"
 #include "pipelines/render/snapshot_window.h"
-#include "simulate/render/lasting_ids.h"
+#include "simulate/render/motion/lasting_ids.h"
 #include "simulate/render/renderer.h"
 #include "simulate/render/sampling_check.h"
 

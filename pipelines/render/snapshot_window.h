@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/trajectory.h"
-#include "simulate/render/grain_motion.h"
+#include "simulate/render/motion/grain_motion.h"
 
 namespace grainfield::pipelines {
 

@@ -19,7 +19,7 @@ ValidationSettings settings_of(const ValidateJobOptions& options, const Validati
     settings.threads = job.threads;
     settings.verbosity = job.verbosity;
     settings.slow_frames =
-        scene.rendered != nullptr && options.scene.render.optics == simulate::OpticsKind::raytrace;
+        scene.rendered != nullptr && options.scene.render.optics.chosen().samples();
     return settings;
 }
 

@@ -11,7 +11,8 @@
 #include "io/open_snapshots.h"
 #include "pipelines/validate/stored_snapshots.h"
 #include "pipelines/validate/validation.h"
-#include "simulate/md/initial_state.h"
+#include "simulate/md/state/initial_state.h"
+#include "simulate/render/optics/silhouette.h"
 #include "simulate/md/md_simulation.h"
 
 namespace grainfield::pipelines {
@@ -94,7 +95,7 @@ std::unique_ptr<SnapshotSource> make_trajectory(const SceneOptions& options, Job
     require_memory(frames * static_cast<double>(options.md.cell.grains), available_memory());
     // To explain what ray tracing takes, the state that a run would begin with will do.
     const bool is_shown =
-        extent == Extent::whole || options.render.optics == simulate::OpticsKind::raytrace;
+        extent == Extent::whole || options.render.optics.chosen().samples();
     simulate::GrainState initial;
     if (is_shown) {
         initial = simulate::make_initial_state(options.md, job.seed);
@@ -159,7 +160,7 @@ SceneOptions::SceneOptions() {
     md.run.discard = 10;
     md.run.snapshot_every = 0.1;
     render.view.scale = 16;
-    render.silhouette.rim = 0.4;
+    render.optics.of<simulate::Silhouette>().rim = 0.4;
 }
 
 ValidationScene open_scene(const SceneOptions& options, Job& job) {

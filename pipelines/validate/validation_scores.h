@@ -7,7 +7,7 @@
 
 #include "analysis/order/bond_order.h"
 #include "core/snapshot.h"
-#include "simulate/render/lasting_ids.h"
+#include "simulate/render/motion/lasting_ids.h"
 #include "tracking/model/disc_profile.h"
 #include "tracking/score/detection_scores.h"
 #include "tracking/score/layer_score.h"

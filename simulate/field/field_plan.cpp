@@ -9,8 +9,8 @@
 
 #include "core/errors.h"
 #include "core/support/parallel.h"
-#include "simulate/field/explicit_integrator.h"
-#include "simulate/field/order_spectrum.h"
+#include "simulate/field/integrators/explicit_integrator.h"
+#include "simulate/field/model/order_spectrum.h"
 
 namespace grainfield::simulate {
 

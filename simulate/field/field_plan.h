@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "core/run_plan.h"
-#include "simulate/field/adjoint.h"
-#include "simulate/field/field_integrator.h"
 #include "simulate/field/field_options.h"
+#include "simulate/field/integrators/adjoint.h"
+#include "simulate/field/integrators/field_integrator.h"
 
 namespace grainfield::simulate {
 

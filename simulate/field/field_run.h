@@ -3,8 +3,8 @@
 #include <cstdint>
 
 #include "core/density_field.h"
-#include "simulate/field/field_integrator.h"
 #include "simulate/field/field_plan.h"
+#include "simulate/field/integrators/field_integrator.h"
 
 namespace grainfield::simulate {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/option_table.h"
-#include "simulate/md/md_system.h"
+#include "simulate/md/state/md_system.h"
 
 namespace grainfield::simulate {
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/results.h"
-#include "simulate/md/engine.h"
-#include "simulate/md/md_system.h"
+#include "simulate/md/engine/engine.h"
+#include "simulate/md/state/md_system.h"
 
 namespace grainfield::simulate {
 

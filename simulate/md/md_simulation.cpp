@@ -11,7 +11,8 @@
 
 #include "core/errors.h"
 #include "core/support/interrupt.h"
-#include "simulate/md/initial_state.h"
+#include "simulate/md/engine/engine_choice.h"
+#include "simulate/md/state/initial_state.h"
 
 namespace grainfield::simulate {
 

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "core/support/checkpoint.h"
 #include "core/run_plan.h"
+#include "core/support/checkpoint.h"
 #include "core/trajectory.h"
-#include "simulate/md/engine.h"
+#include "simulate/md/engine/engine.h"
 #include "simulate/md/md_options.h"
 #include "simulate/md/md_series.h"
 

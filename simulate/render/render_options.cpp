@@ -1,7 +1,7 @@
 #include "simulate/render/render_options.h"
 
-#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -10,11 +10,6 @@
 namespace grainfield::simulate {
 
 namespace {
-
-// Of the default camera 0.22: the image then differs from the exact one by less than the noise, in
-// a dark crystal as in a liquid (bench/results/render.md). The error goes as the root of the
-// tolerance.
-constexpr double tolerance_over_variance = 1835;
 
 OptionTable describe(ViewOptions& o) {
     OptionTable t("view");
@@ -27,8 +22,9 @@ OptionTable describe(ViewOptions& o) {
     t.number("distance", o.distance, "a", {100, 1e6}, "of the pinhole above mid height");
     t.number("centre-x", o.centre_x, "a", {-1e6, 1e6}, "of the frame; auto: of the box");
     t.number("centre-y", o.centre_y, "a", {-1e6, 1e6}, "of the frame; auto: of the box");
-    t.number("cell-height", o.cell_height, "a", {1, 1000},
-             "between the plates; auto: of the trajectory, else 1.94");
+    t.number(
+        "cell-height", o.cell_height, "a", {1, 1000},
+        fmt::format("between the plates; auto: of the trajectory, else {:g}", default_cell_height));
     t.number("sphere-mm", o.sphere_mm, "mm", {1e-3, 1000}, "true diameter a, sets the clock of MD");
     return t;
 }
@@ -70,55 +66,22 @@ OptionTable describe(SensorOptions& o) {
     return t;
 }
 
-OptionTable describe(SilhouetteOptions& o) {
-    OptionTable t("silhouette");
-    t.number("rim", o.rim, "-", {0, 1}, "brightness of the mirroring ring outside R/√2");
-    return t;
-}
-
-OptionTable describe(RaytraceOptions& o) {
-    OptionTable t("raytrace");
-    t.number("panel-distance", o.panel_distance, "a", {0, 1e5},
-             "of the panel below the cell, plate included");
-    t.number("panel-half-size", o.panel_half_size, "a", {1e-3, 1e6}, "of the square panel");
-    t.number("emission-power", o.emission_power, "-", {0.1, 100},
-             "panel radiance ∝ cos^(power − 1)");
-    t.number("glass-thickness", o.glass_thickness, "a", {0, 1e4}, "of either plate; 0: none");
-    t.number("ring-level", o.ring_level, "-", {0, 100}, "radiance of an LED ring above / panel");
-    t.number("ring-angle", o.ring_angle, "deg", {1, 80}, "of the ring from the vertical");
-    t.integer("bounces", o.bounces, "-", {1, 32}, "mirror reflections followed");
-    t.flag("neighbours", o.neighbours, "spheres mirror one another, not only the light");
-    t.integer("most-samples", o.most_samples, "-", {1, 65536}, "camera rays per pixel, at most");
-    t.number("tolerance", o.tolerance, "-", {0, 1},
-             "spread around a pixel that costs one more ray; 0: sample all pixels alike; auto: of "
-             "the camera's noise");
-    return t;
-}
-
 }  // namespace
 
 std::vector<OptionTable> describe(RenderOptions& o) {
     OptionTable t("");
-    t.choice("optics", o.optics,
-             {{"silhouette", OpticsKind::silhouette}, {"raytrace", OpticsKind::raytrace}},
-             "opaque discs, or mirror spheres traced ray by ray");
+    o.optics.describe_choice(t);
     t.choice("camera", o.camera, {{"noisy", CameraKind::noisy}, {"ideal", CameraKind::ideal}},
              "ideal: even light, no noise, dust, defects, jitter or lost frames");
-    return {t,
-            describe(o.view),
-            describe(o.exposure),
-            describe(o.light),
-            describe(o.sensor),
-            describe(o.silhouette),
-            describe(o.raytrace)};
+    std::vector<OptionTable> tables{t, describe(o.view), describe(o.exposure), describe(o.light),
+                                    describe(o.sensor)};
+    for (OptionTable& table : o.optics.describe()) tables.push_back(std::move(table));
+    return tables;
 }
 
-double sampling_tolerance(const RenderOptions& o) {
-    if (o.raytrace.tolerance) return *o.raytrace.tolerance;
+double bright_field_noise(const RenderOptions& o) {
     const double electrons = o.light.level * o.sensor.full_well;
-    const double variance =
-        (electrons + o.sensor.read_noise * o.sensor.read_noise) / (electrons * electrons);
-    return std::min(1.0, tolerance_over_variance * variance);
+    return (electrons + o.sensor.read_noise * o.sensor.read_noise) / (electrons * electrons);
 }
 
 RenderOptions RenderOptions::effective() const {
@@ -154,15 +117,7 @@ void require_valid(const RenderOptions& o) {
                            .expected = fmt::format("less than {:g}, the full scale", full_scale),
                            .suggestion = "lower it, or take more sensor.bits"});
     }
-    const RaytraceOptions& r = o.raytrace;
-    if (o.optics == OpticsKind::raytrace && r.panel_distance < r.glass_thickness) {
-        throw OptionError(
-            {.problem = "raytrace.panel-distance: the panel lies within the glass plate",
-             .actual = fmt::format("{:g} a", r.panel_distance),
-             .expected =
-                 fmt::format("at least raytrace.glass-thickness, {:g} a", r.glass_thickness),
-             .suggestion = "both are measured from the upper face of the low plate"});
-    }
+    o.optics.chosen().require_valid();
 }
 
 }  // namespace grainfield::simulate

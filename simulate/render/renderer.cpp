@@ -14,9 +14,8 @@ namespace grainfield::simulate {
 
 namespace {
 
-constexpr double default_cell_height = 1.94;  // [a], the paper's
-constexpr double largest_step = 0.25;         // between sub-frames [px]
-constexpr double seen_beyond = 4;             // [a] around the frame: what may reflect into it
+constexpr double largest_step = 0.25;  // between sub-frames [px]
+constexpr double seen_beyond = 4;      // [a] around the frame: what may reflect into it
 
 double cell_height_of(const RenderOptions& options, const TrajectoryInfo& info, const Box& box) {
     if (options.view.cell_height) return *options.view.cell_height;
@@ -65,23 +64,10 @@ bool is_within(Vec2 p, const View& view, double margin) {
 }
 
 void explain_optics(const RenderOptions& o, const View& view, RunPlan& plan) {
-    const bool traced = o.optics == OpticsKind::raytrace;
-    plan.run("optics", fmt::format("{}, {} × {} px, {:.4g} px per diameter",
-                                   traced ? "ray tracing" : "silhouettes", view.width(),
-                                   view.height(), view.scale()));
-    if (!traced) return;
-    const double tolerance = sampling_tolerance(o);
-    if (tolerance <= 0) {
-        plan.run("uniform sampling",
-                 fmt::format("{} camera rays in every pixel", o.raytrace.most_samples));
-        return;
-    }
-    plan.skip(
-        "uniform sampling",
-        fmt::format("no ray where only the panel is seen, one where neighbours agree (twice their "
-                    "standard deviation below {:.2g} of the bright field), up to {} elsewhere",
-                    tolerance, o.raytrace.most_samples),
-        "a third to most of the rays; the summary says how many and what it changes");
+    plan.run("optics",
+             fmt::format("{}, {} × {} px, {:.4g} px per diameter", o.optics.chosen().title(),
+                         view.width(), view.height(), view.scale()));
+    o.optics.chosen().explain(bright_field_noise(o), plan);
 }
 
 void explain_light(const RenderOptions& o, RunPlan& plan) {
@@ -96,8 +82,6 @@ void explain_light(const RenderOptions& o, RunPlan& plan) {
     } else {
         plan.skip("blur", "σ = 0", "two convolutions a frame");
     }
-    if (o.silhouette.rim > 0 || o.optics != OpticsKind::silhouette) return;
-    plan.skip("reflections", "silhouettes without a rim", "sorting by height");
 }
 
 }  // namespace
@@ -115,7 +99,7 @@ Renderer::Renderer(const RenderOptions& options, const TrajectoryInfo& info, con
       seed_(seed),
       view_(options.view, in_diameters(box, info.diameter), height_),
       camera_(options, view_, seed, threads),
-      optics_(make_optics(options_, threads)) {
+      optics_(options_.optics.chosen().make(bright_field_noise(options_), threads)) {
     require_at_most_three_periods(view_, in_diameters(box, info.diameter));
     explain_optics(options_, view_, plan);
     const double shutter = shutter_seconds(options_, seconds_per_unit_);

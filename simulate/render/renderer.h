@@ -7,10 +7,10 @@
 #include "core/frame.h"
 #include "core/run_plan.h"
 #include "core/trajectory.h"
-#include "simulate/render/camera.h"
-#include "simulate/render/grain_motion.h"
-#include "simulate/render/optics.h"
+#include "simulate/render/motion/grain_motion.h"
+#include "simulate/render/optics/optics.h"
 #include "simulate/render/render_options.h"
+#include "simulate/render/sensor/camera.h"
 #include "simulate/render/view.h"
 
 namespace grainfield::simulate {

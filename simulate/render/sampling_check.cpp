@@ -11,7 +11,6 @@ namespace grainfield::simulate {
 namespace {
 
 constexpr int patch = 64;  // [px]
-constexpr int reference_samples = 32;
 
 /// The middle of the frame by an even, noiseless camera of 16 bits.
 RenderOptions patch_options(const RenderOptions& options, const View& view) {
@@ -35,13 +34,11 @@ SamplingCheck check_sampling(const RenderOptions& options, const View& view,
                              const TrajectoryInfo& info, const SnapshotSeries& series,
                              std::uint64_t seed, int threads) {
     SamplingCheck check;
-    const double tolerance = sampling_tolerance(options);
-    if (options.optics != OpticsKind::raytrace || tolerance <= 0) return check;
+    // The patch has a camera of its own; the savings stay those that the given one permits.
     RenderOptions adaptive = patch_options(options, view);
-    adaptive.raytrace.tolerance = tolerance;
+    adaptive.optics.chosen().settle(bright_field_noise(options));
     RenderOptions uniform = adaptive;
-    uniform.raytrace.tolerance = 0;
-    uniform.raytrace.most_samples = std::max(reference_samples, options.raytrace.most_samples);
+    if (!uniform.optics.chosen().become_reference()) return check;
     RunPlan unused;
     Renderer a(adaptive, info, series.snapshot().box, seed, threads, unused);
     Renderer b(uniform, info, series.snapshot().box, seed, threads, unused);

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "core/trajectory.h"
-#include "simulate/render/grain_motion.h"
+#include "simulate/render/motion/grain_motion.h"
 #include "simulate/render/render_options.h"
 #include "simulate/render/view.h"
 

@@ -1,11 +1,30 @@
 #pragma once
 
+#include <optional>
+
 #include "core/box.h"
 #include "core/vec2.h"
 #include "core/vec3.h"
-#include "simulate/render/render_options.h"
 
 namespace grainfield::simulate {
+
+enum class Projection { perspective, telecentric };
+
+/// Height of a cell that is not known [a]: that of the paper's experiment.
+constexpr double default_cell_height = 1.94;
+
+/// Where the camera stands and how large its frame is. Section `view`.
+struct ViewOptions {
+    int width = 1600;             ///< [px]
+    int height = 1600;            ///< [px]
+    std::optional<double> scale;  ///< pixels per diameter at mid height; auto: the box fills it
+    Projection projection = Projection::perspective;
+    double distance = 700;           ///< of the pinhole above mid height [a]; perspective only
+    std::optional<double> centre_x;  ///< of the frame [a]; auto: centre of the box
+    std::optional<double> centre_y;
+    std::optional<double> cell_height;  ///< between the plates [a]; auto: of the trajectory
+    double sphere_mm = 1;               ///< a in millimetres: joins simulated time to seconds
+};
 
 /// From the cell [a] to the frame [px]: a pinhole above the cell, or parallel rays.
 ///

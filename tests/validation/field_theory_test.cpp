@@ -8,9 +8,10 @@
 #include <gtest/gtest.h>
 
 #include "analysis/density/field_statistics.h"
-#include "simulate/field/adjoint.h"
+#include "simulate/field/integrators/adjoint.h"
 #include "simulate/field/field_run.h"
-#include "simulate/field/order_spectrum.h"
+#include "simulate/field/model/order_spectrum.h"
+#include "simulate/field/integrators/integrator_choice.h"
 
 namespace grainfield {
 namespace {

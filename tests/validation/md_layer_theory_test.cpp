@@ -4,8 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "simulate/md/initial_state.h"
+#include "simulate/md/state/initial_state.h"
 #include "simulate/md/md_simulation.h"
+#include "simulate/md/engine/engine_choice.h"
 
 namespace grainfield::simulate {
 

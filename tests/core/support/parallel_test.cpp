@@ -1,9 +1,13 @@
 #include "core/support/parallel.h"
 
 #include <atomic>
+#include <barrier>
 #include <cmath>
+#include <mutex>
+#include <set>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -51,6 +55,45 @@ TEST(ParallelFor, RethrowsTheFailureOfTheSmallestIndexWhateverTheTiming) {
 TEST(ParallelFor, DoesNothingForAnEmptyRange) {
     parallel_for(0, 4, [](std::int64_t) { FAIL(); });
     parallel_for(-3, 4, [](std::int64_t) { FAIL(); });
+}
+
+TEST(ParallelFor, KeepsItsContractInsideItselfAndOnSeveralThreads) {
+    constexpr std::int64_t outer = 6;
+    constexpr std::int64_t inner = 500;
+    std::vector<std::atomic<int>> visits(2 * outer * inner);
+    const auto nested = [&](std::int64_t caller) {
+        parallel_for(outer, 2, [&, caller](std::int64_t i) {
+            parallel_for(inner, 3, [&](std::int64_t j) {
+                ++visits[static_cast<std::size_t>((caller * outer + i) * inner + j)];
+            });
+        });
+    };
+    {
+        const std::jthread other([&] { nested(1); });
+        nested(0);
+    }
+    for (const auto& count : visits) EXPECT_EQ(count.load(), 1);
+    EXPECT_THROW(parallel_for(outer, 2,
+                              [](std::int64_t) {
+                                  parallel_for(9, 3, [](std::int64_t j) {
+                                      if (j == 4) throw std::runtime_error("inner");
+                                  });
+                              }),
+                 std::runtime_error);
+}
+
+TEST(ParallelFor, UsesSeveralThreadsInsideItself) {
+    std::mutex mutex;
+    std::set<std::thread::id> seen;
+    parallel_for(2, 2, [&](std::int64_t) {
+        std::barrier together(2);  // returns only if two threads are there
+        parallel_for(2, 2, [&](std::int64_t) {
+            together.arrive_and_wait();
+            const std::lock_guard lock(mutex);
+            seen.insert(std::this_thread::get_id());
+        });
+    });
+    EXPECT_GE(seen.size(), 2U);
 }
 
 TEST(ThreadCount, IsTheRequestIfPositiveElseAtLeastOne) {

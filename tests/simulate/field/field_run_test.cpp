@@ -2,7 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/simulate/field/field_checks.h"
+#include "simulate/field/integrators/integrator_choice.h"
+#include "tests/simulate/field/integrators/field_checks.h"
 
 namespace grainfield::simulate {
 namespace {

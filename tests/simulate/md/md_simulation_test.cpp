@@ -6,7 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "core/errors.h"
-#include "simulate/md/initial_state.h"
+#include "simulate/md/engine/engine_choice.h"
+#include "simulate/md/state/initial_state.h"
 
 namespace grainfield::simulate {
 

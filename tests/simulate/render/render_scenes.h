@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "core/support/random.h"
-#include "simulate/render/optics.h"
+#include "simulate/render/optics/optics.h"
 
 namespace grainfield::simulate {
 

@@ -1,8 +1,0 @@
-#include "simulate/md/event_engine.inl"
-
-namespace grainfield::simulate {
-
-template std::unique_ptr<Engine> make_event_engine<Tangential::sticking>(const MdSystem&,
-                                                                         const EngineOptions&);
-
-}  // namespace grainfield::simulate
