@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "tracking/detect/distance_transform.h"
-#include "tracking/model/edge_meeting.h"
+#include "tracking/model/product_image.h"
 #include "tracking/refine/joint_covariance.h"
 
 namespace grainfield::tracking {
@@ -54,7 +54,7 @@ void reduce(const PaddedImage& image, int factor, int spacing, int threads, Imag
 /// adds factor²/12.
 DiscProfile reduced(const DiscProfile& disc, int factor) {
     const double blur = factor / std::numbers::pi;
-    return {disc.diameter / factor, std::hypot(disc.edge_width, blur) / factor};
+    return {disc.diameter / factor, std::hypot(disc.edge_width, blur) / factor, disc.shape};
 }
 
 // As far as this one joint step is as good as any number of single ones: for an isolated disc the
@@ -90,17 +90,14 @@ RefinementOptions rough_version(const RefinementOptions& refinement, const DiscP
 
 }  // namespace
 
-Locator::Locator(int width, int height, const DiscProfile& disc, int threads, EdgeMeeting meeting,
-                 RadialCorrection correction)
-    : disc_(disc),
-      meeting_(meeting),
-      correction_(std::move(correction)),
-      factor_(DiscCorrelation::suitable_factor(disc)),
+Locator::Locator(int width, int height, DiscModel model, int threads)
+    : model_(std::move(model)),
+      factor_(DiscCorrelation::suitable_factor(model_.disc)),
       threads_(threads),
-      correlation_(width, height, disc, factor_),
-      fit_(Image(width, height), disc, threads) {
+      correlation_(width, height, model_.disc, factor_),
+      fit_(Image(width, height), model_.disc, threads) {
     if (factor_ > 1 && width >= 2 * factor_ && height >= 2 * factor_) {
-        const DiscProfile blocks = reduced(disc, factor_);
+        const DiscProfile blocks = reduced(model_.disc, factor_);
         coarse_.emplace(width / factor_, height / factor_, blocks, 1);
         coarse_fit_.emplace(Image(width / factor_, height / factor_), blocks, threads);
         approach_.emplace(Image(width / factor_, rows_of_blocks(height, factor_, kApproachSpacing)),
@@ -156,7 +153,7 @@ void Locator::search_coarsely(const DetectionOptions& detection,
     coarse_fit_->restart(coarse_image_);
     SphereSearch search(*coarse_fit_, *coarse_, detection);
     search.seed();
-    RefinementOptions rough = rough_version(refinement, disc_);
+    RefinementOptions rough = rough_version(refinement, model_.disc);
     rough.tolerance /= factor_;
     search.run(rough);
     std::vector<Vec2> places;
@@ -164,7 +161,7 @@ void Locator::search_coarsely(const DetectionOptions& detection,
     for (const Vec2 p : search.fit().positions()) places.push_back(correlation_.in_frame(p));
     std::vector<double> explained = search.fit().explained();
     for (double& e : explained) e *= factor_ * factor_;
-    place_all({places, explained}, kSwept * disc_.edge_width);
+    place_all({places, explained}, kSwept * model_.disc.edge_width);
     const SphereSearch::Summary& summary = search.summary();
     found.passes += summary.passes;
     found.added += summary.added;
@@ -189,7 +186,7 @@ Locator::Scene Locator::approached(const RefinementOptions& refinement,
     places.reserve(start.size());
     for (const Vec2 p : start) places.push_back(correlation_.in_map(p));
     approach_->add_all(places);
-    RefinementOptions rough = rough_version(refinement, disc_);
+    RefinementOptions rough = rough_version(refinement, model_.disc);
     rough.tolerance /= factor_;
     found.coarse_steps += approach_->refine(rough, Drawing::roughly).steps;
     const ResidualBlocks residual(approach_->darkness(), approach_->transmission(),
@@ -204,7 +201,7 @@ Locator::Scene Locator::approached(const RefinementOptions& refinement,
     if (found.approached) {
         scene.explained = approach_->explained();
         for (double& e : scene.explained) e *= factor_ * factor_ * kApproachSpacing;
-        const double farthest = kFarthest * disc_.diameter;
+        const double farthest = kFarthest * model_.disc.diameter;
         for (std::size_t j = 0; j < places.size(); ++j) {
             const Vec2 p = correlation_.in_frame(approach_->positions()[j]);
             const bool is_near = squared_norm(p - start[j]) < farthest * farthest;
@@ -224,14 +221,14 @@ void Locator::place_all(const Scene& scene, std::optional<double> left) {
 /// Joint steps d beyond this are made again [px]: what one neglects, of the order d²/w, stays below
 /// the standard error of an isolated sphere.
 double Locator::far(double noise) const {
-    const double error = std::max(kLeastError, noise / std::sqrt(disc_.information()));
-    return std::min(
-        {kNewton * disc_.edge_width, JointFit::kLongestStep, std::sqrt(disc_.edge_width * error)});
+    const double error = std::max(kLeastError, noise / std::sqrt(model_.disc.information()));
+    return std::min({kNewton * model_.disc.edge_width, JointFit::kLongestStep,
+                     std::sqrt(model_.disc.edge_width * error)});
 }
 
 /// Up to here a step need not be drawn [px].
 double Locator::least_drawn(double noise, const RefinementOptions& refinement) const {
-    const double error = noise / std::sqrt(disc_.information());
+    const double error = noise / std::sqrt(model_.disc.information());
     return std::max(refinement.tolerance, std::min(kUndrawn * error, far(noise)));
 }
 
@@ -243,7 +240,7 @@ bool Locator::settle(SphereSearch& search, const RefinementOptions& refinement, 
                      JointInformation& information, Located& found) {
     std::int64_t went_far = 0;
     for (int round = 0; round < kMostSettling; ++round) {
-        search.finish(swept(refinement, disc_), Drawing::roughly);
+        search.finish(swept(refinement, model_.disc), Drawing::roughly);
         const double noise = search.summary().noise;
         const double lag = exactly ? refinement.tolerance : least_drawn(noise, refinement);
         const auto begin = Clock::now();
@@ -292,7 +289,7 @@ void Locator::find_all(SphereSearch& search, const DetectionOptions& detection,
         is_settled = settle(search, refinement, exactly, settled.information, found);
         if (!is_settled) {
             fit_.draw_undrawn();
-            search.finish(swept(refinement, disc_), Drawing::exactly);
+            search.finish(swept(refinement, model_.disc), Drawing::exactly);
         }
         settled.gain = undrawn_gain(fit_, settled.information);
         settled.residual.emplace(residual_of(fit_, settled.gain));
@@ -301,11 +298,11 @@ void Locator::find_all(SphereSearch& search, const DetectionOptions& detection,
     // A warm frame has all its spheres, as a rule: these are settled before anybody asks.
     if (found.warm) settle_all();
     if (!found.warm || search.misses_any(*settled.residual)) {
-        search.run(rough_version(refinement, disc_));
+        search.run(rough_version(refinement, model_.disc));
         settle_all();
     }
     if (detection.goal == SearchGoal::every_sphere &&
-        search.look_again(swept(refinement, disc_), *settled.residual)) {
+        search.look_again(swept(refinement, model_.disc), *settled.residual)) {
         settle_all();
     }
     if (!is_settled) settle_rest(search, refinement, settled.information);
@@ -318,13 +315,13 @@ Located Locator::locate(const JointFit::WriteRow& darkness, const DetectionOptio
     fit_.restart(darkness);
     SphereSearch search(fit_, correlation_, detection);
     JointFit& fit = fit_;
-    const bool moved = coarse_ && step > kNear * disc_.edge_width;
+    const bool moved = coarse_ && step > kNear * model_.disc.edge_width;
     const Scene scene =
         moved && !start.empty() ? approached(refinement, start, found) : Scene{start, {}};
     if (!scene.position.empty()) {
         found.warm = true;
         std::optional<double> left;
-        if (moved) left = kSwept * disc_.edge_width;
+        if (moved) left = kSwept * model_.disc.edge_width;
         if (!moved && step > 0) left = 2 * step;
         place_all(scene, left);
     } else if (coarse_) {
@@ -333,17 +330,16 @@ Located Locator::locate(const JointFit::WriteRow& darkness, const DetectionOptio
         search.seed();
     }
     // What is made of the image of all discs next is no better than where they are drawn.
-    const bool is_corrected = meeting_ == EdgeMeeting::blurred_union || !correction_.is_zero();
+    const bool is_corrected = !model_.is_product();
     Settled settled;
     find_all(search, detection, refinement, is_corrected, settled, found);
     const Image original = is_corrected ? fit.darkness().inner() : Image();
     for (int round = 1; is_corrected && round <= kCorrections; ++round) {
         const auto begin = Clock::now();
         const std::vector<Vec2> met = fit.positions();
-        const Image product =
-            as_product(original, fit.transmission(), met, disc_, threads_, meeting_, correction_);
+        const Image product = product_image(original, fit.transmission(), met, model_, threads_);
         fit.restart(product);
-        place_all({met, {}}, kSwept * disc_.edge_width);
+        place_all({met, {}}, kSwept * model_.disc.edge_width);
         found.refine_seconds += seconds_since(begin);
         search.forget_judgement();
         if (!settle(search, refinement, round < kCorrections, settled.information, found)) {
@@ -373,14 +369,14 @@ Located Locator::locate(const JointFit::WriteRow& darkness, const DetectionOptio
     }
     // Discs at the border have explained what is dark there; half unseen, they are not to be
     // trusted.
-    const double border = detection.border * disc_.diameter;
+    const double border = detection.border * model_.disc.diameter;
     const std::vector<double> residuals = fit.residuals(settled.gain);
     const std::vector<double>& explained = fit.explained();
     const std::vector<PositionCovariance> covariances =
         joint_covariance(settled.information, threads_);
     for (std::size_t j = 0; j < residuals.size(); ++j) {
         const Vec2 p = fit.positions()[j];
-        found.unsettled += fit.is_restless(j, swept(refinement, disc_).tolerance) ? 1 : 0;
+        found.unsettled += fit.is_restless(j, swept(refinement, model_.disc).tolerance) ? 1 : 0;
         if (std::min({p.x, p.y, fit.darkness().width() - 1 - p.x, fit.darkness().height() - 1 - p.y,
                       clearance(p)}) < border) {
             continue;

@@ -8,10 +8,10 @@
 #include "core/vec2.h"
 #include "tracking/detect/disc_correlation.h"
 #include "tracking/detect/sphere_search.h"
-#include "tracking/model/disc_profile.h"
+#include "tracking/model/disc_model.h"
+#include "tracking/model/visible_pixels.h"
 #include "tracking/refine/joint_fit.h"
 #include "tracking/refine/joint_information.h"
-#include "tracking/model/visible_pixels.h"
 
 namespace grainfield::tracking {
 
@@ -54,8 +54,7 @@ struct Located {
 /// computed only where it can hold a sphere. If it can, the search is that of a cold frame.
 class Locator {
  public:
-    Locator(int width, int height, const DiscProfile& disc, int threads,
-            EdgeMeeting meeting = EdgeMeeting::product, RadialCorrection correction = {});
+    Locator(int width, int height, DiscModel model, int threads);
     /// `start`: where the spheres were; empty: unknown. `step`: how far they have moved since, RMS
     /// [px]; 0: unknown, but not far.
     Located locate(const Image& darkness, const DetectionOptions& detection,
@@ -69,7 +68,7 @@ class Locator {
     void set_visible(const VisiblePixels& visible);
     /// Results do not depend on it.
     void set_threads(int threads);
-    const DiscProfile& disc() const { return disc_; }
+    const DiscProfile& disc() const { return model_.disc; }
     /// Image − model of the fit that came last: as the product of tanh discs sees the image,
     /// 0 where nothing is looked at [contrast].
     Image residual();
@@ -108,9 +107,7 @@ class Locator {
     void search_coarsely(const DetectionOptions& detection, const RefinementOptions& refinement,
                          Located& found);
 
-    DiscProfile disc_;
-    EdgeMeeting meeting_;
-    RadialCorrection correction_;
+    DiscModel model_;
     int factor_;
     int threads_;
     DiscCorrelation correlation_;

@@ -30,8 +30,7 @@ double isolated_evidence(const DiscProfile& disc) {
 Surveyor::Surveyor(const ImageModel& model, const TrackOptions& options, int width, int height)
     : model_(model),
       options_(options),
-      locator_(width, height, model.disc, thread_count(options.threads), model.meeting,
-               model.correction),
+      locator_(width, height, model, thread_count(options.threads)),
       illumination_(model, options.visible) {
     locator_.set_visible(options.visible);
 }

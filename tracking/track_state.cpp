@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "tracking/model/known_models.h"
 #include "tracking/tracker.h"
 
 namespace grainfield::tracking {
@@ -99,7 +100,7 @@ std::vector<double> Tracker::calibration_numbers() const {
     if (!calibration_) return {};
     std::vector<double> numbers{static_cast<double>(calibration_frame_),
                                 static_cast<double>(model().polarity),
-                                static_cast<double>(model().meeting),
+                                static_cast<double>(number_of(*model().overlap)),
                                 model().disc.diameter,
                                 model().disc.edge_width,
                                 model().dark_level,

@@ -78,17 +78,13 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
     }
     const int lanes = static_cast<int>(std::min<std::int64_t>(kSideBySide, count));
     for (int lane = 0; lane < lanes; ++lane) {
-        lanes_.push_back({Locator(source.width(), source.height(), model().disc, threads_,
-                                  model().meeting, model().correction),
+        lanes_.push_back({Locator(source.width(), source.height(), model(), threads_),
                           IlluminationFollower(model(), options_.visible)});
         lanes_.back().locator.set_visible(options_.visible);
     }
     plan.run("detect", "χ² map, then likelihood gain of the residual until nothing changes");
-    plan.run("refine",
-             fmt::format("joint least squares on the {}{}",
-                         model().meeting == EdgeMeeting::product ? "product of transmissions"
-                                                                 : "blurred union of discs",
-                         model().correction.is_zero() ? "" : " of the learned profile"));
+    plan.run("refine", fmt::format("joint least squares on the {}{}", model().overlap->title(),
+                                   model().correction.is_zero() ? "" : " of the learned profile"));
     if (count < 2) {
         plan.skip("link", "one frame", "identities");
     } else {

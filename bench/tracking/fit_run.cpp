@@ -6,7 +6,8 @@
 
 #include "bench/tracking/reference_fit.h"
 #include "core/support/random.h"
-#include "tracking/model/edge_meeting.h"
+#include "tracking/model/known_models.h"
+#include "tracking/model/product_image.h"
 #include "tracking/refine/joint_fit.h"
 
 namespace grainfield::bench {
@@ -17,13 +18,13 @@ using namespace tracking;
 
 /// As Locator does it: the last refinement again on the image that the product should see.
 std::vector<Vec2> tracker_fit(const Image& darkness, const DiscProfile& disc,
-                              const std::vector<Vec2>& start, EdgeMeeting meeting) {
+                              const std::vector<Vec2>& start, const OverlapRule& rule) {
     JointFit fit(darkness, disc, 1);
     fit.add_all(start);
     fit.refine({});
-    if (meeting == EdgeMeeting::product) return fit.positions();
+    if (rule.is_product()) return fit.positions();
     const std::vector<Vec2> rough = fit.positions();
-    fit.restart(as_product(darkness, fit.transmission(), rough, disc, 1));
+    fit.restart(product_image(darkness, fit.transmission(), rough, {disc, rule}, 1));
     fit.add_all(rough);
     fit.refine({});
     return fit.positions();
@@ -63,11 +64,10 @@ std::vector<std::unique_ptr<TimedRun>> fit_runs(const Image& darkness, const Dis
     for (const int sweeps : {1, 2, 3, 4, 6}) {
         add(double{}, "sweeps", fmt::format("{}", sweeps), {.max_sweeps = sweeps});
     }
-    for (const auto& [name, meeting] : {std::pair{"product", EdgeMeeting::product},
-                                        std::pair{"blurred-union", EdgeMeeting::blurred_union}}) {
-        runs.push_back(std::make_unique<FitRun>("tracker", name, [=, &darkness, &start] {
-            return tracker_fit(darkness, disc, start, meeting);
-        }));
+    for (const OverlapRule* rule : overlap_rules()) {
+        runs.push_back(std::make_unique<FitRun>(
+            "tracker", std::string(rule->name()),
+            [=, &darkness, &start] { return tracker_fit(darkness, disc, start, *rule); }));
     }
     return runs;
 }

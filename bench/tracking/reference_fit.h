@@ -13,7 +13,7 @@ enum class ImageSum { additive, maximum, product };
 
 struct ReferenceFitOptions {
     ImageSum sum = ImageSum::product;
-    double ring = tracking::DiscProfile::kReachInWidths;  ///< half-width of what a step sums [w]
+    double ring = tracking::TanhEdge::kReachInWidths;  ///< half-width of what a step sums [w]
     int max_sweeps = 60;
     double tolerance = 0.003;  ///< [px]
 };

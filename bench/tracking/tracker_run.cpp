@@ -25,8 +25,8 @@ TrackerRun::TrackerRun(const KnownFrame& frame, const std::string& option, const
         calibration_ = *usual;
     }
     if (!calibration_) return;
-    locator_.emplace(frame.counts.width(), frame.counts.height(), calibration_->model.disc,
-                     options_.threads, calibration_->model.meeting, calibration_->model.correction);
+    locator_.emplace(frame.counts.width(), frame.counts.height(), calibration_->model,
+                     options_.threads);
     if (value == "warm") start_ = locate(frame.before).fitted;
 }
 

@@ -214,8 +214,7 @@ Table calibration_table(const Tuning& tuning) {
     row("Contrast",
         fmt::format("{:.1f} counts", std::abs(model.background(0, 0) - model.dark_level)));
     row("Light", model.background.is_uniform() ? "even" : "uneven: a smooth surface is fitted");
-    row("Meeting edges",
-        model.meeting == tracking::EdgeMeeting::product ? "product" : "blurred union");
+    row("Meeting edges", model.overlap->words());
     row("Profile", model.correction.is_zero()
                        ? std::string("tanh")
                        : fmt::format("learned, up to {:.3f} of the contrast off tanh",

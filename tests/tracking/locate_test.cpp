@@ -32,6 +32,15 @@ PositionScore scored(const Located& found, const LayerScene& scene) {
     return score_positions(found.position, scene.position, 4, scene.width, scene.height, 16);
 }
 
+/// RMS of the Cramér–Rao bounds of all discs, 16 px with w = 1.2 px at 2 % noise, per axis [px].
+double bound_of(const LayerScene& scene) {
+    const auto bounds =
+        position_bounds(scene.position, {16, 1.2}, scene.width, scene.height, 0.02, 2);
+    double squares = 0;
+    for (const Vec2 b : bounds) squares += 0.5 * squared_norm(b);
+    return std::sqrt(squares / static_cast<double>(bounds.size()));
+}
+
 TEST(Locate, FindsEveryIsolatedDiscAtTheBound) {
     const auto scene = testing::isolated_discs(640, 640, 16, 32, 1);
     const auto s = scored(located(testing::tanh_frame(scene, 16, 1.2, 0.02, 1)), scene);
@@ -145,8 +154,8 @@ TEST(Locate, FindsBothLayersOfACrystal) {
     const auto s = scored(found, scene);
     EXPECT_GE(s.recall(), 0.998);
     EXPECT_GE(s.precision(), 0.998);
-    // physics.md §10.2: at most .06 px RMS in the patch.
-    EXPECT_LE(s.rms, 0.06);
+    // 1,500 discs scatter by 1.8 %, 8-bit rounding adds 1 %.
+    EXPECT_LT(s.rms, 1.10 * bound_of(scene));
 }
 
 TEST(Locate, FindsBothLayersWhereTheHolesAreAllButClosed) {
@@ -181,7 +190,7 @@ struct WarmCase {
     std::vector<Vec2> before;
     double step = std::sqrt(2.0) * 0.8;
     ImageModel model;
-    Locator locator{640, 640, {16, 1.2}, 2};
+    Locator locator{640, 640, DiscProfile{16, 1.2}, 2};
 
     WarmCase() {
         RandomStream random(3, "warm");
@@ -339,7 +348,7 @@ TEST(Locate, AtLowNoiseErrorsStayAtTheBoundAndNobodyIsRejected) {
 }
 
 TEST(Locate, AnEmptyFrameGivesNoSpheres) {
-    Locator locator(200, 150, {12, 1.2}, 1);
+    Locator locator(200, 150, DiscProfile{12, 1.2}, 1);
     const auto found = locator.locate(Image(200, 150), {}, {});
     EXPECT_TRUE(found.position.empty());
     EXPECT_EQ(found.residual_rms, 0);
@@ -352,7 +361,7 @@ TEST(Locate, CutDiscsAreFoundUntilTheBorderRuleForbidsIt) {
     for (std::size_t i = 0; i < frame.size(); ++i) {
         darkness.pixels()[i] = (200 - frame.pixels()[i]) / 170;
     }
-    Locator locator(120, 120, {20, 1.5}, 1);
+    Locator locator(120, 120, DiscProfile{20, 1.5}, 1);
     const auto found = locator.locate(darkness, {}, {});
     const auto s = score_positions(found.position, scene.position, 4, 120, 120, 0);
     EXPECT_EQ(s.spurious, 0);

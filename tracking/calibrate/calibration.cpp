@@ -153,7 +153,7 @@ struct Fitter {
                 clear - (edges.offset + edges.amplitude) * (clear - model.dark_level);
             PaddedImage transmission =
                 clear_transmission(counts.width(), counts.height(), model.disc);
-            for (const Vec2 p : positions) place_disc(transmission, p, model.disc);
+            place_discs(transmission, positions, model.disc);
             visible.hide_others(transmission, 0.0F);
             model.background =
                 background_between_spheres(counts, transmission, model.dark_level, model.background,
@@ -178,6 +178,7 @@ Trial try_guess(const Image& work, const FirstGuess& guess, Fitter fitter) {
     ImageModel model;
     model.background = guess.background;
     model.dark_level = guess.dark_level;
+    model.disc.shape = fitter.options.profile.shape;
     model.disc.diameter = fitter.options.diameter.value_or(2 * guess.size.radius);
     model.disc.edge_width = fitter.options.edge_width.value_or(
         std::clamp(rough_edge_width(model.darkness(work), fitter.visible), kNarrowestFirstEdge,

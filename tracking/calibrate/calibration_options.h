@@ -3,19 +3,30 @@
 #include <optional>
 
 #include "core/option_table.h"
+#include "tracking/model/overlap_rule.h"
+#include "tracking/model/tanh_edge.h"
 
 namespace grainfield::tracking {
 
 enum class PolarityChoice { automatic, dark, bright };
-enum class EdgeChoice { automatic, product, blurred_union };
-enum class ProfileChoice { automatic, tanh, learned };
+/// Whether what a profile lacks is learned where spheres stand alone; automatic: where it helps.
+enum class Learning { never, automatic, always };
+
+/// Darkness across a sphere.
+struct ProfileChoice {
+    const ProfileShape* shape = &kTanhEdge;
+    Learning learning = Learning::never;  ///< what is learned is right for one layer only
+    bool operator==(const ProfileChoice&) const = default;
+};
 
 struct CalibrationOptions {
     std::optional<double> diameter;    ///< apparent diameter D [px]; empty: estimated
     std::optional<double> edge_width;  ///< w [px]; empty: estimated
     PolarityChoice polarity = PolarityChoice::automatic;
-    EdgeChoice meeting_edges = EdgeChoice::automatic;  ///< which kind leaves the smaller residual
-    ProfileChoice profile = ProfileChoice::tanh;  ///< what is learned is right for one layer only
+    /// How discs that overlap make one image; null: the listed rule (known_models.h) that leaves
+    /// the smallest residual.
+    const OverlapRule* meeting_edges = nullptr;
+    ProfileChoice profile;
     double uniform_tolerance = 0.003;  ///< background counts as uniform below this variation [-]
 };
 

@@ -102,11 +102,9 @@ EdgeFit fit_exposed_edges(const Image& darkness, const std::vector<Vec2>& positi
         for (const RadialBin& bin : bins) {
             const double r = bin.r;
             const double p = disc.darkness(r);
-            const double slope = disc.slope(r);
             const double residual = bin.darkness - offset - amplitude * p;
-            const Eigen::Vector4d j(amplitude * slope / 2,
-                                    amplitude * slope * (r - disc.radius()) / disc.edge_width, p,
-                                    1);
+            const SizeDerivatives change = disc.size_derivatives(r, amplitude);
+            const Eigen::Vector4d j(change.by_diameter, change.by_edge_width, p, 1);
             a += bin.count * j * j.transpose();
             b += bin.count * residual * j;
             misfit += bin.count * residual * residual;

@@ -100,7 +100,7 @@ FilmLevels FilmLevels::of(const ImageModel& model, int width, int height) {
     levels.core = model.dark_level;
     levels.contrast = std::abs(clear - model.dark_level);
     levels.noise = model.noise * levels.contrast;
-    levels.reach = DiscProfile::kReachInWidths * model.disc.edge_width;
+    levels.reach = model.disc.shape->reach_in_widths() * model.disc.edge_width;
     return levels;
 }
 

@@ -5,7 +5,7 @@
 
 #include "core/frame.h"
 #include "core/vec2.h"
-#include "tracking/model/disc_profile.h"
+#include "tracking/model/disc_model.h"
 #include "tracking/model/visible_pixels.h"
 
 namespace grainfield::tracking {

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "tracking/calibrate/learned_profile.h"
+#include "tracking/model/known_models.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -69,31 +71,36 @@ class Chooser {
         detection_.goal = SearchGoal::most_spheres;
     }
 
-    void choose_meeting(EdgeChoice choice) {
-        if (choice != EdgeChoice::automatic) {
+    void choose_meeting(const OverlapRule* given) {
+        if (given != nullptr) {
             plan_.skip("meeting edges", "given", "two fits of one frame");
-            model_.meeting =
-                choice == EdgeChoice::product ? EdgeMeeting::product : EdgeMeeting::blurred_union;
+            model_.overlap = given;
             return;
         }
-        FrameFit product = fit(EdgeMeeting::product);
-        FrameFit blurred = fit(EdgeMeeting::blurred_union);
-        const bool is_blurred = blurred.rms < kBetter * product.rms;
-        plan_.run(
-            "meeting edges",
-            fmt::format("{}: RMS residual {:.4f} of the contrast if transmissions multiply, {:.4f} "
-                        "if the union of discs is blurred",
-                        is_blurred ? "blurred union" : "product", product.rms, blurred.rms));
-        model_.meeting = is_blurred ? EdgeMeeting::blurred_union : EdgeMeeting::product;
-        fitted_ = std::move(is_blurred ? blurred : product);
+        // The first one is the simplest.
+        double least = 0;
+        std::string residuals;
+        for (const OverlapRule* rule : overlap_rules()) {
+            FrameFit tried = fit(*rule);
+            residuals +=
+                fmt::format("{}{:.4f} {}{}", residuals.empty() ? "" : ", ", tried.rms,
+                            residuals.empty() ? "of the contrast " : "", rule->condition());
+            if (fitted_ && !(tried.rms < kBetter * least)) continue;
+            least = tried.rms;
+            model_.overlap = rule;
+            fitted_ = std::move(tried);
+        }
+        plan_.run("meeting edges",
+                  fmt::format("{}: RMS residual {}", model_.overlap->words(), residuals));
     }
 
-    void choose_profile(ProfileChoice choice) {
-        if (choice == ProfileChoice::tanh) {
-            plan_.skip("profile", "tanh edges", "one or two fits of one frame");
+    void choose_profile(const ProfileChoice& choice) {
+        if (choice.learning == Learning::never) {
+            plan_.skip("profile", fmt::format("{} edges", choice.shape->name()),
+                       "one or two fits of one frame");
             return;
         }
-        if (!fitted_) fitted_ = fit(model_.meeting);
+        if (!fitted_) fitted_ = fit(*model_.overlap);
         LearnedProfile learned =
             learn_profile(fitted_->residual, fitted_->position, model_.disc, visible_);
         if (!learned.is_sampled()) {
@@ -102,7 +109,8 @@ class Chooser {
                 "edge, {:.0f} wanted",
                 learned.fewest, LearnedProfile::kFewest);
             plan_.skip("profile", reason, "one fit of one frame");
-            if (choice == ProfileChoice::learned) plan_.warn("no profile was learned, " + reason);
+            if (choice.learning == Learning::always)
+                plan_.warn("no profile was learned, " + reason);
             return;
         }
         if (learned.correction.is_zero()) {
@@ -110,7 +118,8 @@ class Chooser {
                        "one fit of one frame");
             return;
         }
-        if (choice == ProfileChoice::automatic && learned.rms_left > kMuchBetter * learned.rms) {
+        if (choice.learning == Learning::automatic &&
+            learned.rms_left > kMuchBetter * learned.rms) {
             plan_.skip("profile",
                        fmt::format("tanh: near one sphere only, any other profile leaves {:.4f} of "
                                    "{:.4f} of the contrast",
@@ -124,13 +133,13 @@ class Chooser {
             learned.correction.largest(), learned.error, learned.pixels);
         // Darkness 0 is where no sphere is.
         const BackgroundSurface clear = model_.background.towards(model_.dark_level, learned.veil);
-        if (choice == ProfileChoice::automatic) {
+        if (choice.learning == Learning::automatic) {
             ImageModel other = model_;
             other.background = clear;
             darkness_ = other.darkness(counts_);
             const double tanh = overlap_rms(*fitted_, model_.disc, visible_);
             const double rms =
-                overlap_rms(fit(model_.meeting, learned.correction), model_.disc, visible_) *
+                overlap_rms(fit(*model_.overlap, learned.correction), model_.disc, visible_) *
                 (1 - learned.veil);
             const bool is_learned = rms < kMuchBetter * tanh;
             plan_.run("profile",
@@ -146,9 +155,9 @@ class Chooser {
     }
 
  private:
-    FrameFit fit(EdgeMeeting meeting, const RadialCorrection& correction = {}) {
-        Locator locator(darkness_.width(), darkness_.height(), model_.disc, threads_, meeting,
-                        correction);
+    FrameFit fit(const OverlapRule& rule, const RadialCorrection& correction = {}) {
+        Locator locator(darkness_.width(), darkness_.height(), {model_.disc, rule, correction},
+                        threads_);
         locator.set_visible(visible_);
         Located found = locator.locate(darkness_, detection_, refinement_, start_);
         return {std::move(found.fitted), found.residual_rms, locator.residual()};
@@ -163,7 +172,7 @@ class Chooser {
     const VisiblePixels& visible_;
     ImageModel& model_;
     RunPlan& plan_;
-    std::optional<FrameFit> fitted_;  ///< with the meeting chosen, tanh edges
+    std::optional<FrameFit> fitted_;  ///< with the rule chosen, nothing learned
 };
 
 }  // namespace

@@ -12,7 +12,7 @@
 
 namespace grainfield::tracking {
 
-/// Chooses how edges meet (EdgeMeeting) and whether the profile is tanh or a learned one
+/// Chooses how edges meet (OverlapRule) and whether the profile is tanh or a learned one
 /// (learn_profile), where the options leave it open: by fits of the frame, the spheres brought to
 /// rest, of which one must leave 1 % less residual than the simpler one. A learned profile has
 /// to leave 15 % less, in the pixels that it is learned from and, fitted, where spheres overlap.

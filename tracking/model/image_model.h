@@ -2,7 +2,7 @@
 
 #include "core/frame.h"
 #include "tracking/model/background_surface.h"
-#include "tracking/model/disc_profile.h"
+#include "tracking/model/disc_model.h"
 
 namespace grainfield::tracking {
 
@@ -15,16 +15,18 @@ struct Illumination {
     double span = 1;
 };
 
-/// How spheres and light make the image: I(x) = B(x) − [B(x) − I_dark] · (1 −
-/// Π_j (1 − P_j(x))), with the roles of bright and dark exchanged for bright
-/// spheres, and corrected where edges meet as those of a blurred union and by
-/// what was learned of the profile.
-/// Estimated once, on the frame that the calibration chose, and then frozen.
-struct ImageModel {
+/// How spheres and light make the image of a frame.
+///
+///   I(x) = B(x) − [B(x) − I_dark] · M(x),   M(x) = 1 − T(x)
+///
+/// T is the transmission of all discs (DiscModel): the product Π_j (1 − P_j(x)) of their profiles
+/// (ProfileShape), what the rule for overlaps changes in it (OverlapRule), and what was learned of
+/// the profile (RadialCorrection). B and I_dark [counts] are exchanged for bright spheres.
+/// Calibration estimates it once, on one frame, and then it is frozen. Detection correlates with
+/// P, refinement and the error bars use P and ∂P/∂r. "Add an image model" in CONTRIBUTING.md
+/// names the files.
+struct ImageModel : DiscModel {
     Polarity polarity = Polarity::dark;
-    DiscProfile disc;
-    EdgeMeeting meeting = EdgeMeeting::product;
-    RadialCorrection correction;   ///< to the tanh profile; zero if none was learned
     BackgroundSurface background;  ///< B(x) [counts]
     double dark_level = 0;         ///< I_dark, counts in the core of a sphere
     double noise = 0;              ///< RMS of the residual away from edges [contrast]

@@ -8,7 +8,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "tracking/model/disc_profile-inl.h"
+#include "tracking/model/kernel_profile-inl.h"
 
 #ifndef GRAINFIELD_DISC_ROWS
 #define GRAINFIELD_DISC_ROWS
@@ -19,7 +19,8 @@ struct DiscRow {
     float dy;
     int count;
     const float* darkness;
-    float* transmission;
+    const float* transmission;
+    float* drawn;  ///< the same pixels of T, where they are written
 };
 
 }  // namespace grainfield::tracking
@@ -30,7 +31,7 @@ namespace grainfield::tracking::HWY_NAMESPACE {
 
 /// Calls body(dx, i) for the vectors of a row.
 template <class Body>
-HWY_INLINE void for_each_vector(const DiscRow& row, Body&& body) {
+HWY_INLINE void for_each_in_row(const DiscRow& row, Body&& body) {
     const int lanes = static_cast<int>(hn::Lanes(kTag));
     Vector dx = hn::Add(hn::Iota(kTag, 0.0F), hn::Set(kTag, row.dx));
     const Vector next = hn::Set(kTag, static_cast<float>(lanes));
@@ -40,31 +41,42 @@ HWY_INLINE void for_each_vector(const DiscRow& row, Body&& body) {
     }
 }
 
-void place_rows(const DiscTerms& disc, const DiscRow* rows, int n) {
+template <class Profile>
+HWY_INLINE void place_on(const Profile& disc, const DiscRow* rows, int n) {
     for (int j = 0; j < n; ++j) {
         const DiscRow& row = rows[j];
         const Vector dy2 = hn::Set(kTag, row.dy * row.dy);
-        for_each_vector(row, [&](Vector dx, int i) HWY_ATTR {
-            const Vector old = hn::LoadU(kTag, row.transmission + i);
-            hn::StoreU(hn::Mul(old, profile(dx, dy2, disc).t), kTag, row.transmission + i);
+        for_each_in_row(row, [&](Vector dx, int i) HWY_ATTR {
+            const Vector old = hn::LoadU(kTag, row.drawn + i);
+            hn::StoreU(hn::Mul(old, disc.transmission(dx, dy2)), kTag, row.drawn + i);
         });
     }
 }
 
-double explained_rows(const DiscTerms& disc, const DiscRow* rows, int n) {
+void place_rows(const DiscTerms& terms, const DiscRow* rows, int n) {
+    with_profile(terms, [&](const auto& disc) HWY_ATTR { place_on(disc, rows, n); });
+}
+
+template <class Profile>
+HWY_INLINE double explained_on(const Profile& disc, const DiscRow* rows, int n) {
     Vector gain = hn::Zero(kTag);
     for (int j = 0; j < n; ++j) {
         const DiscRow& row = rows[j];
         const Vector dy2 = hn::Set(kTag, row.dy * row.dy);
-        for_each_vector(row, [&](Vector dx, int i) HWY_ATTR {
+        for_each_in_row(row, [&](Vector dx, int i) HWY_ATTR {
             const Vector old = hn::LoadU(kTag, row.transmission + i);
-            const Vector lifted = hn::Mul(old, reciprocal(profile(dx, dy2, disc).t));
+            const Vector lifted = hn::Mul(old, reciprocal(disc.transmission(dx, dy2)));
             const Vector b = residual_of(hn::LoadU(kTag, row.darkness + i), old);
             const Vector step = hn::Sub(lifted, old);
             gain = hn::MulAdd(step, hn::MulAdd(hn::Set(kTag, 2.0F), b, step), gain);
         });
     }
     return sum(gain);
+}
+
+double explained_rows(const DiscTerms& terms, const DiscRow* rows, int n) {
+    return with_profile(terms,
+                        [&](const auto& disc) HWY_ATTR { return explained_on(disc, rows, n); });
 }
 
 }  // namespace grainfield::tracking::HWY_NAMESPACE
@@ -78,9 +90,11 @@ HWY_EXPORT(explained_rows);
 
 namespace {
 
-/// The rows of a window as the kernels want them. Const images are only read.
+/// The rows of a window as the kernels want them; `drawn`: the same image if it is written, else
+/// null.
 const std::vector<DiscRow>& rows_of(const DiscWindow& window, Vec2 centre,
-                                    const PaddedImage* darkness, const PaddedImage& transmission) {
+                                    const PaddedImage* darkness, const PaddedImage& transmission,
+                                    PaddedImage* drawn) {
     thread_local std::vector<DiscRow> rows;
     rows.clear();
     for (int j = 0; j < window.rows; ++j) {
@@ -89,7 +103,7 @@ const std::vector<DiscRow>& rows_of(const DiscWindow& window, Vec2 centre,
         const int x = window.first[row];
         rows.push_back({static_cast<float>(x - centre.x), static_cast<float>(y - centre.y),
                         window.count[row], darkness == nullptr ? nullptr : darkness->row(y) + x,
-                        const_cast<float*>(transmission.row(y)) + x});
+                        transmission.row(y) + x, drawn == nullptr ? nullptr : drawn->row(y) + x});
     }
     return rows;
 }
@@ -147,20 +161,29 @@ void DiscWindow::enclose(const PaddedImage& image, Vec2 centre, double half) {
     }
 }
 
-void place_disc(PaddedImage& transmission, Vec2 centre, const DiscProfile& disc) {
+void place_discs(PaddedImage& transmission, const std::vector<Vec2>& centres,
+                 const DiscProfile& disc) {
+    const KernelProfile profile(disc);
     DiscWindow& window = scratch_window();
-    window.enclose(transmission, centre, disc.reach());
-    const auto& rows = rows_of(window, centre, nullptr, transmission);
-    HWY_DYNAMIC_DISPATCH(place_rows)
-    (terms_of(disc), rows.data(), static_cast<int>(rows.size()));
+    for (const Vec2 centre : centres) {
+        window.enclose(transmission, centre, disc.reach());
+        const auto& rows = rows_of(window, centre, nullptr, transmission, &transmission);
+        HWY_DYNAMIC_DISPATCH(place_rows)
+        (profile.terms(), rows.data(), static_cast<int>(rows.size()));
+    }
+}
+
+void place_disc(PaddedImage& transmission, Vec2 centre, const DiscProfile& disc) {
+    place_discs(transmission, {centre}, disc);
 }
 
 double explained_misfit(const PaddedImage& darkness, const PaddedImage& transmission, Vec2 centre,
                         const DiscProfile& disc) {
+    const KernelProfile profile(disc);
     DiscWindow& window = scratch_window();
     window.enclose(transmission, centre, disc.reach());
-    const auto& rows = rows_of(window, centre, &darkness, transmission);
-    return HWY_DYNAMIC_DISPATCH(explained_rows)(terms_of(disc), rows.data(),
+    const auto& rows = rows_of(window, centre, &darkness, transmission, nullptr);
+    return HWY_DYNAMIC_DISPATCH(explained_rows)(profile.terms(), rows.data(),
                                                 static_cast<int>(rows.size()));
 }
 

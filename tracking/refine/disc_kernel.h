@@ -36,7 +36,9 @@ class DiscWindow {
     std::vector<int> count;  ///< pixels of each row
 };
 
-/// T ← T · t_centre.
+/// T ← T · t_centre, disc by disc.
+void place_discs(PaddedImage& transmission, const std::vector<Vec2>& centres,
+                 const DiscProfile& disc);
 void place_disc(PaddedImage& transmission, Vec2 centre, const DiscProfile& disc);
 
 /// By how much Σ (I − M)² would grow if the disc were lifted: what it explains [contrast² px].

@@ -6,7 +6,7 @@
 
 #include "core/vec2.h"
 #include "tracking/model/disc_profile.h"
-#include "tracking/model/padded_image.h"
+#include "tracking/model/kernel_profile.h"
 
 namespace grainfield::tracking {
 
@@ -35,8 +35,8 @@ class DiscStencil {
     /// From the first column of any row to the last of any [px]. Rows are whole vectors: narrow
     /// ones may end farther to the right than wide ones.
     int width() const { return last_ - first_ + 1; }
-    /// Rows of the pixels within kEdgeInWidths w of the edge, with the core: one row for each line,
-    /// from the topmost down.
+    /// Rows of the pixels within the edge (DiscProfile::edge_reach), with the core: one row for
+    /// each line, from the topmost down.
     const std::vector<Row>& edge_spans() const { return edge_spans_; }
 
     /// kLanes pixels of a row.
@@ -46,7 +46,7 @@ class DiscStencil {
         float dx, dy;         ///< of the first pixel, from the anchor
     };
     const std::vector<Piece>& pieces() const { return pieces_; }
-    /// Those with pixels that may lie within kEdgeInWidths w of the edge: the gradient is small
+    /// Those with pixels that may lie between core and edge_reach(): the gradient is small
     /// everywhere else.
     const std::vector<Piece>& edge_pieces() const { return edge_pieces_; }
     const std::vector<Piece>& redrawn(Redraw redraw) const {
@@ -55,12 +55,14 @@ class DiscStencil {
     int spacing() const { return spacing_; }
     std::size_t size() const { return size_; }  ///< values kept per disc
     const DiscProfile& disc() const { return disc_; }
+    DiscTerms terms() const { return profile_.terms(); }
 
  private:
     Piece piece(const Row& row, int x) const;
     void add_edge_row(const Row& row);
 
     DiscProfile disc_;
+    KernelProfile profile_;
     std::ptrdiff_t pitch_;
     int spacing_;
     int first_ = 0, last_ = 0;  ///< columns
@@ -82,101 +84,5 @@ struct Anchor {
     /// The window there holds a disc at `centre`.
     bool holds(Vec2 centre, int spacing = 1) const;
 };
-
-/// Transmissions of one disc on its stencil, in half precision: t ∈ [1e-3, 1] to 2.4e-4 of its
-/// value. What is stored is what multiplies the image, so that it divides out again.
-using HalfFloat = std::uint16_t;
-
-/// t of a disc somewhere in its window and −∂t/∂(x, y)/t, stencil.size() values each, in the order
-/// of the stencil, and the pieces in which t differs from 1.
-struct DiscTemplate {
-    const HalfFloat* t = nullptr;
-    const HalfFloat* x = nullptr;
-    const HalfFloat* y = nullptr;
-    const std::vector<DiscStencil::Piece>* pieces = nullptr;
-};
-
-/// Fills the tables of a template; centre seen from the anchor [px].
-void tabulate(const DiscStencil& stencil, Vec2 centre, HalfFloat* t, HalfFloat* x, HalfFloat* y);
-
-/// A disc's window in the images of a scene. The images need the margin of disc_kernel.h and the
-/// pitch of the stencil.
-struct StencilView {
-    const DiscStencil& stencil;
-    const PaddedImage& darkness;
-    PaddedImage& transmission;
-    Anchor anchor;
-    HalfFloat* own;        ///< stencil.size() values, where t is kept when it is computed
-    DiscTemplate shape{};  ///< what the disc is drawn from, if it is; then `own` is not read
-
-    bool has_shape() const { return shape.t != nullptr; }
-    const HalfFloat* kept() const { return has_shape() ? shape.t : own; }
-};
-
-/// Asks for a disc's pixels ahead of their use.
-void fetch(const StencilView& view);
-
-/// T ← T · t_centre, t kept. Returns the change of Σ (I − M)².
-double place(const StencilView& view, Vec2 centre);
-
-/// The same without the answer.
-void draw(const StencilView& view, Vec2 centre);
-
-/// T ← T · t, from the view's template.
-void draw_template(const StencilView& view);
-/// The same; returns the change of Σ (I − M)².
-double place_template(const StencilView& view);
-
-/// T ← T / t. Returns the change of Σ (I − M)².
-double lift(const StencilView& view);
-
-/// By how much Σ (I − M)² would grow if the disc were lifted [contrast² px].
-double explained(const StencilView& view);
-
-/// The normal equations of one disc's position, all others fixed:
-///   J = ∂M/∂(x, y) = T · (2/w) P · (x − centre)/r,  A = Σ J Jᵀ,  b = Σ J (I − M).
-struct NormalEquations {
-    double xx = 0, xy = 0, yy = 0;  ///< A [1/px²]
-    double bx = 0, by = 0;          ///< b [1/px]
-    double misfit = 0;              ///< Σ (I − M)² over the edge
-};
-
-/// Summed over the edge. `centre` is where t was kept.
-NormalEquations linearise(const StencilView& view, Vec2 centre);
-
-/// Σ (I − M)² over the visible pixels within reach, and their number.
-struct LocalMisfit {
-    double sum = 0;  ///< [contrast²]
-    double pixels = 0;
-};
-LocalMisfit local_misfit(const StencilView& view, Vec2 centre);
-
-/// Σ J_a J_bᵀ over the pixels that both edges reach: what couples the positions of two discs.
-struct CrossBlock {
-    double xx = 0, xy = 0, yx = 0, yy = 0;  ///< [1/px²]
-};
-/// Each centre is where the t of that disc was kept.
-CrossBlock coupling(const StencilView& a, Vec2 centre_a, const StencilView& b, Vec2 centre_b);
-
-/// T and t before a shift.
-struct BeforeShift {
-    Redraw redraw = Redraw::whole;
-    std::vector<float> transmission;
-    std::vector<HalfFloat> kept;
-};
-
-/// T ← T · t_to / t, t kept anew, in the disc's own values; the anchor must hold `to`, and a disc
-/// drawn from a template is redrawn as a whole. Returns the change of Σ (I − M)².
-double shift(const StencilView& view, Vec2 to, Redraw redraw, BeforeShift& before);
-
-/// The same without the answer and the way back.
-void redraw(const StencilView& view, Vec2 to, Redraw redraw);
-
-/// T ← T · t_to / t with both from tables; the view stays that of before. Returns the change of Σ
-/// (I − M)². The way back is the same with the templates exchanged.
-double shift(const StencilView& view, const DiscTemplate& to);
-
-/// Undoes the last shift.
-void undo(const StencilView& view, const BeforeShift& before);
 
 }  // namespace grainfield::tracking

@@ -5,7 +5,7 @@
 
 #include "core/support/huge_pages.h"
 #include "core/vec2.h"
-#include "tracking/refine/disc_stencil.h"
+#include "tracking/refine/stencil_view.h"
 
 namespace grainfield::tracking {
 
@@ -50,5 +50,18 @@ class DiscTemplates {
     HugeVector<HalfFloat> tables_;
     std::vector<std::vector<DiscStencil::Piece>> pieces_;
 };
+
+/// T ← T · t, from the view's template.
+void draw_template(const StencilView& view);
+/// The same; returns the change of Σ (I − M)².
+double place_template(const StencilView& view);
+
+/// T ← T · t_to / t with both from tables; the view stays that of before. Returns the change of Σ
+/// (I − M)². The way back is the same with the templates exchanged.
+double shift(const StencilView& view, const DiscTemplate& to);
+
+/// linearise() and coupling() (drawn_disc.h) of discs that are drawn from templates.
+NormalEquations linearise_template(const ConstStencilView& view);
+CrossBlock couple_templates(const ConstStencilView& a, const ConstStencilView& b);
 
 }  // namespace grainfield::tracking

@@ -7,15 +7,17 @@
 #include <vector>
 
 #include "core/frame.h"
-#include "core/support/huge_pages.h"
 #include "core/option_table.h"
+#include "core/support/huge_pages.h"
 #include "core/vec2.h"
 #include "tracking/model/disc_profile.h"
 #include "tracking/model/padded_image.h"
+#include "tracking/model/visible_pixels.h"
+#include "tracking/refine/computed_disc.h"
 #include "tracking/refine/disc_stencil.h"
 #include "tracking/refine/disc_templates.h"
 #include "tracking/refine/drawing_order.h"
-#include "tracking/model/visible_pixels.h"
+#include "tracking/refine/drawn_disc.h"
 
 namespace grainfield::tracking {
 

@@ -51,9 +51,9 @@ Image rim_frame(const LayerScene& scene, double noise) {
     return light;
 }
 
-std::optional<Calibration> calibrated(const Image& frame, ProfileChoice profile, RunPlan& plan) {
+std::optional<Calibration> calibrated(const Image& frame, Learning learning, RunPlan& plan) {
     CalibrationOptions options;
-    options.profile = profile;
+    options.profile.learning = learning;
     return calibrate(frame, options, {}, {}, 2, plan);
 }
 
@@ -64,12 +64,12 @@ struct Outcome {
     std::int64_t wrong = 0;
 };
 
-Outcome tracked(const Image& frame, const LayerScene& scene, ProfileChoice profile) {
+Outcome tracked(const Image& frame, const LayerScene& scene, Learning learning) {
     RunPlan plan;
-    const auto calibration = calibrated(frame, profile, plan);
+    const auto calibration = calibrated(frame, learning, plan);
     if (!calibration) return {};
     const ImageModel& model = calibration->model;
-    Locator locator(frame.width(), frame.height(), model.disc, 2, model.meeting, model.correction);
+    Locator locator(frame.width(), frame.height(), model, 2);
     const Located found = locator.locate(model.darkness(frame), {}, {}, calibration->positions);
     Outcome outcome;
     const auto s =
@@ -103,7 +103,7 @@ TEST(LearnedProfile, FindsAProfileThatIsKnown) {
     const auto scene = testing::hard_disc_liquid(500, 500, 20, 0.45, 1);
     const Image frame = rim_frame(scene, 0.02);
     RunPlan plan;
-    const auto calibration = calibrated(frame, ProfileChoice::automatic, plan);
+    const auto calibration = calibrated(frame, Learning::automatic, plan);
     ASSERT_TRUE(calibration);
     const ImageModel& model = calibration->model;
     ASSERT_FALSE(model.correction.is_zero()) << said_of_profile(plan);
@@ -149,9 +149,9 @@ TEST(LearnedProfile, IsTheResidualOfSpheresThatStandAlone) {
 TEST(LearnedProfile, BringsSpheresWithARimToTheirPlaces) {
     const auto scene = testing::hard_disc_liquid(600, 600, 15, 0.6, 2);
     const Image frame = rim_frame(scene, 0.02);
-    const Outcome tanh = tracked(frame, scene, ProfileChoice::tanh);
-    const Outcome learned = tracked(frame, scene, ProfileChoice::learned);
-    const Outcome automatic = tracked(frame, scene, ProfileChoice::automatic);
+    const Outcome tanh = tracked(frame, scene, Learning::never);
+    const Outcome learned = tracked(frame, scene, Learning::always);
+    const Outcome automatic = tracked(frame, scene, Learning::automatic);
     EXPECT_FALSE(tanh.is_learned);
     EXPECT_TRUE(learned.is_learned);
     EXPECT_TRUE(automatic.is_learned);
@@ -166,19 +166,19 @@ TEST(LearnedProfile, BringsSpheresWithARimToTheirPlaces) {
 TEST(LearnedProfile, HelpsWhereAnotherCameraSeesARim) {
     const auto scene = testing::hard_disc_liquid(600, 600, 16, 0.7, 2);
     const Image frame = testing::camera_frame(scene, {}, 2);
-    const Outcome tanh = tracked(frame, scene, ProfileChoice::tanh);
-    const Outcome learned = tracked(frame, scene, ProfileChoice::learned);
+    const Outcome tanh = tracked(frame, scene, Learning::never);
+    const Outcome learned = tracked(frame, scene, Learning::always);
     // 0.0106 and 0.0185 px.
     EXPECT_LT(learned.rms, 0.7 * tanh.rms);
-    EXPECT_LE(tracked(frame, scene, ProfileChoice::automatic).rms, tanh.rms);
+    EXPECT_LE(tracked(frame, scene, Learning::automatic).rms, tanh.rms);
 }
 
 TEST(LearnedProfile, TanhFramesKeepTanhAndLoseNothingWithoutIt) {
     const auto scene = testing::hard_disc_liquid(600, 600, 16, 0.65, 2);
     const Image frame = testing::tanh_frame(scene, 16, 1.2, 0.02, 2);
-    const Outcome tanh = tracked(frame, scene, ProfileChoice::tanh);
-    const Outcome learned = tracked(frame, scene, ProfileChoice::learned);
-    EXPECT_FALSE(tracked(frame, scene, ProfileChoice::automatic).is_learned);
+    const Outcome tanh = tracked(frame, scene, Learning::never);
+    const Outcome learned = tracked(frame, scene, Learning::always);
+    EXPECT_FALSE(tracked(frame, scene, Learning::automatic).is_learned);
     EXPECT_EQ(learned.wrong, 0);
     EXPECT_LT(learned.rms, 1.02 * tanh.rms);
 }
@@ -190,13 +190,13 @@ TEST(LearnedProfile, TooFewExposedPixelsLeaveTanhAndSaySo) {
     scene.position = {{50.2, 50.7}, {120.4, 140.1}};
     const Image frame = rim_frame(scene, 0.02);
     RunPlan plan;
-    const auto calibration = calibrated(frame, ProfileChoice::automatic, plan);
+    const auto calibration = calibrated(frame, Learning::automatic, plan);
     ASSERT_TRUE(calibration);
     EXPECT_TRUE(calibration->model.correction.is_zero());
     EXPECT_NE(said_of_profile(plan).find("too few pixels"), std::string::npos);
     EXPECT_TRUE(plan.warnings().empty());
     RunPlan forced;
-    ASSERT_TRUE(calibrated(frame, ProfileChoice::learned, forced));
+    ASSERT_TRUE(calibrated(frame, Learning::always, forced));
     ASSERT_EQ(forced.warnings().size(), 1u);
     EXPECT_NE(forced.warnings()[0].text.find("no profile was learned"), std::string::npos);
 }

@@ -7,7 +7,9 @@
 
 #include "core/support/random.h"
 #include "tests/tracking/refine/disc_oracle.h"
+#include "tracking/refine/computed_disc.h"
 #include "tracking/refine/disc_kernel.h"
+#include "tracking/refine/drawn_disc.h"
 
 namespace grainfield::tracking {
 namespace {

@@ -1,4 +1,4 @@
-#include "tracking/model/edge_meeting.h"
+#include "tracking/model/product_image.h"
 
 #include <cmath>
 #include <vector>
@@ -7,6 +7,7 @@
 
 #include "tests/support/layer_frames.h"
 #include "tracking/locate.h"
+#include "tracking/model/blurred_union.h"
 #include "tracking/refine/disc_kernel.h"
 
 namespace grainfield::tracking {
@@ -35,10 +36,10 @@ Image pair_image(Vec2 first, Vec2 second) {
 }
 
 /// How far the distance found is from the true one, per sphere and along the pair [px].
-double shift_along_pair(double separation, double angle, EdgeMeeting meeting) {
+double shift_along_pair(double separation, double angle, const OverlapRule& rule) {
     const Vec2 middle{47.3, 39.6};
     const Vec2 half = (separation * kDiameter / 2) * Vec2{std::cos(angle), std::sin(angle)};
-    Locator locator(96, 80, kDisc, 1, meeting);
+    Locator locator(96, 80, {kDisc, rule}, 1);
     RefinementOptions fine;
     fine.tolerance = 1e-4;
     const Located found = locator.locate(pair_image(middle - half, middle + half), {}, fine,
@@ -47,32 +48,32 @@ double shift_along_pair(double separation, double angle, EdgeMeeting meeting) {
     return (norm(found.position[0] - found.position[1]) - separation * kDiameter) / 2;
 }
 
-TEST(EdgeMeeting, TheBlurredUnionKeepsSpheresApartByTheirTrueDistance) {
+TEST(BlurredUnion, KeepsSpheresApartByTheirTrueDistance) {
     for (const double separation : {0.5, 0.6, 0.75, 0.85, 0.95, 1.0, 1.05, 1.15, 1.3}) {
         for (const double angle : {0.3, 1.1}) {
             // The bound of the docstring, with the edge that is no tanh.
-            EXPECT_LT(std::abs(shift_along_pair(separation, angle, EdgeMeeting::blurred_union)),
+            EXPECT_LT(std::abs(shift_along_pair(separation, angle, kBlurredUnion)),
                       0.0015 * kDiameter)
                 << separation << ' ' << angle;
         }
     }
     // What it is for: the product pulls spheres that touch together.
-    EXPECT_LT(shift_along_pair(1.0, 0.3, EdgeMeeting::product), -0.05);
+    EXPECT_LT(shift_along_pair(1.0, 0.3, kProductRule), -0.05);
 }
 
-TEST(EdgeMeeting, OneDiscMeetsNothing) {
+TEST(ProductImage, OneDiscMeetsNothing) {
     const std::vector<Vec2> one{{30.2, 31.7}};
     PaddedImage transmission = clear_transmission(64, 64, kDisc);
     place_disc(transmission, one[0], kDisc);
     const Image darkness(64, 64, 0.25F);
-    const Image product = as_product(darkness, transmission, one, kDisc, 1);
+    const Image product = product_image(darkness, transmission, one, {kDisc, kBlurredUnion}, 1);
     for (std::size_t i = 0; i < product.size(); ++i) {
         EXPECT_NEAR(product.pixels()[i], darkness.pixels()[i], 1e-6F);
     }
 }
 
 // An image of the learned profile is, seen this way, one of tanh discs.
-TEST(EdgeMeeting, TakesTheLearnedProfileOutOfTheImage) {
+TEST(ProductImage, TakesTheLearnedProfileOutOfTheImage) {
     const RadialCorrection rim{2, {0.01F, 0.01F, -0.02F, -0.1F, -0.05F, 0.03F, 0}};
     const std::vector<Vec2> pair{{24.2, 31.7}, {36.9, 34.1}};
     PaddedImage transmission = clear_transmission(64, 64, kDisc);
@@ -92,24 +93,27 @@ TEST(EdgeMeeting, TakesTheLearnedProfileOutOfTheImage) {
         }
     }
     const Image product =
-        as_product(darkness, transmission, pair, kDisc, 1, EdgeMeeting::product, rim);
+        product_image(darkness, transmission, pair, {kDisc, kProductRule, rim}, 1);
     for (int y = 0; y < 64; ++y) {
         for (int x = 0; x < 64; ++x) EXPECT_NEAR(product(x, y), 1 - transmission(x, y), 1e-5F);
     }
 }
 
-TEST(EdgeMeeting, IsTheSameForAnyNumberOfThreads) {
+TEST(ProductImage, IsTheSameForAnyNumberOfThreads) {
     const auto scene = testing::hard_disc_liquid(300, 260, kDiameter, 0.7, 1);
     PaddedImage transmission = clear_transmission(300, 260, kDisc);
     for (const Vec2 p : scene.position) place_disc(transmission, p, kDisc);
     const Image darkness(300, 260, 0.5F);
-    const Image one = as_product(darkness, transmission, scene.position, kDisc, 1);
-    EXPECT_EQ(one, as_product(darkness, transmission, scene.position, kDisc, 2));
-    EXPECT_EQ(one, as_product(darkness, transmission, scene.position, kDisc, 8));
+    const Image one =
+        product_image(darkness, transmission, scene.position, {kDisc, kBlurredUnion}, 1);
+    EXPECT_EQ(one,
+              product_image(darkness, transmission, scene.position, {kDisc, kBlurredUnion}, 2));
+    EXPECT_EQ(one,
+              product_image(darkness, transmission, scene.position, {kDisc, kBlurredUnion}, 8));
     const RadialCorrection rim{2, {0, 0.01F, -0.02F, -0.1F, -0.05F, 0.03F, 0}};
     const auto learned = [&](int threads) {
-        return as_product(darkness, transmission, scene.position, kDisc, threads,
-                          EdgeMeeting::blurred_union, rim);
+        return product_image(darkness, transmission, scene.position, {kDisc, kBlurredUnion, rim},
+                             threads);
     };
     EXPECT_NE(one, learned(1));
     EXPECT_EQ(learned(1), learned(2));
