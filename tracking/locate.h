@@ -6,12 +6,13 @@
 
 #include "core/frame.h"
 #include "core/vec2.h"
+#include "tracking/detect/coarse_search.h"
 #include "tracking/detect/disc_correlation.h"
 #include "tracking/detect/sphere_search.h"
 #include "tracking/model/disc_model.h"
 #include "tracking/model/visible_pixels.h"
 #include "tracking/refine/joint_fit.h"
-#include "tracking/refine/joint_information.h"
+#include "tracking/refine/joint_solver.h"
 
 namespace grainfield::tracking {
 
@@ -40,18 +41,22 @@ struct Located {
     double detect_seconds = 0, refine_seconds = 0;
 };
 
-/// Finds every sphere of a darkness image (SphereSearch) and its uncertainty. Large discs are
-/// searched for on an image of blocks first, as large as leave seven to a diameter; what is missing
-/// or too much is looked for again at full resolution. Sweeps bring each sphere to within a few
-/// hundredths of a pixel, and joint Newton steps (JointInformation) all of them to rest. Where
-/// edges meet as those of a blurred union (EdgeMeeting), or the profile is a learned one, this is
-/// repeated, twice, on the image that the product of tanh discs should see there (as_product).
-/// Pixels outside the image do not count.
+/// Finds every sphere of a darkness image and its uncertainty, in stages.
 ///
-/// A start (warm) replaces the search on blocks. If its spheres are expected to have moved by more
-/// than kNear w since, they are refined on blocks first: a step there costs a quarter or less. All
-/// are settled before the residual is asked whether any are missing: the map of likelihood gain is
-/// computed only where it can hold a sphere. If it can, the search is that of a cold frame.
+/// 1. Start: large discs are searched for on an image of blocks (CoarseSearch), as large as leave
+///    seven to a diameter; others on the pixels (SphereSearch). A start (warm) replaces the search.
+///    If its spheres are expected to have moved by more than kNear w, they are refined on blocks
+///    first: a step there costs a quarter or less.
+/// 2. Search: spheres are added and removed until the residual holds none. A warm frame is settled
+///    first; the map of likelihood gain is then computed only where it can hold a sphere.
+/// 3. Settle: sweeps bring each sphere to within a few hundredths of a pixel, joint Newton steps
+///    (JointSolver) all of them to rest.
+/// 4. Second look: discs on trial where the model leaves unusually much (second_look.h).
+/// 5. Overlaps: where the model is not the product of transmissions, 3. is repeated, twice, on the
+///    image that the product should see there (product_image.h).
+/// 6. Report: positions, standard errors, residuals; doubtful and cut spheres are left out.
+///
+/// Pixels outside the image do not count.
 class Locator {
  public:
     Locator(int width, int height, DiscModel model, int threads);
@@ -69,56 +74,37 @@ class Locator {
     /// Results do not depend on it.
     void set_threads(int threads);
     const DiscProfile& disc() const { return model_.disc; }
-    /// Image − model of the fit that came last: as the product of tanh discs sees the image,
-    /// 0 where nothing is looked at [contrast].
+    /// Image − model of the fit that came last, as the product of transmissions sees the image; 0
+    /// where nothing is looked at [contrast].
     Image residual();
     /// Of the model fitted last.
     const PaddedImage& transmission() const { return fit_.transmission(); }
 
     static constexpr double kNear = 0.05;  ///< [w]
-    static constexpr int kApproachSpacing = 2;
 
  private:
-    /// Discs at rest, and what each explains; the latter is empty where nothing is known of it.
-    struct Scene {
-        std::vector<Vec2> position;
-        std::vector<double> explained;
-    };
-    double clearance(Vec2 p) const;
-    /// What is known when nobody moves any more.
-    struct Settled {
-        JointInformation information;
-        std::vector<double> gain;                ///< undrawn
-        std::optional<ResidualBlocks> residual;  ///< less that
-        std::uint64_t revision = 0;              ///< of the fit then
-    };
-    void find_all(SphereSearch& search, const DetectionOptions& detection,
-                  const RefinementOptions& refinement, bool exactly, Settled& settled,
-                  Located& found);
-    Scene approached(const RefinementOptions& refinement, const std::vector<Vec2>& start,
-                     Located& found);
-    void place_all(const Scene& scene, std::optional<double> left);
+    struct Frame;
+    void start_discs(Frame& frame, const std::vector<Vec2>& start, double step);
+    StartingDiscs approached(Frame& frame, const std::vector<Vec2>& start);
+    void place_all(const StartingDiscs& discs, std::optional<double> left);
+    void search(Frame& frame);
+    bool settle(Frame& frame, bool draw_all);
+    void settle_and_judge(Frame& frame, bool draw_all);
+    void sweep_to_rest(Frame& frame);
+    void fit_overlaps(Frame& frame);
+    Located report(Frame& frame);
     double far(double noise) const;
     double least_drawn(double noise, const RefinementOptions& refinement) const;
-    bool settle(SphereSearch& search, const RefinementOptions& refinement, bool exactly,
-                JointInformation& information, Located& found);
-    void settle_rest(SphereSearch& search, const RefinementOptions& refinement,
-                     JointInformation& information);
-    void search_coarsely(const DetectionOptions& detection, const RefinementOptions& refinement,
-                         Located& found);
+    RefinementOptions sweeps_of(const RefinementOptions& refinement) const;
+    RefinementOptions rough_sweeps_of(const RefinementOptions& refinement) const;
+    double clearance(Vec2 p) const;
 
     DiscModel model_;
-    int factor_;
     int threads_;
     DiscCorrelation correlation_;
     JointFit fit_;
-    std::optional<DiscCorrelation> coarse_;
-    std::optional<JointFit> coarse_fit_;
-    std::optional<JointFit> approach_;  ///< on every kApproachSpacing-th row of blocks
-    /// Of the discs as placed, if nothing has been drawn since.
-    std::optional<JointInformation> early_;
-    std::uint64_t early_revision_ = 0;
-    Image coarse_image_;
+    JointSolver solver_;
+    std::optional<CoarseSearch> coarse_;
     Image clearance_;  ///< squared distance to what is not visible [px²]; empty: all is
 };
 

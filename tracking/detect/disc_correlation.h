@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "core/support/fourier.h"
 #include "core/frame.h"
+#include "core/support/fourier.h"
 #include "core/vec2.h"
 #include "tracking/detect/residual_blocks.h"
 #include "tracking/model/disc_profile.h"

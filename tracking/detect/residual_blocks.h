@@ -59,8 +59,8 @@ class ResidualBlocks {
     std::vector<double> sums_;  ///< with a margin of one empty block
 };
 
-/// Of a fit, in blocks as long as a disc reaches, less `gain`, by how much what is not drawn lowers
-/// the misfit about each disc (undrawn_gain; empty: all is drawn).
+/// Of a fit, in blocks as long as a disc reaches, less `gain`, by how much pending steps lower
+/// the misfit about each disc (pending_gain; empty: none is pending).
 ResidualBlocks residual_of(const JointFit& fit, const std::vector<double>& gain = {});
 
 }  // namespace grainfield::tracking

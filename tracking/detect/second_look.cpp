@@ -96,7 +96,7 @@ PointGrid all_discs(const JointFit& fit, double distance) {
     return all;
 }
 
-/// Whoever is not kept goes, and its neighbours go back. How many stay.
+/// Removes trial discs that are not kept and puts their neighbours back. How many stay.
 std::int64_t keep_the_better(JointFit& fit, const std::vector<Trial>& trials, double separation,
                              double enough) {
     const PointGrid all = all_discs(fit, separation);
@@ -138,9 +138,9 @@ bool has_candidates(JointFit& fit, DiscCorrelation& correlation, double least,
     const std::vector<PixelBlock> blocks = residual.holding(unusual);
     if (blocks.empty()) return false;
     // The gain in a block depends on discs within two reaches.
-    fit.draw_undrawn_near(residual.middles(blocks), 3 * residual.block());
+    fit.draw_pending_near(residual.middles(blocks), 3 * residual.block());
     if (candidates(fit, correlation, unusual, least, residual).empty()) return false;
-    fit.draw_undrawn();
+    fit.draw_pending();
     return true;
 }
 

@@ -25,7 +25,7 @@ struct SecondLook {
 /// by 36 σ² at least. Else it goes and its neighbours go back. Trials 5 D apart are made at once,
 /// in eight rounds at most.
 ///
-/// A frame without such places in `residual`, which is less what undrawn steps would gain, costs
+/// A frame without such places in `residual`, less the gain of pending steps, costs
 /// nothing; else all discs are drawn where they are. `separation`: none stays nearer to
 /// another disc [px]; `noise` σ [contrast]; `evidence`: share of an isolated disc's misfit that
 /// each must explain: where that is above 0.12 the model is poor, and the misfit must fall by more

@@ -271,7 +271,7 @@ Image SphereSearch::gain_above(const ResidualBlocks& residual, double least) {
 /// Where most spheres are missing the residual is large everywhere, and a gain of half a sphere is
 /// a candidate all the same.
 double SphereSearch::least_gain(const ResidualBlocks& residual) const {
-    const double per_pixel = residual.total() / std::max(1.0, fit_.pixels());
+    const double per_pixel = residual.total() / std::max(1.0, fit_.scene().pixels());
     const double usual = per_pixel * std::numbers::pi * disc_.reach() * disc_.reach();
     const double unusual = std::min(kUnusual * usual, kSurely * correlation_.full_gain());
     return std::max(kCandidateShare * threshold_, unusual);
@@ -301,7 +301,8 @@ std::int64_t SphereSearch::add_missing() {
     std::vector<char> is_split(fit_.positions().size(), 0);
     std::int64_t added = 0;
     // Neighbours have moved to cover for a missing sphere, so its gain before they move back is
-    // only part of what it will explain; whoever disappoints is removed again, for good.
+    // only part of what it will explain; a sphere that explains too little is removed again and its
+    // place not tried again.
     for (const Peak& peak : local_maxima(gain, static_cast<float>(least),
                                          0.8 * disc_.diameter / correlation_.factor())) {
         const Vec2 place = correlation_.in_frame(peak.position);

@@ -103,7 +103,7 @@ class SphereSearch {
     double separation_;            ///< [px]
     double threshold_ = 0;         ///< least misfit that a sphere must explain [contrast² px]
     double rejected_at_ = 0;       ///< the highest threshold that those rejected fell short of
-    std::int64_t judged_at_ = -1;  ///< disc updates done when nobody had to go; −1: not known
+    std::int64_t judged_at_ = -1;  ///< disc updates done when no disc had to go; −1: not known
     Summary summary_;
 };
 

@@ -51,7 +51,7 @@ class Neighbourhood {
     }
 
     /// After shell(): those coupled to the shell are unknown as well, each eliminated as if it were
-    /// coupled to nobody else.
+    /// coupled to no other disc.
     Block second_shell(const JointInformation& info) {
         fill(info);
         outer_.clear();

@@ -18,7 +18,7 @@ struct PositionCovariance {
 ///   A_ij = Σ_x J_i J_jᵀ,   J_i = ∂M/∂(x_i, y_i)   (JointInformation).
 ///
 /// A disc without coupled neighbours has the inverse of its own block. For
-/// the others the information of its neighbours is factorised, whoever lies beyond held fixed.
+/// the others the information of its neighbours is factorised, discs beyond them held fixed.
 /// Where that raises the error by more than 17 %, their neighbours are unknown too, couplings among
 /// these left out; if that changes the error by another 3 % (dense crystals), such discs are solved
 /// together, by a sparse Cholesky factor and the recursion of `takahashi1973` for the entries of

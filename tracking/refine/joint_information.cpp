@@ -39,25 +39,25 @@ class Gatherer {
         : fit_(fit),
           // Beyond, edges overlap by less than a thousandth of either's information.
           range_(fit.disc().diameter + 2.5 * fit.disc().edge_width),
-          pairs_(static_cast<std::size_t>(fit.parts())) {}
+          pairs_(static_cast<std::size_t>(fit.scene().parts())) {}
 
     /// With the positions that all discs have by then; before the first part.
     void prepare(const std::vector<Vec2>& positions) {
         own_.resize(positions.size());
-        grid_.emplace(fit_.darkness().width(), fit_.darkness().height() * fit_.spacing(), range_);
+        grid_.emplace(fit_.darkness().width(), fit_.scene().height(), range_);
         for (std::uint32_t i = 0; i < positions.size(); ++i) grid_->add(positions[i], i);
     }
 
     void gather(int part, std::uint32_t i) {
         thread_local std::vector<std::uint32_t> near;
-        own_[i] = fit_.normal_equations(i);
+        own_[i] = fit_.scene().normal_equations(i);
         near.clear();
         grid_->near(fit_.positions()[i], range_, [&](std::uint32_t other, Vec2) {
             if (other > i) near.push_back(other);
         });
         std::sort(near.begin(), near.end());
         std::vector<Pair>& pairs = pairs_[static_cast<std::size_t>(part)];
-        for (const std::uint32_t j : near) pairs.push_back({i, j, fit_.coupling(i, j)});
+        for (const std::uint32_t j : near) pairs.push_back({i, j, fit_.scene().coupling(i, j)});
     }
 
     JointInformation information();
@@ -113,7 +113,7 @@ JointInformation joint_information(const JointFit& fit) {
     gatherer.prepare(fit.positions());
     fit.in_parts([&](int part, const std::vector<std::uint32_t>& discs) {
         for (std::size_t k = 0; k < discs.size(); ++k) {
-            if (k + 1 < discs.size()) fit.fetch(discs[k + 1]);
+            if (k + 1 < discs.size()) fit.scene().fetch(discs[k + 1]);
             gatherer.gather(part, discs[k]);
         }
     });
@@ -124,7 +124,7 @@ JointInformation add_all(JointFit& fit, const std::vector<Vec2>& positions,
                          const std::vector<double>& explained, std::optional<double> left) {
     std::vector<Vec2> places;
     places.reserve(positions.size());
-    for (const Vec2 p : positions) places.push_back(fit.roughly(p));
+    for (const Vec2 p : positions) places.push_back(fit.scene().drawn_place(p));
     Gatherer gatherer(fit);
     gatherer.prepare(places);
     fit.add_all(places, explained, left, [&](int part, const std::vector<std::uint32_t>& discs) {
@@ -136,13 +136,13 @@ JointInformation add_all(JointFit& fit, const std::vector<Vec2>& positions,
 namespace {
 
 /// Σ_j A_ij u_j.
-Vec2 times_undrawn(const JointFit& fit, const JointInformation& info, std::size_t i) {
+Vec2 times_pending(const JointFit& fit, const JointInformation& info, std::size_t i) {
     const NormalEquations& own = info.own[i];
-    const Vec2 u = fit.undrawn_step(i);
+    const Vec2 u = fit.pending_step(i);
     Vec2 sum{own.xx * u.x + own.xy * u.y, own.xy * u.x + own.yy * u.y};
     for (std::size_t e = info.begin[i]; e < info.begin[i + 1]; ++e) {
         const CrossBlock& b = info.entry[e].block;
-        const Vec2 v = fit.undrawn_step(info.entry[e].other);
+        const Vec2 v = fit.pending_step(info.entry[e].other);
         sum += Vec2{b.xx * v.x + b.xy * v.y, b.yx * v.x + b.yy * v.y};
     }
     return sum;
@@ -155,21 +155,21 @@ void update_information(const JointFit& fit, const std::vector<char>& disturbed,
     fit.in_parts([&](int, const std::vector<std::uint32_t>& discs) {
         for (const std::uint32_t i : discs) {
             if (disturbed[i]) {
-                info.own[i] = fit.normal_equations(i);
+                info.own[i] = fit.scene().normal_equations(i);
                 continue;
             }
-            const Vec2 b = times_undrawn(fit, info, i);
+            const Vec2 b = times_pending(fit, info, i);
             info.own[i].bx = b.x;
             info.own[i].by = b.y;
         }
     });
 }
 
-std::vector<double> undrawn_gain(const JointFit& fit, const JointInformation& info) {
+std::vector<double> pending_gain(const JointFit& fit, const JointInformation& info) {
     std::vector<double> gain(info.own.size());
     for (std::size_t i = 0; i < gain.size(); ++i) {
-        const Vec2 u = fit.undrawn_step(i);
-        if (squared_norm(u) > 0) gain[i] = dot(u, times_undrawn(fit, info, i));
+        const Vec2 u = fit.pending_step(i);
+        if (squared_norm(u) > 0) gain[i] = dot(u, times_pending(fit, info, i));
     }
     return gain;
 }

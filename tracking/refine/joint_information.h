@@ -16,7 +16,7 @@ namespace grainfield::tracking {
 ///
 /// Blocks A_ij are summed for pairs nearer than D + 2.5w and kept where they matter (squared
 /// coupling above 1e-4). Discs that are all but hidden (smallest eigenvalue of A_ii below 1e-6 of
-/// an isolated disc's) are coupled to nobody.
+/// an isolated disc's) have no couplings.
 struct JointInformation {
     struct Entry {
         std::uint32_t other;
@@ -37,18 +37,18 @@ JointInformation joint_information(const JointFit& fit);
 JointInformation add_all(JointFit& fit, const std::vector<Vec2>& positions,
                          const std::vector<double>& explained, std::optional<double> left);
 
-/// The same after a step, with the couplings of before: A_ii and b_i are summed anew for those
-/// disturbed (JointFit::take_disturbed). The others have taken their step: b_i = Σ_j A_ij u_j, u_j
-/// what of it is not drawn (JointFit::undrawn_step).
+/// The same after a step, with the couplings of before. A_ii and b_i are summed anew for those
+/// disturbed (JointFit::collect_disturbed). The others have taken their step: b_i = Σ_j A_ij u_j,
+/// u_j the pending step (JointFit::pending_step).
 void update_information(const JointFit& fit, const std::vector<char>& disturbed,
                         JointInformation& information);
 
-/// By how much the misfit about each disc would fall if all steps were drawn, u_i · Σ_j A_ij u_j
-/// [contrast²]: to second order in w, shared pixels counted once.
-std::vector<double> undrawn_gain(const JointFit& fit, const JointInformation& information);
+/// By how much the misfit about each disc would fall if pending steps were drawn, u_i · Σ_j A_ij
+/// u_j [contrast²]: to second order in w, shared pixels counted once.
+std::vector<double> pending_gain(const JointFit& fit, const JointInformation& information);
 
-/// Where all discs together want to go from where they are drawn: d = A⁻¹ b, by Gauss–Seidel sweeps
-/// over the blocks until no disc changes by more than `accuracy` [px]. No pixel is touched.
+/// The joint step from where discs are drawn: d = A⁻¹ b, by Gauss–Seidel sweeps over the blocks
+/// until no disc changes by more than `accuracy` [px]. No pixel is touched.
 JointFit::Displacement joint_step(const JointInformation& information, double accuracy);
 
 }  // namespace grainfield::tracking

@@ -255,11 +255,11 @@ TEST(JointFit, OnlyDiscsNearThoseThatWentFarAreDisturbed) {
     JointFit::Displacement all{std::vector<Vec2>(truth.size(), {0.02, 0}),
                                std::vector<float>(truth.size(), 0.0F)};
     EXPECT_EQ(fit.displace(all, 0.003, 0.1), 0);
-    EXPECT_EQ(fit.take_disturbed(), std::vector<char>(truth.size()));
+    EXPECT_EQ(fit.collect_disturbed(), std::vector<char>(truth.size()));
     all.step[210] = {0.3, 0.4};
     EXPECT_GT(fit.displace(all, 0.003, 0.1), 0);
-    const std::vector<char> disturbed = fit.take_disturbed();
-    EXPECT_EQ(fit.take_disturbed(), std::vector<char>(truth.size())) << "asked for once";
+    const std::vector<char> disturbed = fit.collect_disturbed();
+    EXPECT_EQ(fit.collect_disturbed(), std::vector<char>(truth.size())) << "asked for once";
     EXPECT_NEAR(norm(fit.positions()[210] - before[210]), JointFit::kLongestStep, 0.03);
     for (std::size_t j = 0; j < truth.size(); ++j) {
         const double distance = norm(truth[j] - truth[210]);
@@ -272,7 +272,7 @@ TEST(JointFit, OnlyDiscsNearThoseThatWentFarAreDisturbed) {
     const JointFit::Summary again = fit.refine(options);
     EXPECT_GT(again.steps, 0);
     EXPECT_LT(again.steps, 60);
-    const auto swept = fit.take_disturbed();
+    const auto swept = fit.collect_disturbed();
     EXPECT_TRUE(swept[210]);
     EXPECT_LT(std::count(swept.begin(), swept.end(), 1), 120);
 }
@@ -288,7 +288,7 @@ std::vector<Vec2> settled(const Image& darkness, const std::vector<Vec2>& places
     bool is_far = true;
     for (int round = 0; round < 4 && is_far; ++round) {
         if (round > 0) fit.refine(rough, Drawing::roughly);
-        const std::vector<char> disturbed = fit.take_disturbed();
+        const std::vector<char> disturbed = fit.collect_disturbed();
         if (round == 0) {
             information = joint_information(fit);
         } else {
@@ -441,7 +441,7 @@ TEST(JointStep, StepsThatAreNotDrawnAreKnownInResiduals) {
         drawn.displace(first, 0, 0.1);
         waiting.displace(first, 3 * noise, 0.1);
         EXPECT_EQ(drawn.positions(), waiting.positions());
-        const auto gain = undrawn_gain(waiting, information);
+        const auto gain = pending_gain(waiting, information);
         const auto exact = drawn.residuals();
         const auto known = waiting.residuals(gain);
         for (std::size_t j = 0; j < truth.size(); ++j) {
@@ -451,10 +451,10 @@ TEST(JointStep, StepsThatAreNotDrawnAreKnownInResiduals) {
         // Steps of second order are left, whoever is drawn.
         const auto again = joint_step(joint_information(waiting), 1e-4);
         for (std::size_t j = 0; j < truth.size(); ++j) {
-            EXPECT_LT(norm(again.step[j] - waiting.undrawn_step(j)), 0.004) << j;
+            EXPECT_LT(norm(again.step[j] - waiting.pending_step(j)), 0.004) << j;
         }
-        waiting.draw_undrawn();
-        for (std::size_t j = 0; j < truth.size(); ++j) EXPECT_EQ(waiting.undrawn_step(j), Vec2{});
+        waiting.draw_pending();
+        for (std::size_t j = 0; j < truth.size(); ++j) EXPECT_EQ(waiting.pending_step(j), Vec2{});
     }
 }
 

@@ -1,0 +1,141 @@
+#include "tracking/detect/coarse_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "tracking/detect/residual_blocks.h"
+
+namespace grainfield::tracking {
+namespace {
+
+constexpr int kRowSpacing = 2;
+constexpr double kFarthest = 0.3;   // [D]
+constexpr double kMostWrong = 0.2;  // of the image
+
+int rows_of_blocks(int height, int factor, int spacing) {
+    return (height / factor - 1) / spacing + 1;
+}
+
+/// The mean over whole blocks of factor × factor pixels, of every spacing-th row of them.
+void reduce(const PaddedImage& image, int factor, int spacing, int threads, Image& result) {
+    const int width = image.width() / factor;
+    const int height = rows_of_blocks(image.height(), factor, spacing);
+    if (result.width() != width || result.height() != height) result = Image(width, height);
+    const float share = 1.0F / static_cast<float>(factor * factor);
+    in_row_bands(image.width(), height, threads, [&](int first, int last) {
+        std::vector<float> sums(static_cast<std::size_t>(image.width()));
+        for (int y = first; y < last; ++y) {
+            const int top = y * spacing * factor;
+            std::copy_n(image.row(top), image.width(), sums.data());
+            for (int v = 1; v < factor; ++v) {
+                const float* row = image.row(top + v);
+                for (int x = 0; x < image.width(); ++x) sums[static_cast<std::size_t>(x)] += row[x];
+            }
+            float* out = result.row(y);
+            const float* in = sums.data();
+            for (int x = 0; x < width; ++x, in += factor) {
+                float sum = in[0];
+                for (int u = 1; u < factor; ++u) sum += in[u];
+                out[x] = sum * share;
+            }
+        }
+    });
+}
+
+/// A disc in blocks. The derivative of a tanh edge, sech², has variance π²w²/12; averaging over
+/// blocks adds factor²/12. Other edges are widened likewise.
+DiscProfile reduced(const DiscProfile& disc, int factor) {
+    const double blur = factor / std::numbers::pi;
+    return {disc.diameter / factor, std::hypot(disc.edge_width, blur) / factor, disc.shape};
+}
+
+RefinementOptions in_blocks_of(int factor, RefinementOptions refinement) {
+    refinement.tolerance /= factor;
+    return refinement;
+}
+
+}  // namespace
+
+CoarseSearch::CoarseSearch(int width, int height, const DiscProfile& disc, int factor, int threads)
+    : factor_(factor),
+      threads_(threads),
+      diameter_(disc.diameter),
+      correlation_(width / factor, height / factor, reduced(disc, factor), 1),
+      fit_(Image(width / factor, height / factor), reduced(disc, factor), threads),
+      approach_(Image(width / factor, rows_of_blocks(height, factor, kRowSpacing)),
+                reduced(disc, factor), threads, kRowSpacing) {}
+
+bool CoarseSearch::suits(int width, int height, int factor) {
+    return factor > 1 && width >= 2 * factor && height >= 2 * factor;
+}
+
+void CoarseSearch::set_visible(const VisiblePixels& visible) {
+    const VisiblePixels blocks = visible.blocks(factor_);
+    fit_.set_visible(blocks);
+    correlation_.set_visible(blocks);
+    approach_.set_visible(blocks.every_row(kRowSpacing));
+}
+
+void CoarseSearch::set_threads(int threads) {
+    threads_ = threads;
+    fit_.set_threads(threads);
+    approach_.set_threads(threads);
+}
+
+Vec2 CoarseSearch::in_frame(Vec2 p) const {
+    const double centre = 0.5 * (factor_ - 1);
+    return {p.x * factor_ + centre, p.y * factor_ + centre};
+}
+
+Vec2 CoarseSearch::in_blocks(Vec2 p) const {
+    const double centre = 0.5 * (factor_ - 1);
+    return {(p.x - centre) / factor_, (p.y - centre) / factor_};
+}
+
+StartingDiscs CoarseSearch::search(const PaddedImage& darkness, const DetectionOptions& detection,
+                                   const RefinementOptions& rough) {
+    reduce(darkness, factor_, 1, threads_, image_);
+    fit_.restart(image_);
+    SphereSearch search(fit_, correlation_, detection);
+    search.seed();
+    search.run(in_blocks_of(factor_, rough));
+    summary_ = search.summary();
+    StartingDiscs discs{{}, fit_.explained()};
+    for (const Vec2 p : fit_.positions()) discs.position.push_back(in_frame(p));
+    for (double& e : discs.explained) e *= factor_ * factor_;
+    return discs;
+}
+
+CoarseSearch::Approach CoarseSearch::approach(const PaddedImage& darkness,
+                                              const std::vector<Vec2>& start,
+                                              const RefinementOptions& rough) {
+    reduce(darkness, factor_, kRowSpacing, threads_, image_);
+    approach_.restart(image_);
+    std::vector<Vec2> places;
+    places.reserve(start.size());
+    for (const Vec2 p : start) places.push_back(in_blocks(p));
+    approach_.add_all(places);
+    Approach result;
+    result.steps = approach_.refine(in_blocks_of(factor_, rough), Drawing::roughly).steps;
+    const ResidualBlocks residual(approach_.darkness(), approach_.transmission(),
+                                  static_cast<int>(std::ceil(approach_.disc().reach())), threads_);
+    double wrong = 0;
+    for (const PixelBlock& b : residual.holding(0.5 * correlation_.full_gain() / kRowSpacing)) {
+        wrong += static_cast<double>(b.x1 - b.x0) * (b.y1 - b.y0);
+    }
+    result.is_near =
+        wrong <= kMostWrong * approach_.darkness().width() * approach_.darkness().height();
+    if (!result.is_near) return result;
+    result.discs.explained = approach_.explained();
+    for (double& e : result.discs.explained) e *= factor_ * factor_ * kRowSpacing;
+    const double farthest = kFarthest * diameter_;
+    for (std::size_t j = 0; j < places.size(); ++j) {
+        const Vec2 p = in_frame(approach_.positions()[j]);
+        const bool is_near = squared_norm(p - start[j]) < farthest * farthest;
+        result.discs.position.push_back(is_near ? p : start[j]);
+    }
+    return result;
+}
+
+}  // namespace grainfield::tracking
