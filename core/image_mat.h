@@ -19,7 +19,7 @@ inline cv::Mat as_mat(Image& image) {
     return {image.height(), image.width(), CV_32FC1, image.pixels().data()};
 }
 
-/// Same for reading. cv::Mat knows no constant pixels: who casts the const away changes the image.
+/// Same for reading. cv::Mat has no constant pixels: casting the const away changes the image.
 inline const cv::Mat as_mat(const Image& image) {  // NOLINT(readability-const-return-type)
     return as_mat(const_cast<Image&>(image));      // NOLINT(cppcoreguidelines-pro-type-const-cast)
 }

@@ -26,7 +26,7 @@ class ReadAhead : public PassedFrames {
     Frame take(std::int64_t index) {
         if (under_way_.valid()) {
             if (ahead_ == index) return under_way_.get();
-            // Whatever became of it, nobody asked.
+            // Its result or exception is not needed.
             under_way_.wait();
             under_way_ = {};
         }

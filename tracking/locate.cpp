@@ -217,7 +217,7 @@ void Locator::search(Frame& frame) {
         settle_and_judge(frame, draw_all);
     }
     // One pass means that most spheres are wanted soon, and the model is still wrong.
-    if (frame.detection.max_passes > 1 &&
+    if (frame.detection.goal == SearchGoal::every_sphere &&
         frame.search.look_again(sweeps_of(frame.refinement), *frame.residual)) {
         settle_and_judge(frame, draw_all);
     }

@@ -6,20 +6,20 @@
 #include <string>
 #include <vector>
 
-#include "core/support/checkpoint.h"
 #include "core/frame_source.h"
-#include "core/support/number_archive.h"
 #include "core/option_table.h"
-#include "core/support/progress.h"
 #include "core/run_plan.h"
+#include "core/support/checkpoint.h"
+#include "core/support/number_archive.h"
+#include "core/support/progress.h"
 #include "core/trajectory.h"
 #include "tracking/calibrate/calibration.h"
 #include "tracking/calibrate/illumination.h"
-#include "tracking/model/image_model.h"
 #include "tracking/layers/bilayer.h"
 #include "tracking/link/linker.h"
 #include "tracking/link/long_tracks.h"
 #include "tracking/locate.h"
+#include "tracking/model/image_model.h"
 #include "tracking/model/visible_pixels.h"
 
 namespace grainfield::tracking {
@@ -75,15 +75,15 @@ struct TrackResumption {
 /// Frames in, linked snapshots out: calibrates the image model on the first usable frame, then
 /// locates every sphere of every frame and gives it its identity through time.
 ///
-/// The first frame is fitted alone, then two at a time, side by side: both start from the spheres
-/// of the frame before the two (warm), one or two frames ago, unless these are expected to have
-/// moved by more than D/4 since or more frames are missing between them. Refinement goes on from
-/// there, and the search for spheres that came or went looks only where the residual asks for it. A
-/// frame that repeats the one before costs nothing. The light of each frame is followed
+/// The first frame is fitted alone, then two at a time, side by side. Both start from the spheres
+/// of the frame before the two (warm), one or two frames ago. They start cold if these are expected
+/// to have moved by more than D/4, or if more frames are missing between them. Refinement continues
+/// from there. New and lost spheres are searched only where the residual is large enough. A frame
+/// that repeats the one before costs nothing. The light of each frame is followed
 /// (IlluminationFollower).
 ///
-/// Where the height of the cell is given, spheres without room between the plates are left out and
-/// the others get the layer that their overlaps tell (Bilayer), up to turning a cluster over.
+/// Where the height of the cell is given, spheres without room between the plates are left out. The
+/// others get the layer that their overlaps imply (Bilayer), up to a flip of each cluster.
 ///
 /// Positions are in pixels of the source. Three frames are in memory at a time. Results do not
 /// depend on the number of threads: frames are fitted in twos on one thread as well.
@@ -106,8 +106,8 @@ class Tracker {
     using EachFrame = std::function<void(const Frame&, const Snapshot&, std::int64_t position)>;
 
     /// Tracks all frames. Corrupt and missing frames leave a gap. Stops early, keeping what was
-    /// done, when an interrupt was caught (core/support/interrupt.h). A run that was saved, and a new
-    /// tracker that goes on from there, give the same snapshots as one that was not.
+    /// done, when an interrupt was caught (core/support/interrupt.h). A run that was saved, and a
+    /// new tracker that continues from there, give the same snapshots as one that was not.
     TrackSummary run(SnapshotSink& sink, Progress& progress, const EachFrame& each_frame = {},
                      const TrackResumption& resumption = {});
 
@@ -120,7 +120,7 @@ class Tracker {
         double step_rms = 0;  ///< of its spheres, RMS displacement [px]; 0: unknown
     };
 
-    /// What goes on from frame to frame besides the above.
+    /// What is carried from frame to frame besides the above.
     struct Run {
         Linker linker;
         LongTracks long_tracks;

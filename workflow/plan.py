@@ -15,7 +15,7 @@ LAYER_OMEGA = 5.0
 LAYER_DENSITY = 0.9875  # grains per a^2
 SLOW_EVERY = 8  # periods of 12.5 ms: 10 frames a second
 FAST_EVERY = 0.16  # 500 frames a second
-FIELD_STEP = 0.5  # t; its bias is below 1 % for k <= 1.2 (docs/field.md)
+FIELD_STEP = 0.5  # t; its bias is below 1 % for k <= 1.2 (docs/field/schemes.md)
 PLANE_SPACING = 0.65
 LINE_SPACING = 0.25
 

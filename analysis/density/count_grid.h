@@ -22,7 +22,7 @@ struct CountGrid {
     std::array<bool, 2> periodic{false, false};
 
     /// Cells of about `step` [a]; on walled axes strips of width `border` [a] stay free on both
-    /// sides and the cells are centred, on periodic axes the cells fill the box exactly.
+    /// sides and the cells are centred. On periodic axes the cells fill the box exactly.
     CountGrid(const Box& box, double step, double border);
 
     std::size_t size() const {

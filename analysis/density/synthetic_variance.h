@@ -20,8 +20,8 @@ struct SyntheticVariance {
 ///
 /// k = 2π (n_x, n_y)/L, w(x) = sin(x)/x, n the number density [1/a²], ℓ ≤ L [a]. S is
 /// constant beyond k_max, so that the sum is finite and nothing is cut off; at ℓ = L σ² = 0.
-/// (`torquato2003` for the infinite system; the sum and its stable form: docs/analysis.md.) Cost
-/// O((L k_max/2π)²) for each ℓ. Throws OptionError if L k_max/2π is above 4000.
+/// (`torquato2003` for the infinite system; the sum and its stable form: docs/analysis/density.md.)
+/// Cost O((L k_max/2π)²) for each ℓ. Throws OptionError if L k_max/2π is above 4000.
 std::vector<SyntheticVariance> synthetic_variance(const SpectrumModel& model, double density,
                                                   double side, const std::vector<double>& windows);
 

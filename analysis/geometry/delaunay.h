@@ -21,11 +21,11 @@ struct GridPoint {
 /// another point inside.
 ///
 /// Points are inserted in random rounds, each along a Hilbert curve (`amenta2003`), and edges
-/// flipped (`lawson1977`) until the triangulation is Delaunay again. Predicates are exact: the
-/// sign of an area in 64 bits, that of the circle test in doubles with a bound of their error, or
-/// where that leaves it open in 128 bits. Beyond the hull lie triangles with a corner at infinity.
-/// Points at one place are one point; points that all lie on a line have the next ones on it as
-/// neighbours. Of points on one circle any triangulation is as good.
+/// flipped (`lawson1977`) until the triangulation is Delaunay again. Predicates are exact: the sign
+/// of an area in 64 bits. The circle test is in doubles with a bound of their error, or in 128 bits
+/// where that leaves it open. Beyond the hull lie triangles with a corner at infinity. Points at
+/// one place are one point; points that all lie on a line have the next ones on it as neighbours.
+/// Of points on one circle any triangulation is as good.
 ///
 /// Cost about 0.4 µs a point, O(N) for patterns of bounded density; memory 70 B a point.
 class Delaunay {
@@ -54,7 +54,7 @@ class Delaunay {
     /// a few roundings for flat triangles too.
     Vec2 centre(int number) const;
 
-    /// Points in the order in which asking for them is kindest to the cache.
+    /// Points in the order in which queries about them have the fewest cache misses.
     std::span<const int> order() const { return index_; }
 
  private:

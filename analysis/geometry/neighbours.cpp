@@ -106,7 +106,7 @@ void CellList::take(int first, int last, Vec2 centre, NeighbourList& out) const 
 }
 
 // Fills `out` with all points in the block of (2 rings + 1)² cells around the centre's cell and
-// returns the distance within which nothing can have been missed; infinite if it holds all points.
+// returns the distance within which no point is missed. Infinite if it holds all points.
 double CellList::gather(Vec2 centre, int rings, NeighbourList& out) const {
     out.clear();
     const int cx = x_.cell_of(centre.x);

@@ -243,7 +243,7 @@ Triangulation::Triangulation(std::span<const Vec2> points, const Box& box, Edges
     const double longest = std::max(box.length.x, box.length.y);
     double margin =
         std::min(4 * std::sqrt(box.area() / static_cast<double>(points.size())), 2 * longest);
-    // Twice the longer side is enough for any pattern with all axes periodic; with one walled axis
+    // Twice the longer side is enough for any pattern with all axes periodic. With one walled axis
     // the outermost cells stay unbounded and the widest margin is taken as it is.
     while (!Lists(points, box, margin)
                 .fill(margin < 2 * longest, wants_edges, first_, neighbour_, edge_)) {

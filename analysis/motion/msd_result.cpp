@@ -245,7 +245,7 @@ void add_msd(const MsdTable& table, ObservableResult& result) {
         std::vector<double> d_left, exponent_left, offset_left;
         for (std::size_t g = 0; g < left.size(); ++g) {
             left[g] = mean_without(series, g);
-            // A group without particles tells nothing of their scatter.
+            // A group without particles has no information on their scatter.
             if (std::ranges::all_of(series.pairs[g], [](double p) { return !(p > 0); })) continue;
             const Fits fits = fit_last_decade(table.time, left[g], positions);
             fits_left.push_back(fits);

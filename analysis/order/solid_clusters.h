@@ -6,15 +6,15 @@
 #include <unordered_map>
 #include <vector>
 
-#include "analysis/statistics/blocks.h"
 #include "analysis/order/bond_order.h"
-#include "analysis/pattern.h"
 #include "analysis/order/phase.h"
+#include "analysis/pattern.h"
+#include "analysis/statistics/blocks.h"
 #include "core/results.h"
 
 namespace grainfield::analysis {
 
-/// Clusters of solid particles: their sizes and how long they live. Part of the observable "phase".
+/// Clusters of solid particles: their sizes and lifetimes. Part of the observable "phase".
 ///
 /// In each window T_o, the particles that the phase history calls solid are joined where they are
 /// neighbours (bond_order) in the last frame of the window. Single particles count as clusters of
@@ -24,9 +24,9 @@ namespace grainfield::analysis {
 ///
 /// with the error of a mean over windows that may be alike (series_error).
 ///
-/// A cluster of at least `least` particles lives on in the next window as the cluster that holds
-/// most of its particles, if these are at least half of it, and of several that claim the same one
-/// the largest lives on; else it has died. Lifetime, for deaths at a constant rate, from the share
+/// A cluster of at least `least` particles survives in the next window as the cluster that holds
+/// most of its particles, if these are at least half of it. Of several that claim the same one the
+/// largest survives; the others have died. Lifetime, for deaths at a constant rate, from the share
 /// p of deaths in all steps from window to window Δ,
 ///
 ///   τ = −Δ/ln(1 − p),   error  σ_p Δ/((1 − p) ln²(1 − p)),
@@ -41,7 +41,7 @@ class SolidClusters {
  public:
     static constexpr std::size_t least = 8;  ///< particles of a cluster that has a lifetime
 
-    /// One closed window (or frame): who is solid and who neighbours whom.
+    /// One closed window (or frame): which particles are solid, and the neighbours of each.
     struct Frame {
         std::vector<std::int64_t> id;
         std::vector<bool> solid;  // of each particle

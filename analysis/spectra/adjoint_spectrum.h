@@ -13,10 +13,10 @@ struct WaveSamples {
     std::vector<double> s;
 };
 
-/// The observable "sk" from the samples of the adjoint estimator (docs/field.md). Waves of one
-/// length are pooled. They share the order field, and stretches shorter than its correlation time
-/// are not independent of one another: the error comes from blocks of time that hold all waves of a
-/// length,
+/// The observable "sk" from the samples of the adjoint estimator (docs/field/schemes.md). Waves of
+/// one length are pooled. They share the order field, and stretches shorter than its correlation
+/// time are not independent of one another: the error comes from blocks of time that hold all waves
+/// of a length,
 ///
 ///   K = min(16, fewest stretches of a wave, `correlation_times`) blocks,
 ///

@@ -47,7 +47,7 @@ class ModeGrid {
 ///   ρ_k = Σ_j exp(−i k·(r_j − origin)),
 ///
 /// one per mode of the grid, in its order. Direct sum: powers of exp(−i dk x) per particle and
-/// axis, multiplied as small real matrices over tiles of particles; partial sums have a fixed
+/// axis, multiplied as small real matrices over tiles of particles. Partial sums have a fixed
 /// order, so the bits depend neither on threads nor on the instruction set. Relative error (to
 /// sqrt(N)) about n_max · 1e-16 plus that of the coordinates.
 ///

@@ -31,9 +31,9 @@ OptionTable describe(FitOptions& options);
 /// The observable "fit": S(k) = S0 + S1 (ka)^α over 0 < k ≤ 0.65 k_pp, k_pp the wavevector of the
 /// pre-peak (`castillo2019`; analysis/statistics/fit.h for the likelihood).
 ///
-/// Between walls the modes that fit between them are used (sk_neumann), because plane waves leak;
-/// the fit of the connected estimator stands beside it, or the other way round if plane waves are
-/// asked for, to compare with what was measured with them. Measurements: s0_over_s1, s0, s1, alpha,
+/// Between walls the modes that fit between them are used (sk_neumann), because plane waves leak.
+/// The fit of the connected estimator stands beside it. With plane waves selected it is the other
+/// way round, to compare with measurements made with them. Measurements: s0_over_s1, s0, s1, alpha,
 /// k_pre_peak, k_fit; s0_over_s1_low and _high, the ends of the profile-likelihood interval (68 %);
 /// s0_over_s1_connected or s0_over_s1_neumann; s0_s1_correlation, that of the errors of S0 and S1;
 /// and the systematics of s0_over_s1: half of what it moves by for α = 0.97 and 1.27, for ranges of
@@ -41,9 +41,9 @@ OptionTable describe(FitOptions& options);
 /// "fit": k, s, s_err.
 ///
 /// Errors: half the central 68 % of `bootstrap` resamplings of the K blocks of time, the pre-peak
-/// searched anew in each, times sqrt(K/(K − 3)) for the small number of blocks, and never less
-/// than the error from the likelihood (blocks alone gave pulls 1.16 wide); with fewer than
-/// eight blocks from the likelihood, which is said. Cost: (bootstrap + 1) × modes × blocks.
+/// searched anew in each, times sqrt(K/(K − 3)) for the small number of blocks, and never less than
+/// the error from the likelihood (blocks alone gave pulls 1.16 wide). With fewer than eight blocks
+/// it is from the likelihood, which is said. Cost: (bootstrap + 1) × modes × blocks.
 ///
 /// Below 25 particles a frame there is a reason and no fit: the density modes are then not the
 /// Gaussian numbers that the likelihood takes them for.

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "analysis/statistics/blocks.h"
 #include "analysis/pattern.h"
+#include "analysis/statistics/blocks.h"
 
 namespace grainfield::analysis {
 
@@ -17,7 +17,7 @@ namespace grainfield::analysis {
 ///   raw        S(k) = ⟨|ρ_k|²⟩/⟨N⟩,   ρ_k = Σ_j exp(−ik·r_j)
 ///   connected  S(k) = M/(M − 1) · (⟨|ρ_k|²⟩ − |⟨ρ_k⟩|²)/⟨N⟩
 ///
-/// The column `s` is the connected one between walls from two frames on, else the raw one; M is the
+/// The column `s` is the connected one between walls from two frames on, else the raw one. M is the
 /// number of independent frames as in StructureFactor, here of one wavevector alone, so known to a
 /// fifth or so. Vectors that do not fit the box (no multiples of 2π/L, of π/L between walls) see
 /// its shape: their raw S has the square of its Fourier transform in it, and in a periodic box they

@@ -37,7 +37,7 @@ struct StructureFactorOptions {
 OptionTable describe(StructureFactorOptions& options, const std::string& section = "sk");
 
 /// The observable "sk": static structure factor at small wavevectors, from density modes ρ_k of
-/// particles or fields (`castillo2019`; docs/analysis.md).
+/// particles or fields (`castillo2019`; docs/analysis/spectra.md).
 ///
 ///   raw        S(k) = ⟨|ρ_k|²⟩ / ⟨N⟩                                  (curve `sk_raw`)
 ///   connected  S(k) = M/(M − 1) · (⟨|ρ_k|²⟩ − |⟨ρ_k⟩|²) / ⟨N⟩         removes walls and gradients
@@ -52,7 +52,7 @@ OptionTable describe(StructureFactorOptions& options, const std::string& section
 /// Isotropic average over shells of |k| (half plane), by default every distinct |k| below 5.5 grid
 /// steps and shells one step wide above; or over given annuli e_i ≤ |k| < e_{i+1} (the last one
 /// closed), whatever lies outside left out: k is the mean |k| of the modes, n their number. In a
-/// walled box plane waves on the π/L grid are correlated and leak (docs/analysis.md): use
+/// walled box plane waves on the π/L grid are correlated and leak (docs/analysis/spectra.md): use
 /// `sk_neumann` for the limit k → 0.
 ///
 /// No error, and a reason, where blocks next to each other are more alike than blocks in general

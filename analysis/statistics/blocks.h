@@ -14,8 +14,8 @@ namespace grainfield::analysis {
 
 /// How the frames of a run are cut into consecutive blocks of time for error estimates.
 ///
-/// Frames inside a block may be correlated; blocks are taken as independent, so that the error of
-/// a mean is honest as soon as a block is longer than the correlation time.
+/// Frames inside a block may be correlated. Blocks are taken as independent, so the error of a mean
+/// is right as soon as a block is longer than the correlation time.
 struct BlockPlan {
     std::int64_t frames = 1;
     int blocks = 1;

@@ -12,7 +12,8 @@ namespace grainfield::bench {
 /// The tracker with one option away from its defaults. Besides those of `track`: "start" (cold,
 /// warm), "threads", "size" (given: D and w of the default calibration are told), "control" (the
 /// defaults once more: how much times scatter that should be the same), and what is no option
-/// because nobody gains by it ("cutoff", "significance", "max-passes"; docs/decisions.md).
+/// because it improves neither time nor error ("cutoff", "significance", "max-passes";
+/// docs/decisions.md).
 class TrackerRun : public TimedRun {
  public:
     /// `usual`: the calibration with default options, where there is one; calibrates anew only if

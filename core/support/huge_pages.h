@@ -10,7 +10,7 @@
 
 namespace grainfield {
 
-/// Memory that the system is asked to back by huge pages: where accesses are scattered over tens of
+/// Memory backed by huge pages where the system permits: where accesses are scattered over tens of
 /// megabytes, the translation of addresses costs 10–30 % of the time.
 template <class T>
 struct HugePageAllocator {

@@ -11,11 +11,11 @@ enum class Overwrite { refuse, force };
 
 /// An output that appears under its name only when it is complete.
 ///
-/// The content is written to `temporary()`, the target's name + ".partial" beside it; `commit()`
-/// brings it to the disk and renames it in one step, so that readers see the old file or the whole
-/// new one. An object destroyed without a commit removes its temporary. While the object lives,
-/// the temporary is locked (flock): a second writer of the same target is refused, in this process
-/// or another. A temporary left behind by a killed run has no lock and is overwritten.
+/// The content is written to `temporary()`, the target's name + ".partial" beside it. `commit()`
+/// brings it to the disk and renames it in one step. Readers see the old file or the whole new one.
+/// An object destroyed without a commit removes its temporary. While the object lives, the
+/// temporary is locked (flock): a second writer of the same target is refused, in this process or
+/// another. A temporary left behind by a killed run has no lock and is overwritten.
 ///
 /// Throws OutputError if the target exists and Overwrite is refuse (names --force), if the target
 /// is a directory or a device, if its directory is missing or not writable, if another run is

@@ -32,7 +32,7 @@ class Progress {
     /// Shows the line at once: for jobs whose single steps take long.
     void announce();
 
-    /// Ends the line. Called by the destructor if nobody else does.
+    /// Ends the line. Called by the destructor if not before.
     void finish();
 
     /// The text that would be shown now: "tracking 120/3000 frames, 41.3 frames/s, 1 min 10 s

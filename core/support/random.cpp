@@ -52,7 +52,7 @@ std::array<std::uint32_t, 4> philox_block(const std::array<std::uint32_t, 4>& co
 
 RandomStream::RandomStream(std::uint64_t seed, std::string_view stream, std::uint64_t index) {
     // The name alone fixes an offset to which the index is added, so two indices of one name never
-    // meet; streams of two names meet with probability 2^-64 a pair.
+    // meet. Streams of two names meet with probability 2^-64 a pair.
     const std::uint64_t upper = scramble(hash(stream) + index);
     counter_ = {0, 0, low(upper), high(upper)};
     key_ = {low(seed), high(seed)};

@@ -14,8 +14,8 @@ std::array<std::uint32_t, 4> philox_block(const std::array<std::uint32_t, 4>& co
 /// Counter-based random numbers: Philox4x32-10 (Salmon et al. 2011, `salmon2011`).
 ///
 /// A stream is named by (seed, stream name, index): "the read noise of frame 17". Streams are
-/// statistically independent and the n-th number of a stream does not depend on what any other
-/// stream or thread did, so results are the same for any number of threads.
+/// statistically independent. The n-th number of a stream does not depend on any other stream or
+/// thread, so results are the same for any number of threads.
 ///
 /// Period 2^66 numbers a stream. Not thread-safe; make one per thread or per row, it costs nothing.
 class RandomStream {

@@ -213,7 +213,7 @@ class TiffFile {
                 read_rows(page, plane, row_bytes, start);
             }
         }
-        // libtiff patches some damages up and goes on.
+        // libtiff repairs some damage and continues.
         if (!messages_->first.empty()) fail({});
         return raw;
     }

@@ -10,7 +10,7 @@ namespace grainfield::io {
 
 /// Writes comment lines that state the units, the particle diameter, the frame rate and the box
 /// (PointsStatement; not a box that changes with time), then
-/// `frame,particle,x,y,z,x_std,y_std,layer,quality`, one particle a line; columns that no frame has
+/// `frame,particle,x,y,z,x_std,y_std,layer,quality`, one particle a line. Columns that no frame has
 /// are left out, missing numbers are empty. Numbers are the shortest text that reads back to the
 /// same double. Times that are not frame / frame rate, and frames without particles, are comment
 /// lines. Reads the source three times. Throws OutputError (see OutputFile).

@@ -17,17 +17,17 @@ namespace grainfield::io {
 /// is left out of that frame. `particle` is given for all points of a frame or for none, and each
 /// identity once. Lines may be in any order; snapshots are in order of frame, each in order of its
 /// lines. Lines that start with # are comments; those of grainfield's own tables (PointsStatement)
-/// are read, and what they say about units, diameter, times and the box holds against the hints.
+/// are read. What they say about units, diameter, times and the box overrides the hints.
 ///
 /// `hints` is what the table cannot say (units, diameter, frame rate): time = frame / frame_rate if
 /// that is given, else frame. Without a box, it is the one that the comments state, else the
 /// bounding box of all points, with walls. A given box takes origin and boundaries of a stated one.
 ///
-/// On opening, the whole table is read and checked once; frames are then read again one by one, so
-/// that memory holds one frame and 24 bytes for each change of frame from line to line. Throws
-/// InputError with the line number and the field if a number cannot be read, a column is missing
-/// or occurs twice, a particle occurs twice in neighbouring lines of a frame; `read` throws it if
-/// the file has changed since, or a particle occurs twice in a frame whose lines are scattered.
+/// On opening, the whole table is read and checked once. Frames are then read again one by one.
+/// Memory holds one frame and 24 bytes for each change of frame from line to line. Throws
+/// InputError with the line number and the field if a number cannot be read, a column is missing or
+/// occurs twice, a particle occurs twice in neighbouring lines of a frame. `read` throws it if the
+/// file has changed since, or a particle occurs twice in a frame whose lines are scattered.
 std::unique_ptr<SnapshotSource> open_points(const std::filesystem::path& path,
                                             const std::optional<Box>& box,
                                             const TrajectoryInfo& hints);

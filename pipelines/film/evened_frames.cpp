@@ -46,7 +46,7 @@ Evening EvenedFrames::evening_about(std::int64_t first, std::int64_t end) const 
     const std::int64_t n = std::min(frames_, end - first);
     ClearLevelEstimator estimator(width(), height());
     for (std::int64_t i = 0; i < n; ++i) {
-        if (caught_signal() != 0) break;  // nobody waits for the frame any more
+        if (caught_signal() != 0) break;  // the frame is not needed
         const Frame frame = source().read(first + (2 * i + 1) * (end - first) / (2 * n));
         if (frame.status == FrameStatus::ok) estimator.add(frame.image);
     }

@@ -33,7 +33,7 @@ Frame RenderedFrames::read(std::int64_t index) {
     return last_;
 }
 
-// Who crossed a boundary is seen by looking at the frames in order, whoever is asked for first.
+// Crossings of a boundary are found in the order of the frames, in whatever order they are read.
 Snapshot RenderedFrames::truth(std::int64_t index) {
     const double reach = renderer_.half_exposure();
     std::optional<Snapshot> truth;

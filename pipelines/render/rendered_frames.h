@@ -15,9 +15,9 @@
 
 namespace grainfield::pipelines {
 
-/// The frames of a rendered trajectory as a tracker takes them, and their truth. Both can be asked
-/// for in any order and are the same in any. One frame is kept, since the tracker asks for its
-/// first one twice; of the truth only who crossed a boundary when.
+/// The frames of a rendered trajectory as a tracker takes them, and their truth. Both can be read
+/// in any order and are the same in any. One frame is kept, since the tracker reads its first one
+/// twice. Of the truth only the crossings of boundaries are kept.
 class RenderedFrames : public FrameSource {
  public:
     /// `trajectory` must outlive this; `box`: of its first snapshot. Throws what Renderer throws.

@@ -16,7 +16,7 @@ class SnapshotWindow {
     explicit SnapshotWindow(SnapshotSource& source) : source_(source) {}
 
     /// Snapshot `index`, those nearer in time than `reach` [time unit], and one more on either
-    /// side; nobody else if `reach` is 0. Valid until the next call.
+    /// side; no others if `reach` is 0. Valid until the next call.
     simulate::SnapshotSeries around(std::int64_t index, double reach);
 
  private:

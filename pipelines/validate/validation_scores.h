@@ -55,7 +55,7 @@ tracking::TruthFrame classify_truth(const Snapshot& truth, const ScoredView& vie
 ///
 /// Scores of tracks are over the same points as those of class `all`: true particles of that class,
 /// and those found that belong to it (tracking::FrameMatch), so that without any wrong link their
-/// JSC is the Jaccard index of the class. A true track goes on while one can follow it
+/// JSC is the Jaccard index of the class. A true track continues while it can be followed
 /// (simulate::Continuity): through the border, but not out of the frame and back.
 class ValidationScores {
  public:

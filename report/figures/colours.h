@@ -14,7 +14,7 @@ using Colour = std::array<std::uint8_t, 3>;  ///< sRGB
 Colour viridis(double t);
 
 /// Colour `index` of `count` that must be told apart: the palette of `okabe2008` up to seven, safe
-/// for colour-blind readers and dark enough on white; beyond that steps along viridis, without its
+/// for colour-blind readers and dark enough on white. Beyond that steps along viridis, without its
 /// light end, so that neighbours in a series of runs have neighbouring colours.
 Colour distinct_colour(std::size_t index, std::size_t count);
 

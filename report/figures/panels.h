@@ -14,7 +14,7 @@ namespace grainfield::report {
 std::vector<Figure> panels_by_origin(const Figure& figure,
                                      const std::vector<RunIdentity>& identities);
 
-/// The figure of those runs alone that have data in it, in colours of their own; nobody is listed
+/// The figure of those runs alone that have data in it, in colours of their own; no run is listed
 /// as absent.
 Figure of_present_runs(Figure figure);
 

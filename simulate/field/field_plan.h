@@ -32,7 +32,8 @@ struct FieldPlan {
 /// Decides scheme, precision, noise, k_cut and hold, and says in `plan` what is skipped and why:
 ///
 /// - explicit below dx²/(2 d D0), else lod (a given explicit scheme above the bound is refused);
-/// - k_cut: modes of ψ above change S by 5 (2λv)², v their variance (measured, docs/field.md); the
+/// - k_cut: modes of ψ above change S by 5 (2λv)², v their variance (measured,
+/// docs/field/schemes.md); the
 ///   cut leaves them a quarter of the tolerance;
 /// - hold: ψ held for m steps biases S by about 1 % a unit of m dt (explicit scheme only);
 /// - λ = 0: no ψ at all; uniform noise unless fields are stored; single precision unless the

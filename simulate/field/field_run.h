@@ -11,12 +11,12 @@ namespace grainfield::simulate {
 /// All fields of an integrator at its present step.
 FieldFrame frame_of(const FieldIntegrator& fields);
 
-/// Throws PhysicsError, naming scheme and step, if a density is not finite: ∫ρ tells. Only the
-/// published scheme can come to that.
+/// Throws PhysicsError, naming scheme and step, if a density is not finite, which ∫ρ shows. Only
+/// the published scheme can diverge.
 void require_finite(const FieldIntegrator& fields);
 
 /// Carries the fields through a schedule and hands out samples and fields to store. It has no state
-/// but the step of the fields, so that a restored integrator goes on where it was.
+/// but the step of the fields, so a restored integrator continues where it was.
 class FieldRun {
  public:
     FieldRun(FieldIntegrator& fields, const FieldSchedule& schedule, FieldSink& samples,

@@ -16,14 +16,15 @@ OptionTable describe(CellOptions& o) {
              "boundaries in y");
     t.choice("vertical", o.vertical,
              {{"plates", Vertical::plates}, {"periodic", Vertical::periodic}}, "boundaries in z");
-    t.number("gravity", o.gravity, "g", {0, 1e6}, "0 switches gravity off");
+    t.number("gravity", o.gravity, "g", {0, 1e6}, "gravity; 0: none");
     return t;
 }
 
 OptionTable describe(VibrationOptions& o) {
     OptionTable t("vibration");
-    t.number("amplitude", o.amplitude, "a", {0, 1e3}, "A of both plates, z = A sin ωt");
-    t.number("angular-frequency", o.angular_frequency, "sqrt(g/a)", {0, 1e4}, "ω");
+    t.number("amplitude", o.amplitude, "a", {0, 1e3}, "amplitude A of both plates, z = A sin ωt");
+    t.number("angular-frequency", o.angular_frequency, "sqrt(g/a)", {0, 1e4},
+             "angular frequency ω of the plates");
     return t;
 }
 
@@ -32,10 +33,11 @@ OptionTable describe(ContactLaw& o, const char* section, const char* partner) {
     OptionTable t(section);
     t.number("restitution", o.restitution, "-", {0, 1}, "normal restitution" + against);
     t.number("tangential-restitution", o.tangential_restitution, "-", {-1, 1},
-             "of sticking contacts" + against + "; -1: smooth");
+             "tangential restitution of sticking contacts" + against + "; -1: smooth");
     t.number("static-friction", o.static_friction, "-", {0, 1e9},
-             "sticks up to this" + against + "; 1e6 and more: always");
-    t.number("dynamic-friction", o.dynamic_friction, "-", {0, 1e9}, "of sliding" + against);
+             "friction coefficient up to which contacts" + against + " stick; from 1e6 on: always");
+    t.number("dynamic-friction", o.dynamic_friction, "-", {0, 1e9},
+             "friction coefficient of sliding" + against);
     return t;
 }
 
@@ -44,9 +46,12 @@ OptionTable describe(InitialOptions& o) {
     t.choice("layout", o.layout,
              {{"random", InitialLayout::random}, {"square", InitialLayout::square}},
              "disordered, or a square bilayer patch in liquid");
-    t.number("temperature", o.temperature, "m g a", {0, 1e9}, "of the Maxwellian velocities");
-    t.number("crystal-spacing", o.crystal_spacing, "a", {0.5, 10}, "of the patch, in projection");
-    t.number("crystal-fraction", o.crystal_fraction, "-", {0, 1}, "of the area under the patch");
+    t.number("temperature", o.temperature, "m g a", {0, 1e9},
+             "temperature of the Maxwellian velocities");
+    t.number("crystal-spacing", o.crystal_spacing, "a", {0.5, 10},
+             "lattice spacing of the patch, in projection");
+    t.number("crystal-fraction", o.crystal_fraction, "-", {0, 1},
+             "share of the area under the patch");
     t.number("melt", o.melt, "-", {0, 1e6},
              "collisions per grain of elastic mixing; auto: where the start is a lattice");
     return t;
@@ -58,7 +63,8 @@ OptionTable describe(RunOptions& o) {
              "length of the run in periods 2π/ω; where nothing vibrates, in sqrt(a/g)");
     t.number("discard", o.discard, "-", {0, 1e9}, "periods before the first snapshot");
     t.number("snapshot-every", o.snapshot_every, "-", {1e-3, 1e9}, "periods between snapshots");
-    t.number("snapshot-phase", o.snapshot_phase, "-", {0, 1}, "of the vibration, in periods");
+    t.number("snapshot-phase", o.snapshot_phase, "-", {0, 1},
+             "phase of the vibration at snapshots, in periods");
     t.integer("sample-every", o.sample_every, "-", {1, 1e9},
               "periods between entries of the time series");
     t.number("contact-time", o.contact_time, "sqrt(a/g)", {0, 1e3},
@@ -68,7 +74,7 @@ OptionTable describe(RunOptions& o) {
     t.integer("event-limit", o.event_limit, "-", {100, 4e9},
               "events of one grain in a window that are taken for inelastic collapse");
     t.integer("tiles", o.tiles, "-", {0, 10000},
-              "strips of the cell worked on at a time, 0: as threads need; same results");
+              "strips of the cell that are simulated at a time; 0: from the threads; same results");
     return t;
 }
 

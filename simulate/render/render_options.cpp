@@ -13,8 +13,8 @@ namespace {
 
 OptionTable describe(ViewOptions& o) {
     OptionTable t("view");
-    t.integer("width", o.width, "px", {1, 65535}, "of the frame");
-    t.integer("height", o.height, "px", {1, 65535}, "of the frame");
+    t.integer("width", o.width, "px", {1, 65535}, "width of the frame");
+    t.integer("height", o.height, "px", {1, 65535}, "height of the frame");
     t.number("scale", o.scale, "px", {0.5, 10000}, "pixels per diameter; auto: the box fills it");
     t.choice("projection", o.projection,
              {{"perspective", Projection::perspective}, {"telecentric", Projection::telecentric}},
@@ -43,26 +43,28 @@ OptionTable describe(ExposureOptions& o) {
 OptionTable describe(LightOptions& o) {
     OptionTable t("light");
     t.number("level", o.level, "-", {1e-6, 1000}, "bright field / full well; > 1 saturates");
-    t.number("falloff", o.falloff, "-", {0, 1}, "of the panel, quadratic, centre to corner");
-    t.flag("vignetting", o.vignetting, "cos⁴ of the field angle");
-    t.number("gradient", o.gradient, "-", {0, 1}, "linear fall of light across the frame");
+    t.number("falloff", o.falloff, "-", {0, 1},
+             "quadratic fall of the panel's light from centre to corner");
+    t.flag("vignetting", o.vignetting, "light falls with cos⁴ of the field angle");
+    t.number("gradient", o.gradient, "-", {0, 1}, "linear fall of the light across the frame");
     t.number("gradient-angle", o.gradient_angle, "deg", {-360, 360}, "direction of that fall");
-    t.number("stray", o.stray, "-", {0, 1}, "veil over the frame / bright field");
-    t.integer("dust", o.dust, "-", {0, 100000}, "dark specks");
+    t.number("stray", o.stray, "-", {0, 1}, "stray light over the frame / bright field");
+    t.integer("dust", o.dust, "-", {0, 100000}, "number of dark specks");
     t.number("blur", o.blur, "a", {0, 10}, "σ of the Gaussian point spread");
     return t;
 }
 
 OptionTable describe(SensorOptions& o) {
     OptionTable t("sensor");
-    t.integer("bits", o.bits, "-", {8, 16}, "of a count: 8, 10, 12 or 16");
+    t.integer("bits", o.bits, "-", {8, 16}, "bits of a count: 8, 10, 12 or 16");
     t.number("full-well", o.full_well, "e-", {1, 1e9}, "electrons at saturation");
-    t.number("read-noise", o.read_noise, "e-", {0, 1e6}, "rms");
+    t.number("read-noise", o.read_noise, "e-", {0, 1e6}, "read noise, rms");
     t.number("offset", o.offset, "DN", {0, 65535}, "dark level");
-    t.number("gain", o.gain, "DN/e-", {1e-9, 1e6}, "auto: full well is full scale");
+    t.number("gain", o.gain, "DN/e-", {1e-9, 1e6}, "gain; auto: full well is full scale");
     t.number("prnu", o.prnu, "-", {0, 0.3}, "fixed pattern of the response, rms");
     t.number("dsnu", o.dsnu, "e-", {0, 1e6}, "fixed pattern of the dark level, rms");
-    t.number("defects", o.defects, "-", {0, 0.1}, "share of dead, and again of hot pixels");
+    t.number("defects", o.defects, "-", {0, 0.1},
+             "share of dead pixels, and the same share of hot ones");
     return t;
 }
 

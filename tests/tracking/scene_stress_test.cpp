@@ -1,6 +1,7 @@
 // Single frames that push the tracker to where it may break, each through the whole of tracking
 // with no option. Expectations come from the joint Cramér–Rao bound of the same discs and noise: n
-// spheres give the RMS error with a relative scatter of 1/√(4n). Measured: docs/tracking.md.
+// spheres give the RMS error with a relative scatter of 1/√(4n). Measured:
+// bench/results/tracking-stress.md.
 #include <algorithm>
 #include <cmath>
 #include <string>

@@ -1,5 +1,5 @@
 // Medians of |Q4| on a square lattice with Gaussian jitter, by neighbour rule: reference values of
-// an independent computation (docs/analysis.md), stated to ±0.01. With 40,000 particles the
+// an independent computation (docs/analysis/order.md), stated to ±0.01. With 40,000 particles the
 // median's own standard error is below 0.001, so that a right program fails with p < 1e-20.
 
 #include <algorithm>

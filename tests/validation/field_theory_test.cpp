@@ -109,7 +109,7 @@ TEST(FieldTheory, OrderFieldInTheStationaryState) {
     }
 }
 
-// S at k = .31 and 1.29 (docs/field.md: 2–5 % errors of their own): ± 8 %.
+// S at k = .31 and 1.29 (bench/results/field-campaign.md: 2–5 % errors of their own): ± 8 %.
 TEST(FieldTheory, StructureFactorOfTheReferenceTable) {
     struct Row {
         double nu, low, high, record;

@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "analysis/density/number_variance.h"
-#include "analysis/spectra/structure_factor.h"
 #include "analysis/density/synthetic_result.h"
 #include "analysis/density/synthetic_variance.h"
+#include "analysis/spectra/structure_factor.h"
 #include "tests/analysis/synthetic_patterns.h"
 
 namespace grainfield::analysis {
@@ -149,7 +149,7 @@ TEST(SyntheticVarianceTheory, OfAClusterProcessIsTheVarianceThatIsCounted) {
     EXPECT_NEAR(from_sk.columns[1].values.back(), 0, 1e-6);
 }
 
-// What docs/analysis.md says of measurements that end at k = 2/a.
+// What docs/analysis/density.md says of measurements that end at k = 2/a.
 TEST(SyntheticVarianceTheory, SaysWhatShareOfTheVarianceLiesBeyondTheLargestWavevector) {
     const SpectrumModel flat =
         SpectrumModel::of_measured({{1.0, 2.0}, {1, 1}, {100, 100}, {0, 0}}, std::nullopt);

@@ -34,7 +34,7 @@ std::vector<RadialBin> exposed_profile(const Image& darkness, const std::vector<
                                        const DiscProfile& disc, const VisiblePixels& visible = {});
 
 /// A first value of w [px]: pixels with darkness between 1/4 and 3/4 make a band of width 2 w
-/// artanh(1/2) along all edges; the length of the edges is π/4 times the number of neighbours in
+/// artanh(1/2) along all edges. The length of the edges is π/4 times the number of neighbours in
 /// rows and columns between which the darkness crosses 1/2 (Cauchy–Crofton). Too large where the
 /// noise exceeds 0.1 of the contrast or edges of neighbours merge; 0 without edges. O(pixels).
 double rough_edge_width(const Image& darkness, const VisiblePixels& visible = {});

@@ -12,8 +12,8 @@
 namespace grainfield::tracking {
 
 /// Follows the light through a video. A lamp that fades or flickers turns the darkness d of the
-/// calibration into offset + span · d; both are found for each frame, so that the frozen image
-/// model holds throughout.
+/// calibration into offset + span · d. Both are found for each frame, so the fixed image model
+/// holds throughout.
 ///
 /// Before a frame is fitted, its levels are compared with those of the frame before at the same
 /// ranks of the darkness values: the outer quarter of the clear pixels and of the cores. Ranks stay

@@ -17,11 +17,11 @@ struct SecondLook {
 /// Looks again where the model of all discs leaves unusually much unexplained.
 ///
 /// Around a sphere that is missing, or taken for one where there are two, the neighbours settle so
-/// that one more disc explains little *while they stay where they are*, which is all that the
-/// likelihood gain can say. So it is tried. Where Σ (I − M)² over a square of three reaches is
-/// unusual (above its median m over all discs by m/2, or by four robust standard deviations if that
-/// is less) a disc is added at the highest gain that has not been tried; it and its neighbours take
-/// a few sweeps; it stays if the misfit within 1.75 D falls by m less the camera's noise in it, and
+/// that one more disc explains little *while they stay where they are*. The likelihood gain says no
+/// more than that. So it is tried. Where Σ (I − M)² over a square of three reaches is unusual
+/// (above its median m over all discs by m/2, or by four robust standard deviations if that is
+/// less) a disc is added at the highest gain that has not been tried. It and its neighbours take a
+/// few sweeps. It stays if the misfit within 1.75 D falls by m less the camera's noise in it, and
 /// by 36 σ² at least. Else it goes and its neighbours go back. Trials 5 D apart are made at once,
 /// in eight rounds at most.
 ///

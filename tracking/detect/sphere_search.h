@@ -25,8 +25,8 @@ struct DetectionOptions {
     /// 1.94 a, 0.341 a, rounded down; D ≤ a.
     double separation = 0.34;
     /// A sphere must explain this share of the misfit that an isolated one explains [-]. Auto: 0.04
-    /// to 0.15, the more the image model leaves unexplained (docs/tracking.md). On the real frame
-    /// spheres lie above 0.25 and doubtful ones below 0.15.
+    /// to 0.15, the more the image model leaves unexplained (docs/tracking/detection.md). On the
+    /// real frame spheres lie above 0.25 and doubtful ones below 0.15.
     std::optional<double> evidence;
     double border = 0.25;     ///< centres nearer to the image border are not reported [D]
     double significance = 6;  ///< … and this many standard deviations of the noise [-]

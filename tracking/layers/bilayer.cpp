@@ -51,7 +51,7 @@ OptionTable describe(LayerOptions& options) {
     table.number("height", options.height, "a", {1, 5},
                  "distance of the plates: rejects spheres without room and names layers");
     table.number("camera-distance", options.camera_distance, "a", {0, 1e9},
-                 "of a lens with perspective from the spheres, 0: telecentric");
+                 "distance of a lens with perspective from the spheres; 0: telecentric");
     return table;
 }
 
@@ -128,7 +128,7 @@ void Bilayer::label(Snapshot& snapshot) {
         if (found != earlier_.end()) earlier[i] = found->second;
     }
     keep_sides(labels, earlier);
-    // Who is unknown for a while keeps the vote that it had.
+    // A sphere that is unknown for a while keeps its vote.
     earlier_.clear();
     for (std::size_t i = 0; i < snapshot.id.size(); ++i) {
         const Layer now = labels.layer[i] != Layer::unknown ? labels.layer[i] : earlier[i];

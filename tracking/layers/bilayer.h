@@ -39,7 +39,7 @@ struct Admissible {
 };
 Admissible admissible_spheres(const OverlapGraph& graph, const std::vector<double>& evidence);
 
-/// What the height of the cell says about the spheres of a film: who cannot be there (admit), and
+/// What the height of the cell says about the spheres of a film: which cannot be there (admit), and
 /// in which layer the others lie (label: label_layers; the sides of a cluster are kept from frame
 /// to frame by the identities of its spheres).
 class Bilayer {

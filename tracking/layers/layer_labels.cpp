@@ -119,8 +119,8 @@ class SideInference {
         }
     }
 
-    /// One of the spheres of the shortest ring that a contradiction closes is not where it seems;
-    /// nobody knows which.
+    /// One of the spheres of the shortest ring that a contradiction closes is misplaced; which
+    /// one is not known.
     void doubt_ring(std::uint32_t e) {
         const std::uint32_t start = graph_.pairs()[e].first;
         const std::uint32_t goal = graph_.pairs()[e].second;

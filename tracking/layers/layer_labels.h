@@ -30,10 +30,9 @@ struct LayerLabels {
 /// and then bound each other, w_i ≥ H + δ − u_j (opposite) or w_i ≥ w_j + δ (alike, if j cannot be
 /// the higher). [l, u] are the bounds so far; this is repeated until nothing changes, the largest δ
 /// first. What is labelled is certain if the positions are within the significance granted to
-/// labels and no false sphere is among them; what is not forced stays unknown. Where
-/// overlaps contradict each other, one sphere of every ring of them that does is not where it
-/// seems: the spheres of the shortest such rings stay unknown, and the rest is inferred anew
-/// without them.
+/// labels and no false sphere is among them. What is not forced stays unknown. Where overlaps
+/// contradict each other, one sphere of every ring of them that does is not where it seems: the
+/// spheres of the shortest such rings stay unknown, and the rest is inferred anew without them.
 ///
 /// A silhouette does not say which side is up. Convention: in each cluster the side with more
 /// spheres is called bottom; if both have as many, that of the sphere with the lowest index.

@@ -29,7 +29,7 @@ const std::vector<std::int32_t>& AssignmentSolver::solve(std::uint32_t rows, std
     return column_of_;
 }
 
-/// Prices of the rows at their cheapest choice; whoever meets no rival is done.
+/// Prices of the rows at their cheapest choice; rows without a rival are done.
 void AssignmentSolver::start(std::span<const double> leave) {
     for (std::uint32_t row = 0; row < column_of_.size(); ++row) {
         double least = leave[row];

@@ -64,13 +64,13 @@ struct LinkState {
 ///
 ///     R = 4.5 s, at least D/2, at most D,
 ///
-/// s the standard deviation of a step per axis in the frame before (one step in 25,000 is
-/// longer); a frame whose own steps ask for a larger R is linked once more with that, one in which
-/// more tracks lie within D of a new particle, or within D/4 if they made their last step again,
-/// than chance puts there with R = D: a few fast particles among many slow ones. Memory holds the
-/// tracks that may still come back, not the past. Deterministic; costs that are equal go to the
-/// older track and the earlier particle. About 2 ms for 11,700 particles whose steps are small
-/// against their spacing.
+/// s the standard deviation of a step per axis in the frame before (one step in 25,000 is longer).
+/// A frame whose own steps need a larger R is linked once more with that. So is one in which more
+/// tracks lie within D of a new particle, or within D/4 if they made their last step again, than
+/// chance puts there with R = D: a few fast particles among many slow ones. Memory holds the tracks
+/// that may still come back, not the past. Deterministic; costs that are equal go to the older
+/// track and the earlier particle. About 2 ms for 11,700 particles whose steps are small against
+/// their spacing.
 class Linker {
  public:
     /// `diameter` D [px] is needed only if `options.search_range` is not set. Throws OptionError if

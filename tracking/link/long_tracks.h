@@ -12,10 +12,10 @@ namespace grainfield::tracking {
 /// Passes on the particles of tracks that were seen in at least `minimum_length` frames.
 ///
 /// A snapshot waits until each of its tracks either is long enough or has ended (missing for more
-/// than `memory` frames), then goes on without the short ones; its frame index stays even if no
-/// particle is left. Identities are not renumbered. At most
-/// (minimum_length − 1)(memory + 1) + 1 consecutive frames wait, so memory does not grow with the
-/// video; a minimum length of 1 passes everything on at once.
+/// than `memory` frames). It is then passed on without the short ones. Its frame index stays even
+/// if no particle is left. Identities are not renumbered. At most (minimum_length − 1)(memory + 1)
+/// + 1 consecutive frames wait, so memory does not grow with the video; a minimum length of 1
+/// passes everything on at once.
 class LongTracks : public SnapshotSink {
  public:
     /// The sink must outlive the filter.

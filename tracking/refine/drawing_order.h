@@ -9,8 +9,8 @@
 
 namespace grainfield::tracking {
 
-/// The order in which all discs of a frame are drawn and looked at, so that each looks at its
-/// pixels while they are in the cache, and no two threads write the same pixel.
+/// The order in which all discs of a frame are drawn and read. Each reads its pixels while they are
+/// in the cache, and no two threads write the same pixel.
 ///
 /// The frame is divided into cells as large as a window: windows of two cells with a third between
 /// them share no pixel. Strips of columns go down in parallel, row by row; the last column of each

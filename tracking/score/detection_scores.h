@@ -67,8 +67,8 @@ struct PhaseBin {
 ///
 /// Found and true positions are matched one-to-one, nearest first, within the gate
 /// (match_positions). A found position that has no partner is spurious in the classes of the true
-/// particle nearest to it, in class 0 where a frame holds no true particle. Particles without any
-/// class may be matched and count nowhere.
+/// particle nearest to it. It counts in class 0 where a frame holds no true particle. Particles
+/// without any class may be matched and count nowhere.
 ///
 /// Memory O(classes). One thread; the caller adds frames in order.
 class DetectionScores {
@@ -80,8 +80,8 @@ class DetectionScores {
     /// At most 64 classes; `gate` [px], 0.25 D for grains. Throws OptionError otherwise.
     DetectionScores(std::vector<std::string> classes, double gate);
 
-    /// `errors`: reported standard errors per axis [px], one a found position or none. Returns who
-    /// belongs to whom (match_positions). Throws InputError if columns differ in length.
+    /// `errors`: reported standard errors per axis [px], one a found position or none. Returns the
+    /// pairs (match_positions). Throws InputError if columns differ in length.
     FrameMatch add(const TruthFrame& truth, const std::vector<Vec2>& found,
                    const std::vector<Vec2>& errors);
 

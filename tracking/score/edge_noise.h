@@ -17,7 +17,7 @@ namespace grainfield::tracking {
 /// noise). σ_bright and σ_dark come from second differences along the rows of pixels at least 4.5 w
 /// from all edges (3.5 or 2.5 w where these are too few: there the curvature of an edge adds up to
 /// 2 % of the contrast), between the true spheres and in their cores, so that neither shading nor
-/// the positions found enter; single outliers (hot pixels) beyond six robust standard deviations
+/// the positions found enter. Single outliers (hot pixels) beyond six robust standard deviations
 /// are left out. Where light or dark pixels are too few, or the background is saturated (no noise
 /// at all), the other of the two stands for both. 0 if there is neither. O(pixels).
 double edge_noise(const Image& counts, const ImageModel& model, const std::vector<Vec2>& truth);

@@ -9,10 +9,10 @@
 namespace grainfield::tracking {
 
 /// How many layer labels are right. A silhouette tells which spheres of a cluster lie in the same
-/// layer, not which layer is on top; so labels are also counted up to one exchange of the layers in
+/// layer, not which layer is on top. So labels are also counted up to one exchange of the layers in
 /// each cluster of overlapping spheres. One label of every cluster then only names its sides and
-/// proves nothing: of n labels, r right ones in the better of both namings, max(r, n − r) − 1 of
-/// n − 1 are counted as right. Labels drawn by lot so score 1/2 in pairs, 5/8 in clusters of three
+/// proves nothing: of n labels, r right ones in the better of both namings, max(r, n − r) − 1 of n
+/// − 1 are counted as right. Labels drawn by lot so score 1/2 in pairs, 5/8 in clusters of three
 /// and less than that, towards 1/2, in larger ones.
 struct LayerScore {
     std::int64_t matched = 0;           ///< particles found whose true layer is known

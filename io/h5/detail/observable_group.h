@@ -10,7 +10,7 @@
 namespace grainfield::io {
 
 /// Writes the columns of all curves as datasets <observable>/<curve>/<column> under `curves` and
-/// returns the text that says everything else; read_observables gives back every bit.
+/// returns the text with everything else. read_observables gives back every bit.
 nlohmann::json write_observables(const H5Group& curves,
                                  const std::vector<ObservableResult>& observables);
 

@@ -21,17 +21,17 @@ struct LatticeWave {
 ///
 /// averaged over paths: the propagator that carries noise forward is self-adjoint, and the
 /// Ornstein–Uhlenbeck process of ψ is time-reversible, so that running φ forward visits the same
-/// paths (docs/field.md). With the LOD scheme, whose sweeps do the same,
+/// paths (docs/field/schemes.md). With the LOD scheme, whose sweeps do the same,
 /// S = C1 dt Σ_steps Σ_i ‖∂_i(φ_before + φ_after)/2‖² is the structure factor of that scheme,
 /// bias of the time step included.
 ///
 /// A stretch of fixed length gives one sample and the next begins: beginning when φ has died out
-/// would draw more beginnings from times of fast diffusion and bias S low (5 % at k = 1.2,
-/// ν = .005). The length of a wavevector is 1.5 times what ‖φ‖² takes to fall to `rest` in a first
-/// stretch, which is thrown away; what is left of φ at the end counts as its share of S,
-/// S = sum/(1 − ‖φ‖²). Samples of one wavevector are nearly independent; those of different ones
-/// share ψ. Best at small k, where a noisy density needs 1/(D k²) for each sample; heavy-tailed at
-/// large k and small ν, where a stretch is short against 1/ν: there run the density.
+/// would draw more beginnings from times of fast diffusion and bias S low (5 % at k = 1.2, ν =
+/// .005). The length of a wavevector is 1.5 times what ‖φ‖² takes to fall to `rest` in a first
+/// stretch, which is discarded. What is left of φ at the end counts as its share of S, S = sum/(1 −
+/// ‖φ‖²). Samples of one wavevector are nearly independent; those of different ones share ψ. Best
+/// at small k, where a noisy density needs 1/(D k²) for each sample; heavy-tailed at large k and
+/// small ν, where a stretch is short against 1/ν: there run the density.
 class AdjointEstimator {
  public:
     /// `setup.replicas` and noise do not matter. Throws OptionError for k = 0, a wave beyond the

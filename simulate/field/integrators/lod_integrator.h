@@ -16,7 +16,7 @@ namespace grainfield::simulate {
 ///
 /// For constant D each direction leaves S = C1/(2 D0) exactly, at any dt; each sweep is a
 /// contraction, so that no step is too long for stability. Bias with D(ψ) at dt = 0.5: about 0.4 %
-/// (docs/field.md).
+/// (docs/field/schemes.md).
 template <class Real>
 class LodIntegrator : public FieldEngine<Real> {
  public:

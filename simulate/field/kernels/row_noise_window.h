@@ -11,8 +11,8 @@
 namespace grainfield::simulate {
 
 /// The face noises of consecutive rows, each drawn once: row y has faces along x and, in two
-/// dimensions, those towards row y + 1. Line 2y and 2y + 1 of the stream, so that whoever needs a
-/// row can draw it again.
+/// dimensions, those towards row y + 1. Line 2y and 2y + 1 of the stream, so that a row can be
+/// drawn again.
 class RowNoiseWindow {
  public:
     using Fill = std::function<void(std::uint32_t line, std::span<float> out)>;
@@ -22,7 +22,7 @@ class RowNoiseWindow {
         for (auto* row : {&x_, &below_, &above_}) row->assign(static_cast<std::size_t>(nx), 0);
     }
 
-    /// The noises round row y; rows must be asked for in growing order (round the ring).
+    /// The noises round row y; rows must be taken in growing order (round the ring).
     RowNoise at(int y) {
         const int row = (y + ny_) % ny_;
         if (has_y_) {

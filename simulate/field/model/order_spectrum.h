@@ -22,8 +22,8 @@ enum class OrderScheme {
 ///   Crank–Nicolson:  α = (1 − g dt/2)/(1 + g dt/2),  β² = C2 dt/L^d / (1 + g dt/2)².
 ///
 /// λ is kept, not α: in single precision α of a slow mode would be rounded to 1 and its variance
-/// would be wrong. Both keep ⟨|c_k|²⟩ = σ_k² exactly (docs/field.md). A mode with g_k = 0 diffuses:
-/// α = 1, β² = C2 dt/L^d. Only modes with |k| ≤ k_cut are kept.
+/// would be wrong. Both keep ⟨|c_k|²⟩ = σ_k² exactly (docs/field/schemes.md). A mode with g_k = 0
+/// diffuses: α = 1, β² = C2 dt/L^d. Only modes with |k| ≤ k_cut are kept.
 class OrderSpectrum {
  public:
     OrderSpectrum(const Lattice& lattice, const ModelOptions& model, double dt, OrderScheme scheme,

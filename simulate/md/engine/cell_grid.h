@@ -11,18 +11,18 @@
 
 namespace grainfield::simulate {
 
-/// The grains of a cell: three in place, so that nearly always none must be asked for the next;
-/// what is more hangs on the third as a list by Grain::next.
+/// The grains of a cell: three in place, so that the list of further ones is nearly always
+/// empty. That list begins at the third and is linked by Grain::next.
 struct alignas(16) Cell {
     static constexpr std::int32_t places = 3;
     std::array<std::int32_t, places> id{-1, -1, -1};
     std::int32_t count = 0;
 };
 
-/// Cells at least one diameter wide that say who can be near whom. A grain sees its own cell and
-/// those around it; periodic images are told apart by the shift of the cell, so that boxes of one
-/// or two cells work too. The layer has one cell in z; tall boxes are divided there as well. Boxes
-/// of more than `most_cells` get wider ones.
+/// Cells at least one diameter wide that give the possible neighbours. A grain sees its own cell
+/// and those around it. Periodic images are told apart by the shift of the cell, so boxes of one or
+/// two cells work too. The layer has one cell in z; tall boxes are divided there as well. Boxes of
+/// more than `most_cells` get wider ones.
 struct CellGrid {
     std::array<int, 3> count{1, 1, 1};
     std::array<double, 3> width{1, 1, 1};  ///< [a]

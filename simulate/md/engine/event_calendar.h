@@ -13,11 +13,11 @@ namespace grainfield::simulate {
 /// lazy deletion.
 ///
 /// The window is cut into buckets of some twenty entries. Only those of the next two *spans* (64
-/// buckets each) exist as such; entries farther ahead wait in one list a span, so that the ends of
+/// buckets each) exist as such. Entries farther ahead wait in one list a span, so that the ends of
 /// all lists fit in the cache. The bucket whose turn it is gets sorted; entries whose grain has
 /// meanwhile another time are dropped. Push and pop are O(1), and the grains of the coming buckets
-/// are known ahead, so that the engine can fetch their data before they are needed.
-/// Equal times are in order of the grain's identity: no dependence on memory order.
+/// are known ahead. The engine fetches their data before they are needed. Equal times are in order
+/// of the grain's identity: no dependence on memory order.
 class EventCalendar {
  public:
     struct Entry {

@@ -63,7 +63,7 @@ struct Tile {
     bool is_violated = false;  ///< a grain was faster than the front
 };
 
-/// The engine for one combination of policies (docs/md.md).
+/// The engine for one combination of policies (docs/md/engine.md).
 ///
 /// Invariant: whichever of two neighbouring grains changed last has predicted their collision from
 /// both present states. A grain plans only its own earliest event; when that turns out outdated

@@ -6,8 +6,8 @@
 
 namespace grainfield::simulate {
 
-/// Grains to be tested. First it is asked who is there, then when they touch: then all their lines
-/// are on their way at once, and no branch asks how many grains a cell has.
+/// Grains to be tested. First their numbers are read, then their contact times are computed. So all
+/// their cache lines are fetched at once, and no branch depends on the number of grains of a cell.
 template <Tangential tangential, bool has_gravity, Plates plates>
 struct EventEngine<tangential, has_gravity, plates>::Nearby {
     static constexpr std::size_t three_cells = 3 * CellGrid::most_in_cell;
@@ -33,7 +33,7 @@ struct EventEngine<tangential, has_gravity, plates>::Nearby {
     }
 };
 
-// `now`, not the time of the grain's own last event, tells which way it goes through its cell.
+// `now`, not the time of the grain's own last event, gives the direction in which it crosses its cell.
 template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::predict(std::int32_t i, double now) {
     Plan& plan = plan_[static_cast<std::size_t>(i)];

@@ -36,7 +36,8 @@ inline void fly(Vec3& r, Vec3& v, double tau, double gravity) {
 /// from the later of the two grains' own times. This form does not cancel; f ≤ 0 while approaching
 /// means now, receding means never, so that rounding neither misses a contact nor finds it twice.
 /// Gravity falls out of r and v. The result is the same, bit by bit, with the grains exchanged and
-/// whenever it is asked for, which makes the trajectory independent of the order of the work.
+/// at whatever time it is computed, which makes the trajectory independent of the order of the
+/// work.
 template <bool has_gravity>
 inline double pair_time(const Grain& g1, const Grain& g2, const Vec3& shift, double gravity,
                         double limit) {

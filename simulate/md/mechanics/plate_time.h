@@ -17,7 +17,7 @@ enum class Plates { none, at_rest, vibrating };
 ///
 ///   τ += (f' + sqrt(f'² + 2 M f)) / M
 ///
-/// ends before or at the next root, whatever the plate does, so no root can be skipped; from f = 0
+/// ends before or at the next root, whatever the plate does. No root can be skipped. From f = 0
 /// while receding it cannot find the same root again. M = g + Aω² below, Aω² − g above (at least
 /// M_min, as any larger M is a bound too). Converges quadratically on transversal roots; iteration
 /// ends at a gap of `tolerance` or once the limit is passed, which is typical: 1.6 steps on

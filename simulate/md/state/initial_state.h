@@ -13,12 +13,12 @@ namespace grainfield::simulate {
 /// Grains to begin with, at the instant when the plates pass their mean position upwards.
 ///
 /// Layout `random`: low cells (under 3 a) get one grain per site of a lattice of spacing ≥ 1 with
-/// random empty sites and random heights; where that holds too few, a square bilayer, which elastic
-/// collisions then melt. Tall cells start from a face-centred cubic lattice, melted too. `square`:
-/// a square bilayer patch in the middle, liquid around it. Velocities are Maxwellian, without
-/// total momentum on periodic axes; spins are zero.
-/// Depends on options and seed only. Throws OptionError, before anything is run, if so many grains
-/// do not fit (with the number that does); Interrupted if a signal comes while it melts.
+/// random empty sites and random heights. Where that holds too few, they get a square bilayer,
+/// which elastic collisions then melt. Tall cells start from a face-centred cubic lattice, melted
+/// too. `square`: a square bilayer patch in the middle, liquid around it. Velocities are
+/// Maxwellian, without total momentum on periodic axes; spins are zero. Depends on options and seed
+/// only. Throws OptionError, before anything is run, if so many grains do not fit (with the number
+/// that does); Interrupted if a signal comes while it melts.
 GrainState make_initial_state(const MdOptions& options, std::uint64_t seed);
 
 /// Deepest overlap [a] of grains, or of grain and plate, that a window may begin with. Rounding

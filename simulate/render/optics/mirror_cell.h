@@ -37,7 +37,7 @@ struct LightPath {
 };
 
 /// Mirror spheres between two glass plates above a panel: what a ray sees (RaytraceOptics says
-/// which physics). The spheres may be at several instants of one exposure; every ray belongs to one
+/// which physics). The spheres may be at several instants of one exposure. Every ray belongs to one
 /// of them and sees that alone, in a bounding volume hierarchy of its own. Safe for many threads.
 class MirrorCell {
  public:

@@ -21,7 +21,7 @@ constexpr float mixed = std::numeric_limits<float>::quiet_NaN();
 // Of the variance of the bright field's noise: what is left in the dark (read noise, rounding and
 // stray light of the default camera).
 constexpr double dark_noise = 0.06;
-// Where no neighbour tells [bright field].
+// Where no neighbour has a value [bright field].
 constexpr double usual_rim = 0.4;
 constexpr int seen_around = 2;  // pixels to each side
 

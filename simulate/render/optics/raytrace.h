@@ -23,12 +23,12 @@ struct RowCost {
 
 /// Mirror-like steel spheres between two glass plates above a diffuse panel, ray by ray.
 ///
-/// A ray from the camera that meets a sphere goes on as from a mirror, weakened by the reflectance
-/// of steel (metal_reflectance); one that meets a plate is split into what passes and what the
-/// plate reflects (plate_reflectance), as if at its inner face. What passes downwards sees the
-/// panel, radiance ∝ cos^(power − 1) of its angle, within panel_half_size of the frame's middle,
-/// after refraction in the glass; what passes upwards sees the LED ring (4° wide) or darkness.
-/// Paths end after `bounces` mirrors or below 1 % of weight. Radiance is relative to the
+/// A ray from the camera that meets a sphere is reflected as from a mirror, weakened by the
+/// reflectance of steel (metal_reflectance). One that meets a plate is split into what passes and
+/// what the plate reflects (plate_reflectance), as if at its inner face. What passes downwards sees
+/// the panel, radiance ∝ cos^(power − 1) of its angle, within panel_half_size of the frame's
+/// middle, after refraction in the glass. What passes upwards sees the LED ring (4° wide) or
+/// darkness. Paths end after `bounces` mirrors or below 1 % of weight. Radiance is relative to the
 /// unobstructed panel seen straight down. Neglected: roughness, polarisation along a path, the
 /// ghost of the plates' outer faces being displaced, light that reaches the panel from spheres.
 ///
@@ -45,9 +45,9 @@ struct RowCost {
 /// the camera's noise falls in the dark, where an error is seen sooner. For a given number of rays
 /// the error is least with n ∝ σ (Neyman allocation). A pixel's own value has no say, which keeps
 /// the mean right. The share of a pixel that spheres cover comes from SilhouetteOptics, exact but
-/// for the disc that stands for an ellipse there, so that samples only average over the covered
-/// part. Motion blur costs no further rays: each one sees one of the instants. A tolerance of 0
-/// samples every pixel alike with `most_samples` rays and takes plain means: the reference.
+/// for the disc that stands for an ellipse there. Samples only average over the covered part.
+/// Motion blur costs no further rays: each one sees one of the instants. A tolerance of 0 samples
+/// every pixel alike with `most_samples` rays and takes plain means: the reference.
 ///
 /// Intersections by Embree (`wald2014`), hit points and normals recomputed in double. Time is
 /// about 0.3 µs a ray and core. Same bits for any number of threads.

@@ -20,10 +20,9 @@ struct SilhouetteOptions {
 /// Without a rim, a pixel is 1 − (area of the union of all discs in it): closed form where one
 /// circle cuts it (DiscScan), or two (union_of_two, but for a few that touch or cross twice in it);
 /// union_area where three overlapping ones do (error below 2e-4 of a pixel from R = 4 px on, 1e-3
-/// at 1.5 px).
-/// With a rim, each sphere has a dark core of radius R/√2, beyond which it mirrors the backlight
-/// with brightness `rim`; spheres are laid over one another from bottom to top, coverages of
-/// different spheres in one pixel taken as independent.
+/// at 1.5 px). With a rim, each sphere has a dark core of radius R/√2, beyond which it mirrors the
+/// backlight with brightness `rim`. Spheres are laid over one another from bottom to top. Coverages
+/// of different spheres in one pixel are taken as independent.
 ///
 /// Perspective: the ellipse that a sphere of radius R at depth d, X off the axis, is seen as, is
 /// replaced by the disc of its area about its centre: off by less than X²/(4 d²) of the radius.

@@ -60,7 +60,7 @@ TEST(Fit, OfAnExactSpectrumGivesItsParameters) {
 using grainfield::testing::Pull;
 
 // 500 trials: the mean of an honest pull has a standard error of 0.045, its width of 0.032; the
-// bars 0.15 and 0.85–1.15 are what is asked of a fit (3.3 and 4.7 standard errors; the seed is
+// bars 0.15 and 0.85–1.15 are the requirement on a fit (3.3 and 4.7 standard errors; the seed is
 // fixed).
 TEST(Fit, CoversTheTruthNominallyWithAlphaFixedAndFree) {
     for (double s0 : {0.0, 0.01, 0.1}) {

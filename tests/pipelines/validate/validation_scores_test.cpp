@@ -63,7 +63,7 @@ TEST(ValidationScores, ATrackGoesOnThroughTheBorderButNotOutOfTheFrame) {
         }
         const tracking::TrackScores tracks = scores.tracks();
         EXPECT_EQ(tracks.switches, 0);
-        EXPECT_EQ(tracks.links, leaves ? 2 : 3) << "nobody can know who comes back";
+        EXPECT_EQ(tracks.links, leaves ? 2 : 3) << "a returning particle cannot be recognised";
         EXPECT_DOUBLE_EQ(tracks.jaccard_points, leaves ? 2.0 / 6 : 1.0);
         EXPECT_DOUBLE_EQ(tracks.jaccard_tracks, leaves ? 1.0 / 2 : 1.0);
     }

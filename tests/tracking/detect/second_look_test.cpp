@@ -112,7 +112,7 @@ TEST(SecondLook, WhoDoesNotHelpLeavesAndItsNeighboursGoBack) {
     for (std::size_t j = 0; j < look.after.size(); ++j) {
         farthest = std::max(farthest, norm(look.after[j] - look.before[j]));
     }
-    // Those farther away than neighbours have taken sweeps meanwhile; 0.29 if nobody went back.
+    // Those farther away than neighbours have taken sweeps meanwhile; 0.29 if none went back.
     EXPECT_LT(farthest, 0.15);
 }
 

@@ -108,7 +108,7 @@ TEST(LayerLabels, AMisplacedSphereLeavesTheRestOfTheCrystalItsLayers) {
     const auto labels = labels_of(graph_of(wrong));
     const Verdict verdict = judged(labels, scene);
     EXPECT_GT(labels.contradictory, 0);
-    // A misplaced sphere costs some twenty others their labels, and nobody gets a wrong one.
+    // A misplaced sphere costs some twenty others their labels, and none gets a wrong one.
     EXPECT_LT(labels.contradictory, 25 * moved);
     EXPECT_LE(verdict.wrong, 1);
     EXPECT_GT(static_cast<double>(verdict.labelled), 0.7 * static_cast<double>(scene.z.size()));

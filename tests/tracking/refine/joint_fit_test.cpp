@@ -448,7 +448,7 @@ TEST(JointStep, StepsThatAreNotDrawnAreKnownInResiduals) {
             EXPECT_NEAR(known[j] / exact[j], 1, 0.04) << j << ", noise " << noise;
         }
         EXPECT_NEAR(waiting.residual_rms(gain) / drawn.residual_rms(), 1, 0.002);
-        // Steps of second order are left, whoever is drawn.
+        // Steps of second order are left, whichever discs are drawn.
         const auto again = joint_step(joint_information(waiting), 1e-4);
         for (std::size_t j = 0; j < truth.size(); ++j) {
             EXPECT_LT(norm(again.step[j] - waiting.pending_step(j)), 0.004) << j;

@@ -122,7 +122,7 @@ TEST(TrackScores, OfNothingHaveNoValue) {
     EXPECT_EQ(false_only.jaccard_tracks, 0);
 }
 
-/// α by its definition: every pairing of true tracks with found ones or with nobody.
+/// α by its definition: every pairing of true tracks with found ones or with none.
 double alpha_by_brute_force(const Movie& found, const Movie& truth, std::int64_t tracks,
                             double epsilon) {
     const auto position = [](const IdentifiedFrame& f, std::int64_t id) -> const Vec2* {

@@ -35,7 +35,7 @@ void make_dataset(hid_t file, const char* name, const H5Extent& extent,
 }
 
 /// The content of a file in which /e is an external link to "other.h5" and /s a symbolic link
-/// through it. Made before the first H5File of the program, which ends such links for good.
+/// through it. Made before the first H5File of the program, which disables such links permanently.
 const std::string external_links = [] {
     const testing::ScratchFolder folder;
     const std::string path = folder / "e.h5";

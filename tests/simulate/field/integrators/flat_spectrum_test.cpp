@@ -112,7 +112,7 @@ TEST(FlatSpectrum, ThePublishedSchemeIsLowByItsKnownFactor) {
 }
 
 // The plain explicit Euler–Maruyama step, kept as an oracle only: S = C1/(2 D0) / (1 − x/2),
-// x = dt D k̂², which is why nobody should use it.
+// x = dt D k̂², which is why it should not be used.
 TEST(FlatSpectrum, EulerMaruyamaIsHighByItsKnownFactor) {
     const Lattice lattice{2, 32, 32, 0.65};
     const double dt = 0.05;

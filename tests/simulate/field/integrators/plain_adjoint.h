@@ -11,7 +11,7 @@ namespace grainfield::testing {
 
 /// S(k) of a scheme on one path of ψ without any noise of the density, for schemes whose step is
 /// linear, ρ ← Mρ + Nw: the transposed step, plain loops in double precision. Time is reversed,
-/// which the law of the path does not notice (docs/field.md).
+/// which the law of the path does not notice (docs/field/schemes.md).
 ///
 ///   S(k) = C1 dt Σ_n ‖∇Nᵀφ_n‖² (+ the part of the noise that is sampled at once), φ ← Mᵀφ.
 class PlainAdjoint {

@@ -12,7 +12,7 @@
 namespace grainfield::simulate {
 
 /// Event-driven dynamics without cells, calendar, tiles or policies: before each event every pair,
-/// image, plate and wall is asked for its time, and the earliest happens. O(N²) an event; the
+/// image, plate and wall gives its time, and the earliest happens. O(N²) an event; the
 /// oracle of EventEngine.
 class ReferenceEngine {
  public:
