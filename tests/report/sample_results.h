@@ -267,8 +267,15 @@ inline ObservableResult phase(const Scene& s) {
 inline Results results(const Scene& scene = {}) {
     Results results;
     results.label = scene.label;
-    results.source = {Origin::video, LengthUnit::pixel, TimeUnit::second, 10.09, 80,
-                      500,           "layer.avi"};
+    results.source = {.origin = Origin::video,
+                      .length_unit = LengthUnit::pixel,
+                      .time_unit = TimeUnit::second,
+                      .diameter = 10.09,
+                      .diameter_origin = DiameterOrigin::given,
+                      .vibration_frequency = 80,
+                      .frame_rate = 500,
+                      .source = "layer.avi"};
+    results.identity = identity_of(results.source);
     results.box = {{-0.5, -0.5}, {1.0 * scene.size, 1.0 * scene.size}, {}, 0};
     results.frames = scene.several_frames ? 12000 : 1;
     results.previews = {detail::preview(scene, 0)};

@@ -8,6 +8,14 @@
 namespace grainfield::pipelines {
 namespace {
 
+TrajectoryInfo info_of(Origin origin) {
+    TrajectoryInfo info;
+    info.origin = origin;
+    info.length_unit = origin == Origin::video ? LengthUnit::pixel : LengthUnit::diameter;
+    info.diameter = origin == Origin::video ? 12 : 1;
+    return info;
+}
+
 /// The description of a trajectory and the record of its run, through a file.
 io::TrajectoryFile through_file(const testing::ScratchFolder& folder, const TrajectoryInfo& info,
                                 const RunRecord& record) {
@@ -27,7 +35,7 @@ RunRecord renamed_record(const std::string& command) {
 
 TEST(Lengths, SayWhatIsKnownOfTheDiameterWhateverTheOptionsAreCalled) {
     const testing::ScratchFolder folder;
-    TrajectoryInfo info{.origin = Origin::video, .length_unit = LengthUnit::pixel, .diameter = 12};
+    TrajectoryInfo info = info_of(Origin::video);
     const auto reason = [&](DiameterOrigin origin, const Adjustment& adjustment = {}) {
         info.diameter_origin = origin;
         const io::TrajectoryFile file = through_file(folder, info, renamed_record("track"));
@@ -47,8 +55,7 @@ TEST(Lengths, SayWhatIsKnownOfTheDiameterWhateverTheOptionsAreCalled) {
 
 TEST(Lengths, HoldTheCalibrationBesideTheParticleDiameter) {
     const testing::ScratchFolder folder;
-    const TrajectoryInfo info{
-        .origin = Origin::video, .length_unit = LengthUnit::pixel, .diameter = 12};
+    const TrajectoryInfo info = info_of(Origin::video);
     const io::TrajectoryFile file = through_file(folder, info, {});
     const ObservableResult lengths = lengths_of(file, info, {});
     ASSERT_EQ(lengths.measurements.size(), 4U);
@@ -58,9 +65,8 @@ TEST(Lengths, HoldTheCalibrationBesideTheParticleDiameter) {
 
 TEST(RunIdentity, OfMolecularDynamicsArrivesWhateverTheOptionsAreCalled) {
     const testing::ScratchFolder folder;
-    const TrajectoryInfo info{
-        .origin = Origin::md,
-        .control = ControlValue{.parameter = ControlParameter::acceleration, .value = 2.25}};
+    TrajectoryInfo info = info_of(Origin::md);
+    info.control = ControlValue{.parameter = ControlParameter::acceleration, .value = 2.25};
     const io::TrajectoryFile file = through_file(folder, info, renamed_record("simulate md"));
     TrajectoryInfo adjusted = file.info();
     Adjustment{}.apply_to(adjusted);
@@ -71,7 +77,7 @@ TEST(RunIdentity, ThatIsNotKnownIsNotGuessedFromTheRecordOfANewFile) {
     const testing::ScratchFolder folder;
     RunRecord record = renamed_record("simulate md");
     record.configuration = {{"vibration.amplitude", "0.09"}, {"vibration.angular-frequency", "5"}};
-    EXPECT_EQ(through_file(folder, {.origin = Origin::md}, record).info().control, std::nullopt);
+    EXPECT_EQ(through_file(folder, info_of(Origin::md), record).info().control, std::nullopt);
 }
 
 }  // namespace

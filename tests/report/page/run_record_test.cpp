@@ -69,8 +69,15 @@ TEST(Records, FoldALongListOfImages) {
 TEST(Records, EscapeEverything) {
     const std::string hostile = "\"'><script>alert(1)</script>";
     std::vector<Results> runs(1);
-    runs[0].record = {hostile,   hostile,  0, 1, 0, {{hostile, hostile}}, {{hostile, 1, hostile}},
-                      {hostile}, {hostile}};
+    runs[0].record = {hostile,
+                      hostile,
+                      0,
+                      1,
+                      0,
+                      {{hostile, hostile}},
+                      {{hostile, 1, hostile}},
+                      {hostile},
+                      {{.text = hostile}}};
     RunPlan plan;
     plan.warn(hostile);
     runs[0].sources = {runs[0].record};
