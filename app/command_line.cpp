@@ -199,8 +199,7 @@ class BoundCommand {
 
 void print_warnings(const RunPlan& plan, const OptionSet& options) {
     for (const Warning& warning : plan.warnings()) {
-        fmt::print(stderr, "warning: {}
-", options.with_flags(warning.text));
+        fmt::print(stderr, "warning: {}\n", options.with_flags(warning.text));
     }
 }
 
