@@ -92,7 +92,7 @@ std::vector<OptionTable> AnalyzeCommand::options() {
     own.text(
         "label", job_.label,
         "name in plots; by default origin and control parameter if known, else the input's name");
-    own.number("gamma", gamma_, "-", {0, 1e6},
+    own.number("gamma", job_.adjustment.acceleration, "-", {0, 1e6},
                "acceleration of the vibration, A omega^2/g; auto: as the simulation says");
     own.numbers("box", box_, "", {1e-12, 1e12}, "box of the points as LX,LY in their length unit",
                 {2, 2});
@@ -105,8 +105,10 @@ std::vector<OptionTable> AnalyzeCommand::options() {
              "table kx,ky of wavevectors in 1/a at which S(k) is measured besides its grid");
     own.number("fps", job_.adjustment.frame_rate, "1/s", {1e-9, 1e9},
                "frame rate; auto: as the file says");
-    own.number("diameter", job_.adjustment.diameter, "length unit of the file", {1e-9, 1e9},
-               "particle diameter a, the unit of the results; auto: as the file says");
+    own.number("sphere-diameter", job_.adjustment.particle_diameter, "length unit of the file",
+               {1e-9, 1e9},
+               "true diameter a of a particle, the unit of the results; auto: as the file says");
+    own.also_called("diameter");
     own.flag("from-fields", from_fields_,
              "of a field file: measure the stored fields, not what the run accumulated");
     std::vector<OptionTable> tables{own};

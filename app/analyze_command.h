@@ -26,7 +26,6 @@ class AnalyzeCommand : public Command {
     std::vector<double> box_;
     std::string wavevectors_;
     BoundaryChoice boundary_ = BoundaryChoice::as_in_file;
-    std::optional<double> gamma_;
     bool from_fields_ = false;
     pipelines::AnalyzeJobOptions job_;
 };

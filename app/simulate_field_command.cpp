@@ -116,7 +116,7 @@ Summary SimulateFieldCommand::run(Session& session) {
         pipelines::Job one = job_of(session, job);
         const pipelines::FieldJobResult result = pipelines::run_field(job, one);
         if (&job == &jobs.front()) session.plan = one.plan;
-        for (const std::string& warning : one.plan.warnings()) session.plan.warn(warning);
+        for (const Warning& warning : one.plan.warnings()) session.plan.warn(warning);
         session.outputs = one.outputs;
         summary.text += words(job.output, result);
         if (jobs.size() == 1) {

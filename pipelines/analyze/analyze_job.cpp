@@ -7,6 +7,11 @@
 
 #include <fmt/format.h>
 
+#include "analysis/analysis.h"
+#include "analysis/density/synthetic_result.h"
+#include "analysis/order/bond_order.h"
+#include "analysis/spectra/fit_result.h"
+#include "analysis/spectra/sk_observable.h"
 #include "analysis/statistics/run_series.h"
 #include "core/errors.h"
 #include "core/support/interrupt.h"
@@ -17,7 +22,6 @@
 #include "io/text/points_csv.h"
 #include "io/text/wavevector_csv.h"
 #include "pipelines/analyze/lengths.h"
-#include "report/run_identity.h"
 
 namespace grainfield::pipelines {
 
@@ -68,17 +72,17 @@ Input open_input(const fs::path& path, const Adjustment& adjustment) {
 /// Warnings of the run that made the trajectory, as far as they hold for its analysis.
 void pass_warnings_on(const Input& input, const Adjustment& adjustment, RunPlan& plan) {
     if (input.trajectory == nullptr) return;
-    for (const std::string& warning : input.trajectory->record().warnings) {
+    for (const Warning& warning : input.trajectory->record().warnings) {
         const bool is_apparent =
-            warning.starts_with(apparent_diameter_warning) && !adjustment.diameter;
-        if (is_apparent || warning.starts_with("incomplete")) plan.warn(warning);
+            warning.code == WarningCode::apparent_diameter && !adjustment.particle_diameter;
+        if (is_apparent || warning.code == WarningCode::incomplete) plan.warn(warning);
     }
 }
 
 analysis::AnalysisOptions analysis_of(const AnalyzeJobOptions& options) {
     analysis::AnalysisOptions analysis = options.analysis;
     if (!options.wavevectors.empty()) {
-        analysis.wavevectors = io::read_wavevectors(options.wavevectors);
+        analysis.of<analysis::ListedWavevectors>().k = io::read_wavevectors(options.wavevectors);
     }
     return analysis;
 }
@@ -97,10 +101,9 @@ std::vector<Preview> previews_of(const Input& input) {
     return {last};
 }
 
-/// Origin and control parameter where the records know them, else the name of the file.
+/// Origin and control parameter where they are known, else the name of the file.
 std::string label_of(const Results& results, const fs::path& input) {
-    const report::RunIdentity identity = report::identity_of(results);
-    return identity.value ? report::legend_of(identity) : input.stem().string();
+    return results.identity.control ? legend_of(results.identity) : input.stem().string();
 }
 
 Results measure(const AnalyzeJobOptions& options, const fs::path& path, Job& job) {
@@ -109,10 +112,10 @@ Results measure(const AnalyzeJobOptions& options, const fs::path& path, Job& job
     AdjustedSnapshots& snapshots = *input.snapshots;
     pass_warnings_on(input, options.adjustment, job.plan);
     Progress progress("analysing", snapshots.count(), "frames", job.verbosity);
-    Results results;
-    results.observables = analysis::analyze(snapshots, wanted, job.threads, job.plan, progress);
+    Results results = analysis::measure(
+        snapshots, wanted, {.threads = job.threads, .plan = &job.plan, .progress = &progress});
     progress.finish();
-    results.source = snapshots.info();
+    results.identity = identity_of(results.source);
     results.observables.insert(results.observables.begin(),
                                lengths_of(*input.file, results.source, options.adjustment));
     if (input.trajectory != nullptr) {
@@ -123,12 +126,10 @@ Results measure(const AnalyzeJobOptions& options, const fs::path& path, Job& job
             results.observables.push_back(analysis::run_series(input.trajectory->curves()));
         }
     }
-    results.frames = snapshots.count();
-    results.particles_mean = snapshots.particles_mean();
-    if (results.frames > 0) results.box = snapshots.read(0).box;
     results.previews = previews_of(input);
     for (Preview& preview : results.previews) {
-        preview.abs_q4 = analysis::abs_q4(preview.snapshot, results.source.diameter, wanted.q4);
+        preview.abs_q4 = analysis::abs_q4(preview.snapshot, results.source.diameter,
+                                          wanted.of<analysis::BondOrderOptions>());
     }
     if (results.frames == 0 || results.particles_mean == 0) {
         job.plan.warn(fmt::format("'{}' has no particles", path.string()));
@@ -148,7 +149,7 @@ void plan_analysis(const AnalyzeJobOptions& options, Job& job) {
     }
     const Input input = open_input(path, options.adjustment);
     pass_warnings_on(input, options.adjustment, job.plan);
-    analysis::plan_analysis(*input.snapshots, analysis_of(options), job.plan);
+    analysis::plan_measurement(*input.snapshots, analysis_of(options), job.plan);
 }
 
 Results run_analysis(const AnalyzeJobOptions& options, Job& job) {
@@ -159,7 +160,10 @@ Results run_analysis(const AnalyzeJobOptions& options, Job& job) {
     const analysis::AnalysisOptions& analysis = options.analysis;
     Results results = kind == io::FileKind::field
                           ? field_results(path, options.fields,
-                                          {analysis.sk, analysis.fit, analysis.synthetic}, job)
+                                          {analysis.of<analysis::StructureFactorOptions>(),
+                                           analysis.of<analysis::FitOptions>(),
+                                           analysis.of<analysis::SyntheticOptions>()},
+                                          job)
                           : measure(options, path, job);
     results.record = job.record();
     results.label = options.label.empty() ? label_of(results, path) : options.label;

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "analysis/statistics/fit_result.h"
+#include "analysis/spectra/fit_result.h"
 #include "core/errors.h"
 #include "core/option_table.h"
 #include "core/support/interrupt.h"
@@ -48,6 +48,29 @@ std::string did_you_mean(const Results& results, const std::string& option) {
     }
     const std::string nearest = nearest_name(option, names);
     return nearest.empty() ? "give its values instead" : fmt::format("did you mean {}?", nearest);
+}
+
+// The control parameter that every run names, if all of them name the same one.
+std::optional<ControlParameter> common_parameter(const std::vector<Results>& results) {
+    std::optional<ControlParameter> common;
+    for (const Results& run : results) {
+        if (!run.identity.control) return std::nullopt;
+        const ControlParameter own = run.identity.control->parameter;
+        if (common && *common != own) return std::nullopt;
+        common = own;
+    }
+    return common;
+}
+
+// The series of which all runs are; its origin is `points` where they are of several.
+RunIdentity critical_identity(const std::vector<Results>& results) {
+    RunIdentity identity = results.front().identity;
+    for (const Results& run : results) {
+        if (!same_series(run.identity, identity)) identity = {};
+    }
+    identity.control = std::nullopt;
+    identity.role = RunRole::critical_point;
+    return identity;
 }
 
 // S0/S1 means something only where S grows with k: by more than the error of S1, else the ratio may
@@ -134,13 +157,17 @@ std::vector<double> control_values(const CriticalJobOptions& options,
                            .expected = fmt::format("{}, one for each input", results.size()),
                            .suggestion = {}});
     }
+    std::vector<double> values;
+    if (options.parameter.empty() && common_parameter(results)) {
+        for (const Results& run : results) values.push_back(run.identity.control->value);
+        return values;
+    }
     if (options.parameter.empty()) {
         throw OptionError({.problem = "the control parameter of the inputs is not known",
                            .actual = "neither its values nor its name",
                            .expected = "one of them",
                            .suggestion = "values 4.5,4.8,… or parameter vibration.amplitude"});
     }
-    std::vector<double> values;
     for (std::size_t i = 0; i < results.size(); ++i) {
         const auto value = recorded_value(results[i], options.parameter);
         if (!value) {
@@ -154,6 +181,12 @@ std::vector<double> control_values(const CriticalJobOptions& options,
         values.push_back(*value);
     }
     return values;
+}
+
+std::string parameter_text(const CriticalJobOptions& options, const std::vector<Results>& results) {
+    if (!options.parameter.empty()) return options.parameter;
+    const auto known = common_parameter(results);
+    return options.values.empty() && known ? symbol(*known) : "control parameter";
 }
 
 }  // namespace
@@ -175,12 +208,12 @@ CriticalJobResult find_critical_point(const CriticalJobOptions& options, Job& jo
                           .suggestion = "see the warnings; fit.k-max sets the range of the fit"});
     }
     Results out;
+    out.identity = critical_identity(results);
     out.label = options.label;
     out.box = results.front().box;
     out.source.source = "results";
-    out.observables = {analysis::critical_result(
-        gathered.points, options.line,
-        options.parameter.empty() ? "control parameter" : options.parameter, gathered.alpha)};
+    out.observables = {analysis::critical_result(gathered.points, options.line,
+                                                 parameter_text(options, results), gathered.alpha)};
     out.record = job.record();
     io::write_results(options.output, out, job.overwrite);
     job.outputs.push_back(options.output);

@@ -15,9 +15,9 @@
 #include "core/support/progress.h"
 #include "io/h5/field_file.h"
 #include "io/h5/field_log.h"
-#include "simulate/field/integrators/integrator_choice.h"
-#include "simulate/field/integrators/adjoint.h"
 #include "simulate/field/field_run.h"
+#include "simulate/field/integrators/adjoint.h"
+#include "simulate/field/integrators/integrator_choice.h"
 
 namespace grainfield::pipelines {
 
@@ -205,7 +205,7 @@ FieldJobResult run_field(const FieldJobOptions& options, Job& job) {
         return result;
     }
     work->finish(writer);
-    writer.finish(result.statistics, job.record());
+    writer.finish(result.statistics, simulate::identity_of(options.field), job.record());
     job.outputs.push_back(options.output);
     resumable.finish();
     return result;

@@ -14,8 +14,8 @@
 #include "io/h5/trajectory_file.h"
 #include "io/open_snapshots.h"
 #include "pipelines/md/order_series.h"
-#include "simulate/md/state/initial_state.h"
 #include "simulate/md/md_simulation.h"
+#include "simulate/md/state/initial_state.h"
 
 namespace grainfield::pipelines {
 
@@ -182,10 +182,10 @@ MdJobResult run_md(const MdJobOptions& options, Job& job) {
         run_to_end(options.md.run.periods, simulation, log, resumable, job.verbosity);
     } catch (const PhysicsError& error) {
         failure = error.what();
-        job.plan.warn(
-            fmt::format("incomplete: what was sampled before it failed, in or after "
-                        "period {:g} of {:g}: {}",
-                        simulation.periods_done(), options.md.run.periods, failure));
+        job.plan.warn(WarningCode::incomplete,
+                      fmt::format("incomplete: what was sampled before it failed, in or after "
+                                  "period {:g} of {:g}: {}",
+                                  simulation.periods_done(), options.md.run.periods, failure));
     }
     const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
     MdJobResult result = result_of(simulation, simulation.events() - events_before, seconds);

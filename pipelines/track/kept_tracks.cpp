@@ -90,7 +90,7 @@ std::string LastAct::operator()() {
                                counted(tracks_->frames(), "frame"), resumable_.advice()));
     tracks_->finish(job_.record());
     resumable_.abandon();
-    return "warning: " + job_.plan.warnings().back();
+    return "warning: " + job_.plan.warnings().back().text;
 }
 
 }  // namespace grainfield::pipelines

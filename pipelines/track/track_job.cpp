@@ -79,9 +79,10 @@ std::optional<SphereImage> spheres_of(const Tracker& tracker) {
 
 void warn_of_unit(const TrackJobOptions& options, const Tracker& tracker, RunPlan& plan) {
     if (options.tracking.sphere_diameter || !tracker.is_calibrated()) return;
-    plan.warn(
-        fmt::format("{} = {:.3f} px; steel spheres: D is about 0.88 a; give --sphere-diameter",
-                    apparent_diameter_warning, tracker.model().disc.diameter));
+    plan.warn(WarningCode::apparent_diameter,
+              fmt::format("lengths are in apparent disc diameters D = {:.3f} px; steel spheres: D "
+                          "is about 0.88 a; give track.sphere-diameter",
+                          tracker.model().disc.diameter));
 }
 
 /// Puts into the tracks what an interrupted run had, and hands the tracker what it goes on from.

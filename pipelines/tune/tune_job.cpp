@@ -63,6 +63,7 @@ std::vector<Results> runs_of(const Look& look, const TrajectoryInfo& info, doubl
                              const Job& job) {
     Results seen;
     seen.source = info;
+    seen.identity = identity_of(info);
     seen.label = "frames";
     seen.frames = static_cast<std::int64_t>(look.surveys.size());
     seen.particles_mean = particles_mean;
@@ -97,10 +98,10 @@ TuneJobResult run_tuning(const TuneJobOptions& options, Job& job) {
     if (!tracker.is_calibrated()) {
         throw InputError(
             {.problem = fmt::format("nothing to tune on in '{}'", job.inputs.front().string()),
-             .actual =
-                 job.plan.warnings().empty() ? "no spheres were found" : job.plan.warnings().back(),
+             .actual = job.plan.warnings().empty() ? "no spheres were found"
+                                                   : job.plan.warnings().back().text,
              .expected = "a frame with spheres",
-             .suggestion = "try calibrate.diameter and calibrate.polarity"});
+             .suggestion = "try calibrate.disc-diameter and calibrate.polarity"});
     }
     ReportPage page(options.output, options.report, job);
     const Look look = look_at(options, tracking, *film.frames, tracker, job);

@@ -69,10 +69,9 @@ std::vector<Setting> suggested_settings(const Tuning& tuning, const FilmOptions&
     const auto& model = tuning.model;
     put(settings, "calibrate", "polarity",
         model.polarity == Polarity::dark ? "\"dark\"" : "\"bright\"");
-    put(settings, "calibrate", "diameter", fmt::format("{:.3f}", model.disc.diameter));
+    put(settings, "calibrate", "disc-diameter", fmt::format("{:.3f}", model.disc.diameter));
     put(settings, "calibrate", "edge-width", fmt::format("{:.3f}", model.disc.edge_width));
-    put(settings, "calibrate", "meeting-edges",
-        model.meeting == tracking::EdgeMeeting::product ? "\"product\"" : "\"blurred-union\"");
+    put(settings, "calibrate", "meeting-edges", fmt::format("\"{}\"", model.overlap->name()));
     put(settings, "calibrate", "profile", model.correction.is_zero() ? "\"tanh\"" : "\"learned\"");
     // Steps far below the error buy nothing.
     const double tolerance = std::clamp(0.1 * tuning.median_error(), 0.003, 0.03);

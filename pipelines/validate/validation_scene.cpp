@@ -6,14 +6,14 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "core/stored_trajectory.h"
 #include "core/support/interrupt.h"
 #include "io/frame_files.h"
 #include "io/open_snapshots.h"
-#include "pipelines/validate/stored_snapshots.h"
 #include "pipelines/validate/validation.h"
+#include "simulate/md/md_simulation.h"
 #include "simulate/md/state/initial_state.h"
 #include "simulate/render/optics/silhouette.h"
-#include "simulate/md/md_simulation.h"
 
 namespace grainfield::pipelines {
 
@@ -22,13 +22,13 @@ namespace {
 enum class Extent { plan, whole };
 
 /// A run in memory, without what no renderer looks at.
-class MovingGrains : public StoredSnapshots {
+class MovingGrains : public StoredTrajectory {
  public:
     void write(const Snapshot& snapshot) override {
         Snapshot lean = snapshot;
         lean.spin.clear();
         lean.spin.shrink_to_fit();
-        StoredSnapshots::write(lean);
+        StoredTrajectory::write(lean);
     }
 };
 
@@ -94,8 +94,7 @@ std::unique_ptr<SnapshotSource> make_trajectory(const SceneOptions& options, Job
                           options.md.run.snapshot_every;
     require_memory(frames * static_cast<double>(options.md.cell.grains), available_memory());
     // To explain what ray tracing takes, the state that a run would begin with will do.
-    const bool is_shown =
-        extent == Extent::whole || options.render.optics.chosen().samples();
+    const bool is_shown = extent == Extent::whole || options.render.optics.chosen().samples();
     simulate::GrainState initial;
     if (is_shown) {
         initial = simulate::make_initial_state(options.md, job.seed);

@@ -18,8 +18,10 @@ namespace {
 using ::testing::HasSubstr;
 
 // Results whose S0/S1 is 0.7 (ν − 5.2), ν standing in the record.
-std::filesystem::path write_run(const std::filesystem::path& path, double nu, bool has_fit = true) {
+std::filesystem::path write_run(const std::filesystem::path& path, double nu, bool has_fit = true,
+                                const RunIdentity& identity = {}) {
     Results run;
+    run.identity = identity;
     run.label = path.stem().string();
     run.box = {{0, 0}, {1, 1}, {}, 0};
     ObservableResult fit;
@@ -48,7 +50,9 @@ Found find(const testing::ScratchFolder& folder, std::vector<std::filesystem::pa
     job.inputs = std::move(inputs);
     options.output = folder / "critical.h5";
     CriticalJobResult result = find_critical_point(options, job);
-    return {std::move(result), job.plan.warnings()};
+    std::vector<std::string> warnings;
+    for (const Warning& warning : job.plan.warnings()) warnings.push_back(warning.text);
+    return {std::move(result), std::move(warnings)};
 }
 
 CriticalJobOptions by_record(const std::string& parameter) {
@@ -97,6 +101,35 @@ TEST(CriticalJob, NeedsARunWithAFit) {
     const testing::ScratchFolder folder;
     const std::vector<std::filesystem::path> inputs{write_run(folder / "a.h5", 6, false)};
     EXPECT_THROW(find(folder, inputs, by_value({1})), InputError);
+}
+
+RunIdentity field_at(double nu, double gradient_order = 4) {
+    return {.origin = Origin::field,
+            .control = ControlValue{.parameter = ControlParameter::critical_distance, .value = nu},
+            .gradient_order = gradient_order};
+}
+
+TEST(CriticalJob, TakesControlParameterAndSeriesFromTheIdentitiesOfTheRuns) {
+    const testing::ScratchFolder folder;
+    std::vector<std::filesystem::path> inputs;
+    for (double nu : {5.5, 5.8, 6.4, 7.0}) {
+        inputs.push_back(write_run(folder / ("run" + std::to_string(inputs.size()) + ".h5"), nu,
+                                   true, field_at(nu)));
+    }
+    const Found found = find(folder, inputs, {});
+    EXPECT_NEAR(*found.result.critical.find_measurement("critical_value")->value, 5.2, 1e-9);
+    RunIdentity series = field_at(0);
+    series.control = std::nullopt;
+    series.role = RunRole::critical_point;
+    const Results out = io::read_results(folder / "critical.h5");
+    EXPECT_EQ(out.identity, series) << "whatever its label is";
+    EXPECT_EQ(out.find("critical")->find_curve("critical")->find("x")->meaning, "ν");
+
+    inputs.push_back(write_run(folder / "other.h5", 8, true, field_at(8, 2)));
+    find(folder, inputs, {.label = "field, 2D, b = 4"});
+    EXPECT_EQ(io::read_results(folder / "critical.h5").identity,
+              RunIdentity{.role = RunRole::critical_point})
+        << "runs of two series are of none";
 }
 
 }  // namespace

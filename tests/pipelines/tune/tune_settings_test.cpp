@@ -69,7 +69,7 @@ TEST_F(TuneSettings, LeaveOutWhatIsAsByDefault) {
 TEST_F(TuneSettings, PutWhatWasEstimatedInPlaceOfWhatWasGiven) {
     options_.calibration.diameter = 20;
     const std::vector<Setting> settings = suggested();
-    EXPECT_EQ(value(settings, "calibrate", "diameter"), "21.500");
+    EXPECT_EQ(value(settings, "calibrate", "disc-diameter"), "21.500");
     EXPECT_EQ(value(settings, "calibrate", "edge-width"), "1.250");
 }
 

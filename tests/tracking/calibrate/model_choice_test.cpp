@@ -55,7 +55,7 @@ Image lens_frame(const LayerScene& scene) {
 TEST(ModelChoice, WhereTransmissionsMultiplyTheProductIsChosen) {
     const auto scene = testing::crystal_in_liquid(kSize, kSize, 16, 0.6, {.radius = 0.3}, 3);
     const Choice c = chosen(testing::tanh_frame(scene, 16, 1.2, 0.02, 1), scene, {});
-    EXPECT_EQ(c.model.meeting, EdgeMeeting::product);
+    EXPECT_EQ(c.model.overlap->name(), "product");
     EXPECT_TRUE(stage(c.plan, "meeting edges").runs);
     EXPECT_FALSE(stage(c.plan, "profile").runs) << "tanh unless asked for";
 }
@@ -66,7 +66,7 @@ TEST(ModelChoice, WhereALensBlursOpaqueDiscsTheUnionIsChosen) {
     RunPlan plan;
     const auto calibration = calibrate(frame, {}, {}, {}, 2, plan);
     ASSERT_TRUE(calibration);
-    EXPECT_EQ(calibration->model.meeting, EdgeMeeting::blurred_union);
+    EXPECT_EQ(calibration->model.overlap->name(), "blurred-union");
 }
 
 TEST(ModelChoice, WhatIsGivenIsTakenWithoutAFit) {
@@ -75,7 +75,7 @@ TEST(ModelChoice, WhatIsGivenIsTakenWithoutAFit) {
     CalibrationOptions options;
     options.meeting_edges = EdgeChoice::blurred_union;
     const Choice c = chosen(frame, scene, options);
-    EXPECT_EQ(c.model.meeting, EdgeMeeting::blurred_union);
+    EXPECT_EQ(c.model.overlap->name(), "blurred-union");
     EXPECT_FALSE(stage(c.plan, "meeting edges").runs);
 }
 
