@@ -136,7 +136,7 @@ class BoundCommand {
         session.configuration = options_.configuration();
         // One team for the whole run: its threads are started once and sleep between their work.
         Summary summary;
-        on_team(session.threads(), [&](Team&) { summary = command_->run(session); });
+        on_team(session.threads, [&](Team&) { summary = command_->run(session); });
         return summary;
     }
 

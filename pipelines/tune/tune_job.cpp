@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "analysis/analysis.h"
+#include "analysis/order/bond_order.h"
 #include "core/errors.h"
 #include "core/support/interrupt.h"
 #include "pipelines/page/report_page.h"
