@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
-#include "io/passed_frames.h"
 #include "io/images/picture.h"
+#include "io/passed_frames.h"
 
 namespace grainfield::io {
 

@@ -6,8 +6,8 @@
 
 #include "core/errors.h"
 #include "io/file_kind.h"
-#include "io/text/points_csv.h"
 #include "io/h5/trajectory_file.h"
+#include "io/text/points_csv.h"
 
 namespace grainfield::io {
 

@@ -44,7 +44,8 @@ void write_report(const std::vector<Results>& runs, const ReportOptions& options
     for (const std::string& text : mismatches(runs, labels, identities)) plan.warn(text);
     std::vector<Figure> figures = additions.figures;
     if (options.observables) {
-        for (Figure& figure : make_figures(runs, labels, options.hints)) figures.push_back(std::move(figure));
+        for (Figure& figure : make_figures(runs, labels, options.hints))
+            figures.push_back(std::move(figure));
     }
     const std::vector<ParticleMap> maps = make_maps(runs, {.threads = options.threads});
     std::string title = clean_text(options.title);

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "analysis/statistics/blocks.h"
-#include "core/support/checkpoint.h"
 #include "core/density_field.h"
 #include "core/results.h"
+#include "core/support/checkpoint.h"
 
 namespace grainfield::analysis {
 

@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "analysis/statistics/fit.h"
 #include "analysis/spectra/structure_factor.h"
+#include "analysis/statistics/fit.h"
 #include "core/option_table.h"
 #include "core/results.h"
 
@@ -37,14 +37,14 @@ struct SyntheticInput {
 SyntheticInput synthetic_input(const StructureFactor& sk, const ObservableResult& fit);
 
 /// The observable "synthetic": number variance σ²(ℓ) of other boxes than the measured one, from its
-/// S(k) (analysis/density/synthetic_variance.h): curve `synthetic` with columns l, side (text: the number
-/// or "inf"), variance, err, mean, beyond. Boxes are periodic and always hold the same number of
-/// particles, so that σ² = 0 at ℓ = L. `auto`: the side of the measured box, ten times it, and inf.
-/// Below the lowest measured k there is the fit only: without one, no box is larger than the
-/// measured one; nor any box if the lowest shells have no error. Where the shells end S = 1 is
-/// taken (of a field: the last value); `beyond` is what of the variance comes from there. err: from
-/// the errors of S0, S1 and the shells, and the whole of `beyond`. Windows whose variance would be
-/// negative (S0 < 0) are left out, with a reason.
+/// S(k) (analysis/density/synthetic_variance.h): curve `synthetic` with columns l, side (text: the
+/// number or "inf"), variance, err, mean, beyond. Boxes are periodic and always hold the same
+/// number of particles, so that σ² = 0 at ℓ = L. `auto`: the side of the measured box, ten times
+/// it, and inf. Below the lowest measured k there is the fit only: without one, no box is larger
+/// than the measured one; nor any box if the lowest shells have no error. Where the shells end S =
+/// 1 is taken (of a field: the last value); `beyond` is what of the variance comes from there. err:
+/// from the errors of S0, S1 and the shells, and the whole of `beyond`. Windows whose variance
+/// would be negative (S0 < 0) are left out, with a reason.
 ///
 /// Measurement crossover_length: ℓ* = 2π a (S0/S1)^(−1/α), above which the S0 term rules
 /// (`castillo2019`), error of first order, by the errors of S0/S1 and of α without their

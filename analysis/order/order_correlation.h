@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "analysis/statistics/blocks.h"
 #include "analysis/order/bond_order.h"
 #include "analysis/pattern.h"
+#include "analysis/statistics/blocks.h"
 #include "core/results.h"
 
 namespace grainfield::analysis {

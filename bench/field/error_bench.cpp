@@ -15,9 +15,9 @@
 #include <fmt/format.h>
 
 #include "analysis/density/field_statistics.h"
-#include "simulate/field/integrators/integrator_choice.h"
-#include "simulate/field/integrators/adjoint.h"
 #include "simulate/field/field_run.h"
+#include "simulate/field/integrators/adjoint.h"
+#include "simulate/field/integrators/integrator_choice.h"
 #include "tests/simulate/field/integrators/plain_adjoint.h"
 
 using namespace grainfield;

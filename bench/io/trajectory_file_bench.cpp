@@ -7,9 +7,9 @@
 #include <unistd.h>
 
 #include "core/support/random.h"
+#include "io/h5/trajectory_file.h"
 #include "io/text/export_files.h"
 #include "io/text/points_csv.h"
-#include "io/h5/trajectory_file.h"
 
 namespace {
 

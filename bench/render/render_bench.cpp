@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "core/support/random.h"
-#include "simulate/render/sensor/camera.h"
 #include "simulate/render/optics/raytrace.h"
 #include "simulate/render/optics/silhouette.h"
+#include "simulate/render/sensor/camera.h"
 
 namespace {
 

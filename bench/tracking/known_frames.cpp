@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "core/support/random.h"
 #include "core/run_plan.h"
+#include "core/support/random.h"
 #include "core/trajectory.h"
 #include "simulate/render/renderer.h"
 #include "tests/support/layer_frames.h"

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/support/number_archive.h"
 #include "core/snapshot.h"
+#include "core/support/number_archive.h"
 
 namespace grainfield {
 

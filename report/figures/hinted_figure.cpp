@@ -131,8 +131,8 @@ void note_absent(Figure& figure, const Runs& runs, const FigureHint& hint, const
         const TimeUnit own = runs[r].source.time_unit;
         const bool other_unit = hint.one_time_unit && own != shared_time_unit(runs, from) &&
                                 find_curve(runs[r], from) != nullptr;
-        figure.absent.push_back({r, other_unit ? std::string("its times are in ") + typeset_text(own) +
-                                                     ", not in " + figure.x.unit
+        figure.absent.push_back({r, other_unit ? std::string("its times are in ") +
+                                                     typeset_text(own) + ", not in " + figure.x.unit
                                                : absence(runs[r], from)});
     }
 }

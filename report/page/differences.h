@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/results.h"
-#include "report/run_identity.h"
 #include "report/page/table.h"
+#include "report/run_identity.h"
 
 namespace grainfield::report {
 

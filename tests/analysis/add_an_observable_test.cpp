@@ -196,11 +196,11 @@ TEST(AddAnObservable, MergesLaterPartsOfARun) {
     const Pattern first = pattern_of(trajectory.snapshots[0], 1);
     const auto run_over = [&](std::int64_t from, std::int64_t to) {
         analysis::Run run(with_crowd(), {.options = options,
-                               .info = trajectory.info,
-                               .box = first.box,
-                               .frames = to - from,
-                               .first = from,
-                               .whole = 40});
+                                         .info = trajectory.info,
+                                         .box = first.box,
+                                         .frames = to - from,
+                                         .first = from,
+                                         .whole = 40});
         for (std::int64_t f = from; f < to; ++f) {
             run.add(
                 run.measure(pattern_of(trajectory.snapshots[static_cast<std::size_t>(f)], 1), f));

@@ -15,10 +15,10 @@
 
 #include <gtest/gtest.h>
 
-#include "analysis/statistics/blocks.h"
 #include "analysis/order/order_correlation.h"
 #include "analysis/order/phase.h"
 #include "analysis/order/solid_clusters.h"
+#include "analysis/statistics/blocks.h"
 #include "tests/analysis/synthetic_patterns.h"
 #include "tests/support/pull.h"
 

@@ -8,10 +8,10 @@
 #include <gtest/gtest.h>
 
 #include "analysis/density/field_statistics.h"
-#include "simulate/field/integrators/adjoint.h"
 #include "simulate/field/field_run.h"
-#include "simulate/field/model/order_spectrum.h"
+#include "simulate/field/integrators/adjoint.h"
 #include "simulate/field/integrators/integrator_choice.h"
+#include "simulate/field/model/order_spectrum.h"
 
 namespace grainfield {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "simulate/md/state/initial_state.h"
-#include "simulate/md/md_simulation.h"
 #include "simulate/md/engine/engine_choice.h"
+#include "simulate/md/md_simulation.h"
+#include "simulate/md/state/initial_state.h"
 
 namespace grainfield::simulate {
 

@@ -6,8 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "analysis/spectra/spectrum_model.h"
 #include "analysis/density/synthetic_variance.h"
+#include "analysis/spectra/spectrum_model.h"
 #include "core/errors.h"
 #include "core/support/random.h"
 

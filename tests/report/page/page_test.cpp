@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "report/figures/figures.h"
 #include "analysis/observables.h"
+#include "report/figures/figures.h"
 #include "report/page/embedded.h"
 #include "tests/report/sample_results.h"
 

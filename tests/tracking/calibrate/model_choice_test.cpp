@@ -6,6 +6,7 @@
 
 #include "tests/support/layer_frames.h"
 #include "tracking/calibrate/calibration.h"
+#include "tracking/model/blurred_union.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -73,7 +74,7 @@ TEST(ModelChoice, WhatIsGivenIsTakenWithoutAFit) {
     const auto scene = testing::hard_disc_liquid(kSize, kSize, 16, 0.6, 1);
     const Image frame = testing::tanh_frame(scene, 16, 1.2, 0.02, 1);
     CalibrationOptions options;
-    options.meeting_edges = EdgeChoice::blurred_union;
+    options.meeting_edges = &kBlurredUnion;
     const Choice c = chosen(frame, scene, options);
     EXPECT_EQ(c.model.overlap->name(), "blurred-union");
     EXPECT_FALSE(stage(c.plan, "meeting edges").runs);
@@ -84,18 +85,18 @@ TEST(ModelChoice, ALearnedProfileThatWasAskedForNeedsPixelsToLearnFrom) {
     few.position = {{100, 100}};
     const Image frame = testing::tanh_frame(few, 16, 1.2, 0.02, 1);
     CalibrationOptions options;
-    options.profile = ProfileChoice::learned;
+    options.profile.learning = Learning::always;
     const Choice c = chosen(frame, few, options);
     EXPECT_TRUE(c.model.correction.is_zero());
     ASSERT_EQ(c.plan.warnings().size(), 1U);
-    EXPECT_NE(c.plan.warnings()[0].find("no profile was learned"), std::string::npos);
+    EXPECT_NE(c.plan.warnings()[0].text.find("no profile was learned"), std::string::npos);
 }
 
 TEST(ModelChoice, OfExactTanhEdgesNoOtherProfileIsChosen) {
     const auto scene = testing::hard_disc_liquid(kSize, kSize, 16, 0.5, 1);
     const Image frame = testing::tanh_frame(scene, 16, 1.2, 0.02, 1);
     CalibrationOptions options;
-    options.profile = ProfileChoice::automatic;
+    options.profile.learning = Learning::automatic;
     const Choice c = chosen(frame, scene, options);
     EXPECT_TRUE(c.model.correction.is_zero());
     EXPECT_FALSE(stage(c.plan, "profile").runs);

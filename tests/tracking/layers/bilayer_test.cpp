@@ -72,7 +72,8 @@ TEST(Bilayer, ImpossibleSetsAreThosePairsAndTriplesThatNoHeightsFit) {
 }
 
 TEST(Bilayer, ClosestPairAndTriangleAreThoseOfTheHeight) {
-    // sqrt(1 - (L - 1)^2) and its triangle: 0.34 a and 0.883 a at L_z = 1.94 a; 0.54 a and 0.907 a at 1.84 a.
+    // sqrt(1 - (L - 1)^2) and its triangle: 0.34 a and 0.883 a at L_z = 1.94 a; 0.54 a and 0.907 a
+    // at 1.84 a.
     for (const auto& [height, pair, side] :
          {std::tuple{1.94, 0.3412, 0.8827}, std::tuple{1.84, 0.5426, 0.9075}}) {
         for (const double change : {-1e-3, 1e-3}) {
