@@ -84,7 +84,7 @@ TEST(CriticalJob, FindsWhereS0OverS1VanishesFromValuesOrFromTheRecords) {
         const Results out = io::read_results(folder / "critical.h5");
         EXPECT_NE(out.find("critical")->find_curve("critical"), nullptr);
         ASSERT_EQ(out.record.warnings.size(), 1U);
-        EXPECT_THAT(out.record.warnings[0], HasSubstr("no pre-peak"));
+        EXPECT_THAT(out.record.warnings[0].text, HasSubstr("no pre-peak"));
         EXPECT_EQ(found.warnings.size(), 1U);
     }
 }
@@ -126,7 +126,9 @@ TEST(CriticalJob, TakesControlParameterAndSeriesFromTheIdentitiesOfTheRuns) {
     EXPECT_EQ(out.find("critical")->find_curve("critical")->find("x")->meaning, "ν");
 
     inputs.push_back(write_run(folder / "other.h5", 8, true, field_at(8, 2)));
-    find(folder, inputs, {.label = "field, 2D, b = 4"});
+    CriticalJobOptions labelled;
+    labelled.label = "field, 2D, b = 4";
+    find(folder, inputs, labelled);
     EXPECT_EQ(io::read_results(folder / "critical.h5").identity,
               RunIdentity{.role = RunRole::critical_point})
         << "runs of two series are of none";
