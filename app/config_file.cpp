@@ -65,7 +65,8 @@ class ConfigReader {
         try {
             entry->option.set(*value);
         } catch (const OptionError& error) {
-            throw OptionError(fmt::format("{}: {}", place(node.source()), error.what()));
+            const std::string written = key == entry->option.name ? "" : fmt::format("'{}': ", key);
+            throw OptionError(fmt::format("{}: {}{}", place(node.source()), written, error.what()));
         }
     }
 

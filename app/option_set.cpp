@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <iterator>
 #include <map>
 #include <set>
 
@@ -37,8 +38,9 @@ std::string OptionSet::with_flags(std::string text) const {
                (std::isalnum(static_cast<unsigned char>(text[at])) != 0 || text[at] == '-');
     };
     for (const Entry& entry : entries_) {
-        if (entry.section.empty()) continue;
-        const std::string name = entry.section + "." + entry.option.name;
+        // A plain word is a name only between these quotation marks.
+        const std::string name = entry.section.empty() ? "option '" + entry.option.name + "'"
+                                                       : entry.section + "." + entry.option.name;
         const std::string flag = "--" + entry.flag;
         std::size_t at = text.find(name);
         while (at != std::string::npos) {
@@ -53,7 +55,10 @@ std::string OptionSet::with_flags(std::string text) const {
 
 std::vector<std::string> OptionSet::flags() const {
     std::vector<std::string> names;
-    for (const Entry& entry : entries_) names.push_back(entry.flag);
+    for (const Entry& entry : entries_) {
+        names.push_back(entry.flag);
+        std::ranges::copy(entry.option.other_names, std::back_inserter(names));
+    }
     return names;
 }
 
@@ -75,7 +80,9 @@ std::vector<std::string> OptionSet::sections() const {
 std::vector<std::string> OptionSet::keys(std::string_view section) const {
     std::vector<std::string> names;
     for (const Entry& entry : entries_) {
-        if (belongs(entry, section)) names.push_back(entry.option.name);
+        if (!belongs(entry, section)) continue;
+        names.push_back(entry.option.name);
+        std::ranges::copy(entry.option.other_names, std::back_inserter(names));
     }
     return names;
 }

@@ -31,14 +31,15 @@ class OptionSet {
     const std::vector<Entry>& entries() const { return entries_; }
     std::vector<std::string> flags() const;
 
-    /// The text with "section.name" of each option, as libraries name it, in the form of the
-    /// command line: "--flag".
+    /// The text with each option as the command line has it: "--flag". Libraries name options
+    /// "section.name", and a command-wide one "option 'name'".
     std::string with_flags(std::string text) const;
 
     bool has_section(std::string_view section) const;
     /// The sections a file may have, the command's own first.
     std::vector<std::string> sections() const;
-    /// The keys of a section; the empty section stands for the top level.
+    /// The keys of a section, other names of options included; the empty section stands for the
+    /// top level.
     std::vector<std::string> keys(std::string_view section) const;
     const Entry* find(std::string_view section, std::string_view key) const;
 

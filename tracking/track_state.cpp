@@ -12,8 +12,6 @@
 namespace grainfield::tracking {
 namespace {
 
-/// With the number of its form: another one holds other numbers.
-constexpr const char* kKind = "track 2";
 
 [[noreturn]] void refuse(std::string actual, std::string expected) {
     throw InputError({.problem = "the checkpoint does not fit the film",
@@ -114,7 +112,7 @@ Checkpoint Tracker::checkpoint(Run& run) {
     NumberArchive archive;
     transfer(archive, run);
     Checkpoint checkpoint;
-    checkpoint.kind = kKind;
+    checkpoint.kind = kTrackStateKind;
     checkpoint.reals["state"] = archive.take_numbers();
     checkpoint.reals["calibration"] = calibration_numbers();
     checkpoint.integers["frames"] = {run.next, source_.count()};
@@ -126,8 +124,8 @@ Checkpoint Tracker::checkpoint(Run& run) {
 }
 
 void Tracker::restore(Run& run, const Checkpoint& checkpoint) {
-    if (checkpoint.kind != kKind) {
-        refuse(fmt::format("it is one of kind '{}'", checkpoint.kind), kKind);
+    if (checkpoint.kind != kTrackStateKind) {
+        refuse(fmt::format("it is one of kind '{}'", checkpoint.kind), kTrackStateKind);
     }
     if (stored(checkpoint.reals, "calibration") != calibration_numbers()) {
         refuse("another image model was calibrated on it", "the same film, options and program");

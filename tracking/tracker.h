@@ -63,6 +63,10 @@ struct TrackSummary {
     FrameTimes ms_per_frame;
 };
 
+/// What a saved run of the tracker calls itself (Checkpoint::kind), with the version of what it
+/// holds.
+inline constexpr const char* kTrackStateKind = "track 2";
+
 /// How a long run is saved now and then, and taken up again.
 struct TrackResumption {
     /// The state to go on from; the sink holds the snapshots that were written before it. Throws

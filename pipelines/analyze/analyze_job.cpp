@@ -44,7 +44,7 @@ void require_possible(const AnalyzeJobOptions& options, const fs::path& input, i
                            .actual = fmt::format("'{}' does not say it, and the extent of the "
                                                  "points is smaller than the period",
                                                  input.string()),
-                           .expected = "the lengths of the box",
+                           .expected = "option 'box' LX,LY",
                            .suggestion = "give the periods in the unit of the positions"});
     }
 }

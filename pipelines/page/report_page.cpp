@@ -42,7 +42,7 @@ FiguresFolder::~FiguresFolder() {
 ReportPage::ReportPage(fs::path html, report::ReportOptions options, const Job& job)
     : html_(std::move(html)), options_(std::move(options)), output_(html_, job.overwrite) {
     options_.threads = job.threads;
-    options_.hints = analysis::figure_hints();
+    if (options_.observables) options_.hints = analysis::figure_hints();
     if (options_.figures) figures_.emplace(figures_folder(html_), job.overwrite);
 }
 

@@ -52,7 +52,7 @@ Resumable::Identity identity_of(const TrackJobOptions& options, const Job& job) 
                               fmt::format("{} bytes, {}", record.bytes, record.checksum));
     }
     compared.emplace_back("input", film_in_words(job.inputs));
-    return {.kind = "track",
+    return {.kind = tracking::kTrackStateKind,
             .output = options.output,
             .log = ".snapshots",
             .configuration = std::move(compared)};

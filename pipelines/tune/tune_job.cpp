@@ -103,7 +103,9 @@ TuneJobResult run_tuning(const TuneJobOptions& options, Job& job) {
              .expected = "a frame with spheres",
              .suggestion = "try calibrate.disc-diameter and calibrate.polarity"});
     }
-    ReportPage page(options.output, options.report, job);
+    report::ReportOptions drawn = options.report;
+    drawn.observables = false;  // one frame each: nothing is analysed
+    ReportPage page(options.output, drawn, job);
     const Look look = look_at(options, tracking, *film.frames, tracker, job);
     const Tuning tuning{tracker.model(), tracking, look.surveys};
     TuneJobResult result{.frames = static_cast<std::int64_t>(look.surveys.size()),

@@ -57,7 +57,8 @@ OptionError needs(const char* problem, const char* suggestion) {
 
 ValidationScene given_scene(const SceneOptions& options, Job& job) {
     if (options.truth.empty()) {
-        throw needs("frames were given without their truth", "name the file of the true positions");
+        throw needs("frames were given without their truth",
+                    "name the file of the true positions: option 'truth'");
     }
     ValidationScene scene;
     scene.frames = io::open_frames(job.inputs, {});

@@ -65,7 +65,7 @@ TEST(CommandLine, WrongUsageEndsWithTwoAndASuggestionOnStandardError) {
     EXPECT_EQ(option.out, "");
     const Outcome value = call({"track", "a.png", "-o", "b.h5", "--threads", "many"});
     EXPECT_EQ(value.code, 2);
-    EXPECT_THAT(value.err, AllOf(HasSubstr("'threads'"), HasSubstr("'many'")));
+    EXPECT_THAT(value.err, AllOf(HasSubstr("--threads"), HasSubstr("'many'")));
     const Outcome twice = call({"track", "a.png", "-o", "b.h5", "-o", "c.h5"});
     EXPECT_EQ(twice.code, 2);
     EXPECT_EQ(twice.err, "error: --output is given 2 times, expected once; see --help.\n");

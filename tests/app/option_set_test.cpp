@@ -38,6 +38,8 @@ TEST_F(OptionSetOfThreeTables, TheNamesOfLibrariesBecomeFlags) {
               "--q4-bins is too small; --range, too (--sk-bins)");
     EXPECT_EQ(set.with_flags("in 'seq4.bins' and q4.bins-of-old nothing is named"),
               "in 'seq4.bins' and q4.bins-of-old nothing is named");
+    EXPECT_EQ(set.with_flags("option 'threads' is too large; threads are few"),
+              "--threads is too large; threads are few");
 }
 
 TEST_F(OptionSetOfThreeTables, CommandWideOptionsAreFoundAtTheTopAndUnderTheCommand) {

@@ -9,10 +9,10 @@ TEST(TrackCommandLine, SpellsSettingsAsTrackTakesThem) {
     EXPECT_EQ(track_command_line({{"track", "background-window", "400"},
                                   {"track", "mask", "\"m.png\""},
                                   {"track", "strict", "true"},
-                                  {"calibrate", "diameter", "21.500"}},
+                                  {"calibrate", "disc-diameter", "21.500"}},
                                  {"film.avi"}),
               "grainfield track 'film.avi' -o tracks.h5 --background-window 400 --mask 'm.png' "
-              "--strict --diameter 21.500");
+              "--strict --disc-diameter 21.500");
 }
 
 TEST(TrackCommandLine, NamesThreeInputsAtMost) {

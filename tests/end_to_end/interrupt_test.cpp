@@ -68,7 +68,7 @@ TEST_P(InterruptedTracking, KeepsTheFramesDoneSoFarUnderTheFinalName) {
     EXPECT_GT(done, 0);
     EXPECT_LT(done, frames);
     EXPECT_EQ(folder.entries(), 3U) << "the final file, and what a resumed run needs";
-    EXPECT_THAT(outcome.err, HasSubstr("; option 'resume' goes on from there"));
+    EXPECT_THAT(outcome.err, HasSubstr("; --resume goes on from there"));
     const Outcome info = testing::run_grainfield({"info", folder / "tracks.h5", "--json"});
     ASSERT_EQ(info.code, 0) << info.err;
     EXPECT_EQ(json::parse(info.out)["frames"], done);

@@ -173,7 +173,7 @@ TEST(SimulateField, KeepsAnInterruptedRunUnlessForced) {
     std::ofstream(folder / "f.h5.checkpoint") << "precious";
     const Outcome refused = run_grainfield(job(folder / "f.h5"));
     EXPECT_EQ(refused.code, 4) << refused.err;
-    EXPECT_THAT(refused.err, AllOf(HasSubstr("f.h5.checkpoint"), HasSubstr("'resume'")));
+    EXPECT_THAT(refused.err, AllOf(HasSubstr("f.h5.checkpoint"), HasSubstr("--resume")));
     EXPECT_EQ(testing::read_all(folder / "f.h5.checkpoint"), "precious");
     EXPECT_EQ(folder.entries(), 1U);
     EXPECT_EQ(run_grainfield(job(folder / "f.h5", {"--force"})).code, 0);
@@ -204,7 +204,7 @@ TEST_P(InterruptedField, LeavesACheckpointWithinTwoSecondsAndGoesOn) {
     const Outcome outcome = process.wait();
     EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
     EXPECT_EQ(outcome.code, 128 + GetParam()) << outcome.err;
-    EXPECT_THAT(outcome.err, HasSubstr("option 'resume' goes on from there"));
+    EXPECT_THAT(outcome.err, HasSubstr("--resume goes on from there"));
     EXPECT_TRUE(std::filesystem::exists(folder / "f.h5.checkpoint"));
     EXPECT_FALSE(std::filesystem::exists(folder / "f.h5"));
     EXPECT_GT(json::parse(outcome.out)["steps"], 0);

@@ -160,7 +160,7 @@ TEST(SimulateMd, StopsWithinTwoSecondsAndGoesOnAsIfNothingHadHappened) {
     const Outcome outcome = process.wait();
     EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
     ASSERT_EQ(outcome.code, 130) << outcome.err;
-    EXPECT_THAT(outcome.err, HasSubstr("option 'resume' goes on from there"));
+    EXPECT_THAT(outcome.err, HasSubstr("--resume goes on from there"));
     const Outcome again = testing::run_grainfield(small_run(folder / "cut.h5"));
     EXPECT_EQ(again.code, 4) << "an interrupted run is not thrown away";
     const Outcome other = testing::run_grainfield(

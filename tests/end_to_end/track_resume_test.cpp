@@ -142,7 +142,7 @@ TEST_F(TrackResume, InterruptedItKeepsWhatWasDoneAndSaysHowToGoOn) {
         fs::remove(folder_ / "t.h5");
     }
     ASSERT_EQ(outcome.code, 130) << outcome.err;
-    EXPECT_THAT(outcome.err, HasSubstr("; option 'resume' goes on from there"));
+    EXPECT_THAT(outcome.err, HasSubstr("; --resume goes on from there"));
     const Outcome info = testing::run_grainfield({"info", folder_ / "t.h5", "--json"});
     EXPECT_EQ(json::parse(info.out)["frames"], json::parse(outcome.out)["frames"]);
 
@@ -154,8 +154,7 @@ TEST_F(TrackResume, InterruptedItKeepsWhatWasDoneAndSaysHowToGoOn) {
     const Outcome again = testing::run_grainfield(run());
     EXPECT_EQ(again.code, 4) << "an interrupted run is not thrown away";
     EXPECT_THAT(again.err, HasSubstr("t.h5.checkpoint' exists: an interrupted run of"));
-    EXPECT_THAT(again.err,
-                HasSubstr("option 'resume' goes on with it, option 'force' starts anew"));
+    EXPECT_THAT(again.err, HasSubstr("--resume goes on with it, --force starts anew"));
     EXPECT_TRUE(state() == before);
     const Outcome other = testing::run_grainfield(run({"--resume", "--memory", "1"}));
     EXPECT_EQ(other.code, 3);

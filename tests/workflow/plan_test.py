@@ -98,7 +98,7 @@ def reproduce(*words, **environment):
 class TheScript(unittest.TestCase):
     def test_says_what_is_wrong_with_its_words(self):
         for words, text in [((), "--scale small, medium or full"), (("--scale", "huge"), "'huge'"),
-                            (("--scale",), "wants a value"), (("--sale", "small"), "'--sale'"),
+                            (("--scale",), "needs a value"), (("--sale", "small"), "'--sale'"),
                             (("--scale", "small", "--cores", "two"), "'two'")]:
             outcome = reproduce(*words)
             self.assertEqual(outcome.returncode, 2, words)

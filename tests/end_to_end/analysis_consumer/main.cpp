@@ -1,7 +1,7 @@
 // Prints |Q4| in the middle of a square lattice of 5 × 5 points.
 #include <cstdio>
 
-#include "analysis/analysis.h"
+#include "analysis/order/bond_order.h"
 
 int main() {
     grainfield::Snapshot snapshot;
