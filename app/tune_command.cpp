@@ -33,7 +33,7 @@ std::string track_command_line(const std::vector<pipelines::Setting>& settings,
         }
         std::string plain = setting.value;
         std::ranges::replace(plain, '"', '\'');
-        text += " --" + flag + " " + plain;
+        text += fmt::format(" --{} {}", flag, plain);
     }
     return text;
 }

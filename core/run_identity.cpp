@@ -32,7 +32,7 @@ std::string series_text(const RunIdentity& identity) {
 }
 
 std::string legend_of(const RunIdentity& identity) {
-    const std::string series = series_text(identity);
+    std::string series = series_text(identity);
     if (!identity.control) return series;
     const ControlValue& control = *identity.control;
     const std::string unit =

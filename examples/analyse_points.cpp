@@ -7,7 +7,10 @@ int main() {
     grainfield::Snapshot points;  // lengths in particle diameters
     points.box = {.origin = {0, 0}, .length = {20, 20}};
     points.box.boundary.fill(grainfield::Boundary::periodic);
-    for (int i = 0; i < 400; ++i) points.position.push_back({i % 20 + 0.5, i / 20 + 0.5});
+    for (int i = 0; i < 400; ++i) {
+        const int row = i / 20;
+        points.position.push_back({i % 20 + 0.5, row + 0.5});
+    }
 
     grainfield::Trajectory trajectory;
     trajectory.snapshots = {points};

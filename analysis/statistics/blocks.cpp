@@ -184,8 +184,7 @@ void MeanSeries::append(const MeanSeries& later) {
     value.insert(value.end(), later.value.begin(), later.value.end());
 }
 
-Measurement MeanSeries::measurement(std::string name, std::string unit,
-                                    std::optional<double> single_error,
+Measurement MeanSeries::measurement(std::string name, Unit unit, std::optional<double> single_error,
                                     const std::string& single_reason, double single_samples) const {
     if (value.empty()) return missing(std::move(name), std::move(unit), single_reason);
     const double mean = mean_of(value);
@@ -208,7 +207,7 @@ Measurement MeanSeries::measurement(std::string name, std::string unit,
     return m;
 }
 
-Measurement missing(std::string name, std::string unit, std::string reason) {
+Measurement missing(std::string name, Unit unit, std::string reason) {
     return {std::move(name), std::move(unit), std::nullopt, std::nullopt, 0, std::move(reason)};
 }
 

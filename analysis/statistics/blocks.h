@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/results.h"
+#include "core/unit.h"
 
 namespace grainfield::analysis {
 
@@ -109,11 +110,11 @@ struct MeanSeries {
     /// The mean; error and samples from series_error. Below four frames `single_error` and
     /// `single_samples`, those of one frame, are used, with `single_reason` for one frame saying
     /// what they mean.
-    Measurement measurement(std::string name, std::string unit, std::optional<double> single_error,
+    Measurement measurement(std::string name, Unit unit, std::optional<double> single_error,
                             const std::string& single_reason, double single_samples = 1) const;
 };
 
 /// A measurement that has no value, and why.
-Measurement missing(std::string name, std::string unit, std::string reason);
+Measurement missing(std::string name, Unit unit, std::string reason);
 
 }  // namespace grainfield::analysis
