@@ -46,7 +46,8 @@ std::vector<OptionTable> CriticalCommand::options() {
     own.numbers("values", values_, "", {},
                 "control parameter of each input, as V1,V2,… in their order");
     own.text("parameter", job_.parameter,
-             "name of the control parameter; without --values an option that the inputs record");
+             "name of the control parameter; without --values an option that the inputs record; by "
+             "default Γ or ν as the inputs say");
     own.text("label", job_.label, "name in plots");
     own.choice("line", job_.line,
                {{"free", analysis::CriticalLine::free},

@@ -33,9 +33,17 @@ OptionSet::OptionSet(std::string command, const std::vector<OptionTable>& tables
 }
 
 std::string OptionSet::with_flags(std::string text) const {
-    const auto is_of_a_name = [&](std::size_t at) {
-        return at < text.size() &&
-               (std::isalnum(static_cast<unsigned char>(text[at])) != 0 || text[at] == '-');
+    const auto is_letter = [&](std::size_t at) {
+        return at < text.size() && std::isalnum(static_cast<unsigned char>(text[at])) != 0;
+    };
+    const auto is_one_of = [&](std::size_t at, std::string_view characters) {
+        return at < text.size() && characters.find(text[at]) != std::string_view::npos;
+    };
+    // "model.b" of "model.b.h5" or "runs/model.b" is part of the name of a file.
+    const auto is_whole_word = [&](std::size_t begin, std::size_t end) {
+        if (begin > 0 && (is_letter(begin - 1) || is_one_of(begin - 1, "-_./"))) return false;
+        if (is_letter(end) || is_one_of(end, "-_/")) return false;
+        return !(is_one_of(end, ".") && is_letter(end + 1));
     };
     for (const Entry& entry : entries_) {
         // A plain word is a name only between these quotation marks.
@@ -44,8 +52,7 @@ std::string OptionSet::with_flags(std::string text) const {
         const std::string flag = "--" + entry.flag;
         std::size_t at = text.find(name);
         while (at != std::string::npos) {
-            const bool is_whole =
-                !(at > 0 && is_of_a_name(at - 1)) && !is_of_a_name(at + name.size());
+            const bool is_whole = is_whole_word(at, at + name.size());
             if (is_whole) text.replace(at, name.size(), flag);
             at = text.find(name, at + (is_whole ? flag.size() : 1));
         }

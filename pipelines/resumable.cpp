@@ -144,7 +144,7 @@ void Resumable::save(Checkpoint state, std::optional<std::int64_t> records) {
 std::string Resumable::interrupted(double done, double all, const std::string& units,
                                    const std::string& kept) const {
     return fmt::format("interrupted after {:.10g} of {:.10g} {}{}{}", done, all, units, kept,
-                       advice());
+                       done >= all ? std::string() : advice());
 }
 
 std::string Resumable::advice() const {
@@ -155,7 +155,11 @@ void Resumable::finish() {
     std::error_code ignored;
     fs::remove(checkpoint_path(), ignored);
     is_saved_ = false;
-    if (log_) log_->remove();
+    if (log_) {
+        log_->remove();
+    } else if (!identity_.log.empty()) {
+        fs::remove(with_suffix(identity_.log), ignored);
+    }
     log_.reset();
 }
 

@@ -216,7 +216,7 @@ void Locator::search(Frame& frame) {
         frame.search.run(rough_sweeps_of(frame.refinement));
         settle_and_judge(frame, draw_all);
     }
-    // One pass means that most spheres are wanted soon, and the model is still wrong.
+    // While the model is still wrong, most spheres are enough.
     if (frame.detection.goal == SearchGoal::every_sphere &&
         frame.search.look_again(sweeps_of(frame.refinement), *frame.residual)) {
         settle_and_judge(frame, draw_all);

@@ -299,7 +299,7 @@ void Tracker::summarise(const TrackSummary& summary) {
         plan_.warn(fmt::format(
             "the image model explains {} of {} frames badly, worst frame {}: RMS residual {:.2f} "
             "of the contrast (0.02 to 0.08 is usual); look at the overlay in the report, and at "
-            "calibrate.polarity, calibrate.diameter and calibrate.edge-width",
+            "calibrate.polarity, calibrate.disc-diameter and calibrate.edge-width",
             summary.poor_frames, summary.frames, summary.worst_frame, summary.worst_residual));
     }
     const Bilayer::Summary& layers = summary.layers;

@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "tracking/layers/overlap_graph.h"
+
 namespace grainfield::pipelines {
 
 namespace {
@@ -39,8 +41,8 @@ double Tuning::diameter() const {
 
 double Tuning::forbidden_distance() const {
     if (!options.layers.height || !options.sphere_diameter) return 0;
-    const double slack = *options.layers.height - 1;
-    return *options.sphere_diameter * std::sqrt(std::max(0.0, 1 - slack * slack));
+    const tracking::SphereCell cell{.height = *options.layers.height};
+    return *options.sphere_diameter * cell.least_distance();
 }
 
 std::vector<double> Tuning::gathered(

@@ -19,12 +19,12 @@ OptionTable describe(ViewOptions& o) {
     t.choice("projection", o.projection,
              {{"perspective", Projection::perspective}, {"telecentric", Projection::telecentric}},
              "rays from a pinhole, or parallel ones");
-    t.number("distance", o.distance, "a", {100, 1e6}, "of the pinhole above mid height");
-    t.number("centre-x", o.centre_x, "a", {-1e6, 1e6}, "of the frame; auto: of the box");
-    t.number("centre-y", o.centre_y, "a", {-1e6, 1e6}, "of the frame; auto: of the box");
-    t.number(
-        "cell-height", o.cell_height, "a", {1, 1000},
-        fmt::format("between the plates; auto: of the trajectory, else {:g}", default_cell_height));
+    t.number("distance", o.distance, "a", {100, 1e6}, "distance of the pinhole from mid height");
+    t.number("centre-x", o.centre_x, "a", {-1e6, 1e6}, "centre of the frame; auto: of the box");
+    t.number("centre-y", o.centre_y, "a", {-1e6, 1e6}, "centre of the frame; auto: of the box");
+    t.number("cell-height", o.cell_height, "a", {1, 1000},
+             fmt::format("distance between the plates; auto: of the trajectory, else {:g}",
+                         default_cell_height));
     t.number("sphere-mm", o.sphere_mm, "mm", {1e-3, 1000}, "true diameter a, sets the clock of MD");
     return t;
 }

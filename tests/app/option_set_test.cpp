@@ -38,6 +38,9 @@ TEST_F(OptionSetOfThreeTables, TheNamesOfLibrariesBecomeFlags) {
               "--q4-bins is too small; --range, too (--sk-bins)");
     EXPECT_EQ(set.with_flags("in 'seq4.bins' and q4.bins-of-old nothing is named"),
               "in 'seq4.bins' and q4.bins-of-old nothing is named");
+    EXPECT_EQ(set.with_flags("cannot write 'q4.bins.h5', 'runs/q4.bins' and q4.bins_2"),
+              "cannot write 'q4.bins.h5', 'runs/q4.bins' and q4.bins_2")
+        << "names of files stay";
     EXPECT_EQ(set.with_flags("option 'threads' is too large; threads are few"),
               "--threads is too large; threads are few");
 }

@@ -224,7 +224,7 @@ std::optional<Trial> best_trial(const Image& counts, const CalibrationOptions& o
     if (!best) {
         plan.warn(
             "no disc-shaped objects found; if there are spheres, their diameter is needed "
-            "(calibrate.diameter)");
+            "(calibrate.disc-diameter)");
         return std::nullopt;
     }
     const double percent = 100 * best->fitter.explained.signal;
@@ -232,7 +232,7 @@ std::optional<Trial> best_trial(const Image& counts, const CalibrationOptions& o
         plan.warn(fmt::format(
             "no spheres of one size: the best discs, D = {:.1f} px, explain {:.0f} % of the "
             "image; if there are spheres, their diameter and polarity are needed "
-            "(calibrate.diameter, "
+            "(calibrate.disc-diameter, "
             "calibrate.polarity)",
             best->model.disc.diameter, std::max(0.0, percent)));
         return std::nullopt;
@@ -302,7 +302,7 @@ std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptio
     } else if (!edges.converged) {
         plan.warn(fmt::format(
             "the fit of diameter and edge width to exposed edges did not converge; D = {:.2f} px "
-            "and w = {:.2f} px are those before it; both can be given (calibrate.diameter, "
+            "and w = {:.2f} px are those before it; both can be given (calibrate.disc-diameter, "
             "calibrate.edge-width)",
             model.disc.diameter, model.disc.edge_width));
     }

@@ -197,18 +197,21 @@ double sampling_tolerance(const RaytraceOptions& options, double noise) {
 OptionTable Raytrace::describe() {
     OptionTable t(name());
     t.number("panel-distance", panel_distance, "a", {0, 1e5},
-             "of the panel below the cell, plate included");
-    t.number("panel-half-size", panel_half_size, "a", {1e-3, 1e6}, "of the square panel");
-    t.number("emission-power", emission_power, "-", {0.1, 100}, "panel radiance ∝ cos^(power − 1)");
-    t.number("glass-thickness", glass_thickness, "a", {0, 1e4}, "of either plate; 0: none");
+             "distance of the panel below the cell, plate included");
+    t.number("panel-half-size", panel_half_size, "a", {1e-3, 1e6},
+             "half of the side of the square panel");
+    t.number("emission-power", emission_power, "-", {0.1, 100},
+             "power of the panel's radiance, ∝ cos^(power − 1)");
+    t.number("glass-thickness", glass_thickness, "a", {0, 1e4},
+             "thickness of either plate; 0: none");
     t.number("ring-level", ring_level, "-", {0, 100}, "radiance of an LED ring above / panel");
-    t.number("ring-angle", ring_angle, "deg", {1, 80}, "of the ring from the vertical");
-    t.integer("bounces", bounces, "-", {1, 32}, "mirror reflections followed");
+    t.number("ring-angle", ring_angle, "deg", {1, 80}, "angle of the ring from the vertical");
+    t.integer("bounces", bounces, "-", {1, 32}, "most mirror reflections of a ray");
     t.flag("neighbours", neighbours, "spheres mirror one another, not only the light");
-    t.integer("most-samples", most_samples, "-", {1, 65536}, "camera rays per pixel, at most");
+    t.integer("most-samples", most_samples, "-", {1, 65536}, "most camera rays per pixel");
     t.number("tolerance", tolerance, "-", {0, 1},
-             "spread around a pixel that costs one more ray; 0: sample all pixels alike; auto: of "
-             "the camera's noise");
+             "scatter around a pixel that takes one more ray; 0: all pixels alike; auto: from the "
+             "camera's noise");
     return t;
 }
 
