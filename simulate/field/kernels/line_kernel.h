@@ -15,7 +15,10 @@ struct LineBundle {
     /// the ends are closed.
     int warm = 0;
 
-    std::size_t length() const { return static_cast<std::size_t>(cells + 2 * warm); }
+    std::size_t length() const {
+        const int all = cells + 2 * warm;
+        return static_cast<std::size_t>(all);
+    }
 };
 
 /// Coefficients of the elimination, filled by factor_lines; [length · line_lanes] numbers each.

@@ -37,7 +37,8 @@ struct CellGrid {
     explicit CellGrid(const MdSystem& system);
 
     std::size_t index(int x, int y, int z) const {
-        return static_cast<std::size_t>((z * count[1] + y) * count[0] + x);
+        const int index = (z * count[1] + y) * count[0] + x;
+        return static_cast<std::size_t>(index);
     }
     std::size_t size() const { return cell.size(); }
     int coordinate(double position, int axis) const;

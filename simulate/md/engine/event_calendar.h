@@ -32,7 +32,8 @@ class EventCalendar {
         const double buckets = std::clamp(expected / per_bucket, 1.0, 1e8);
         per_time_ = buckets / std::max(end - start, 1e-300);
         last_bucket_ = static_cast<std::int32_t>(buckets) + 1;
-        head_.assign(static_cast<std::size_t>(last_bucket_ / span + 2), -1);
+        const std::int32_t spans = last_bucket_ / span + 2;
+        head_.assign(static_cast<std::size_t>(spans), -1);
         pool_used_ = 0;
         free_ = -1;
         for (auto& bucket : near_) bucket.clear();
