@@ -12,7 +12,6 @@
 namespace grainfield::tracking {
 namespace {
 
-
 [[noreturn]] void refuse(std::string actual, std::string expected) {
     throw InputError({.problem = "the checkpoint does not fit the film",
                       .actual = std::move(actual),
