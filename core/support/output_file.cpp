@@ -30,7 +30,7 @@ namespace fs = std::filesystem;
 }
 
 [[noreturn]] void refuse_existing(const fs::path& target) {
-    refuse(target, "the file exists already", "give another name, or --force to replace it");
+    refuse(target, "the file exists already", "give another name, or option 'force' to replace it");
 }
 
 std::string system_text(int error) {

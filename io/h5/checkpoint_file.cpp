@@ -31,7 +31,7 @@ constexpr std::uint32_t format_version = 1;
     throw InputError({.problem = fmt::format("cannot go on from '{}'", path.string()),
                       .actual = actual,
                       .expected = expected,
-                      .suggestion = "start again without --resume"});
+                      .suggestion = "start again without option 'resume'"});
 }
 
 std::uint32_t checksum(std::string_view bytes) {

@@ -62,7 +62,7 @@ class PictureFolder : public FrameWriter {
                 {.problem = fmt::format("cannot write to '{}'", folder_.string()),
                  .actual = fmt::format("it holds '{}' already", entry.path().filename().string()),
                  .expected = {},
-                 .suggestion = "give another name, or --force to replace frames"});
+                 .suggestion = "give another name, or option 'force' to replace frames"});
         }
     }
 

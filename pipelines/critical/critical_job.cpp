@@ -102,7 +102,7 @@ Gathered as_fitted(const std::vector<Results>& results, const std::vector<double
         }
         const std::string why = falls            ? no_rise
                                 : fit == nullptr ? "it has no fit; analyse it again (a density "
-                                                   "field with --fit-k-max)"
+                                                   "field with a range of the fit)"
                                 : !fit->reason.empty()     ? fit->reason
                                 : m != nullptr && m->value ? "S0/S1 has no error"
                                                            : "it has no S0/S1";

@@ -14,7 +14,7 @@ WatchedFrames::WatchedFrames(std::unique_ptr<FrameSource> source, BadFrames bad_
     throw InputError({.problem = fmt::format("'{}' is not sound", name()),
                       .actual = warnings().front(),
                       .expected = {},
-                      .suggestion = "leave out --strict to use what can be read"});
+                      .suggestion = "leave out option 'strict' to use what can be read"});
 }
 
 Frame WatchedFrames::read(std::int64_t position) {
@@ -25,7 +25,7 @@ Frame WatchedFrames::read(std::int64_t position) {
                                     frame.status == FrameStatus::corrupt ? "corrupt" : "missing"),
              .actual = frame.message,
              .expected = {},
-             .suggestion = "leave out --strict to track the other frames"});
+             .suggestion = "leave out option 'strict' to track the other frames"});
     }
     return frame;
 }

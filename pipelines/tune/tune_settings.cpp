@@ -72,7 +72,8 @@ std::vector<Setting> suggested_settings(const Tuning& tuning, const FilmOptions&
     put(settings, "calibrate", "disc-diameter", fmt::format("{:.3f}", model.disc.diameter));
     put(settings, "calibrate", "edge-width", fmt::format("{:.3f}", model.disc.edge_width));
     put(settings, "calibrate", "meeting-edges", fmt::format("\"{}\"", model.overlap->name()));
-    put(settings, "calibrate", "profile", model.correction.is_zero() ? "\"tanh\"" : "\"learned\"");
+    put(settings, "calibrate", "profile",
+        fmt::format("\"{}\"", model.correction.is_zero() ? model.disc.shape->name() : "learned"));
     // Steps far below the error buy nothing.
     const double tolerance = std::clamp(0.1 * tuning.median_error(), 0.003, 0.03);
     if (tolerance > 1.5 * tuning.options.refinement.tolerance) {

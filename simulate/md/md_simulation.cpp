@@ -71,7 +71,7 @@ struct CheckpointReader {
         throw InputError({.problem = fmt::format("cannot go on from {}", file),
                           .actual = fmt::format("'{}': {}", name, actual),
                           .expected = expected,
-                          .suggestion = "start again without --resume"});
+                          .suggestion = "start again without option 'resume'"});
     }
     template <class T>
     const std::vector<T>& find(const std::map<std::string, std::vector<T>>& arrays,

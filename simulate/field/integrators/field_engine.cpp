@@ -17,7 +17,7 @@ constexpr std::uint32_t initial_line = 0xFFFFFFFFU;
     throw InputError({.problem = "the checkpoint cannot be used",
                       .actual = actual,
                       .expected = expected,
-                      .suggestion = "start again without --resume"});
+                      .suggestion = "start again without option 'resume'"});
 }
 
 const std::vector<double>& finite_numbers(const Checkpoint& checkpoint, const std::string& name,

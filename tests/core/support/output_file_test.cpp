@@ -60,7 +60,7 @@ TEST(OutputFile, RefusesAnExistingTargetUnlessForced) {
     const std::filesystem::path target = folder / "x.txt";
     write_bytes(target, "old");
     EXPECT_THAT([&] { OutputFile(target, Overwrite::refuse); },
-                ThrowsMessage<OutputError>(HasSubstr("--force")));
+                ThrowsMessage<OutputError>(HasSubstr("option 'force'")));
     OutputFile file(target, Overwrite::force);
     write_bytes(file.temporary(), "new");
     file.commit();
