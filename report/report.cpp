@@ -10,7 +10,7 @@
 #include "report/page/page.h"
 #include "report/page/paper_table.h"
 #include "report/page/text.h"
-#include "report/run_identity.h"
+#include "report/run_labels.h"
 
 namespace grainfield::report {
 

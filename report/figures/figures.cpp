@@ -13,7 +13,7 @@
 #include "report/figures/panels.h"
 #include "report/figures/scaled_spectrum.h"
 #include "report/page/text.h"
-#include "report/run_identity.h"
+#include "report/run_labels.h"
 
 namespace grainfield::report {
 

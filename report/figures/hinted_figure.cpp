@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "report/page/text.h"
-#include "report/run_identity.h"
+#include "report/run_labels.h"
 
 namespace grainfield::report {
 

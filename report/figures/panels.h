@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "report/figures/figure.h"
-#include "report/run_identity.h"
+#include "report/run_labels.h"
 
 namespace grainfield::report {
 

@@ -10,7 +10,7 @@
 #include "core/support/parallel.h"
 #include "report/maps/png.h"
 #include "report/page/text.h"
-#include "report/run_identity.h"
+#include "report/run_labels.h"
 
 namespace grainfield::report {
 

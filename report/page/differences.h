@@ -6,7 +6,7 @@
 
 #include "core/results.h"
 #include "report/page/table.h"
-#include "report/run_identity.h"
+#include "report/run_labels.h"
 
 namespace grainfield::report {
 

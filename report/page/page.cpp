@@ -15,7 +15,7 @@
 #include "report/page/key_numbers.h"
 #include "report/page/run_record.h"
 #include "report/page/text.h"
-#include "report/run_identity.h"
+#include "report/run_labels.h"
 
 namespace grainfield::report {
 

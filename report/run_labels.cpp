@@ -1,4 +1,4 @@
-#include "report/run_identity.h"
+#include "report/run_labels.h"
 
 #include <algorithm>
 
