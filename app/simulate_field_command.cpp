@@ -114,10 +114,19 @@ Summary SimulateFieldCommand::run(Session& session) {
                              !std::filesystem::exists(job.output.string() + ".checkpoint");
         if (is_done) continue;
         pipelines::Job one = job_of(session, job);
-        const pipelines::FieldJobResult result = pipelines::run_field(job, one);
-        if (&job == &jobs.front()) session.plan = one.plan;
-        for (const Warning& warning : one.plan.warnings()) session.plan.warn(warning);
-        session.outputs = one.outputs;
+        const auto take_over = [&] {
+            if (&job == &jobs.front()) session.plan = one.plan;
+            for (const Warning& warning : one.plan.warnings()) session.plan.warn(warning);
+            session.outputs = one.outputs;
+        };
+        pipelines::FieldJobResult result;
+        try {
+            result = pipelines::run_field(job, one);
+        } catch (...) {
+            take_over();  // what was warned of before it failed is said
+            throw;
+        }
+        take_over();
         summary.text += words(job.output, result);
         if (jobs.size() == 1) {
             summary.facts = facts(result);
