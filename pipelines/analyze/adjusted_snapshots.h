@@ -16,7 +16,6 @@ struct Adjustment {
     std::optional<double> particle_diameter;  ///< the true a [length unit of the file]
     std::optional<double> acceleration;       ///< Γ = Aω²/g of the vibration
 
-    bool changes_box() const { return box_length || boundary; }
     void apply_to(TrajectoryInfo& info) const;
     void apply_to(Snapshot& snapshot) const;
 };
