@@ -1,0 +1,202 @@
+#include "tracking/synthesis/film_synthesis.h"
+
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/errors.h"
+#include "core/memory_frames.h"
+#include "tests/tracking/synthesis/rendered_layer.h"
+#include "tracking/tracking.h"
+
+namespace grainfield::tracking {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::rendered_layer;
+using testing::RenderedLayer;
+
+constexpr double kScale = 12;  // a [px]
+constexpr double kNoise = 0.01;
+
+Image counts_of(const RenderedLayer& layer) {
+    Image counts = layer.brightness;
+    for (float& v : counts.pixels()) v = 20 + 200 * v;
+    return counts;
+}
+
+/// The layer as a whole moves by .04 a from frame to frame.
+std::vector<Image> film(int frames) {
+    RenderedLayer layer = rendered_layer(9, kScale, 0, 41);
+    MirrorImage image(layer.brightness.width(), layer.brightness.height(), kScale, 2);
+    std::vector<Image> counts;
+    for (int f = 0; f < frames; ++f) {
+        for (Point3& p : layer.spheres) p.x += 0.04F;
+        image.render(MirrorScene(layer.spheres, layer.optics));
+        layer.brightness = image.image();
+        RandomStream random(42, "film", static_cast<std::uint64_t>(f));
+        for (float& v : layer.brightness.pixels())
+            v += static_cast<float>(kNoise * random.normal());
+        counts.push_back(counts_of(layer));
+    }
+    return counts;
+}
+
+TrackOptions options(int threads = 2) {
+    TrackOptions options;
+    options.sphere_diameter = kScale;
+    options.synthesis = true;
+    options.synthesis_options.searches = 0;
+    options.calibration.diameter = 0.9 * kScale;
+    options.calibration.edge_width = 0.12 * kScale;
+    options.threads = threads;
+    return options;
+}
+
+Trajectory tracked(const std::vector<Image>& images, const TrackOptions& with,
+                   RunPlan* plan = nullptr) {
+    MemoryFrames frames(images);
+    return track(frames, with, {.plan = plan});
+}
+
+std::string refusal(const TrackOptions& with) {
+    try {
+        tracked({film(1)}, with);
+    } catch (const OptionError& error) {
+        return error.what();
+    }
+    return "none";
+}
+
+ImageModel lit_model() {
+    ImageModel model;
+    model.disc.diameter = 0.9 * kScale;
+    model.disc.edge_width = 0.1 * kScale;
+    model.background = BackgroundSurface(220);
+    model.dark_level = 20;
+    return model;
+}
+
+TEST(FilmSynthesis, ReportsWhatLiesWithinTheBorderInPixelsWithItsLayer) {
+    const ImageModel model = lit_model();
+    const FilmSynthesis synthesis(model, 10, 0, {.height = 1.8});
+    SynthesisedFrame found;
+    found.position = {{4, 50}, {50, 60}, {30, 70}, {90, 95.5}, {40, 40}};
+    found.error = {{1, 1}, {0.1, 0.2}, {1, 1}, {1, 1}, {1, 1}};
+    found.z = {0.1, 0.7, 0.1, 0.7, 0.5};
+    found.z_error = {0.05, 0.02, 0.01, 0.05, 0.2};
+    found.residual = {0.1, 0.02, 0.3, 0.4, 0.5};
+    Snapshot s;
+    s.box = {.origin = {-0.5, -0.5}, .length = {101, 101}};
+    synthesis.report(found, 5, s);
+    EXPECT_NO_THROW(require_consistent(s));
+    EXPECT_EQ(s.position, (std::vector<Vec2>{{50, 60}, {30, 70}, {40, 40}}));
+    // A sphere at the lowest place has its centre a/2 above the plate.
+    EXPECT_THAT(s.z, ::testing::Pointwise(::testing::DoubleNear(1e-12), {12.0, 6.0, 10.0}));
+    EXPECT_THAT(s.z_error, ::testing::Pointwise(::testing::DoubleNear(1e-12), {0.2, 0.1, 2.0}));
+    EXPECT_EQ(s.position_error[0], (Vec2{0.1, 0.2}));
+    EXPECT_EQ(s.quality, (std::vector<double>{0.02, 0.3, 0.5}));
+    EXPECT_EQ(s.layer, (std::vector<Layer>{Layer::top, Layer::bottom, Layer::unknown}));
+    EXPECT_DOUBLE_EQ(synthesis.cell_height(), 18);
+}
+
+TEST(FilmSynthesis, TheFirstFrameEstimatesOpticsAndThoseAfterItKeepThem) {
+    const RenderedLayer layer = rendered_layer(8, kScale, kNoise, 43);
+    const Image counts = counts_of(layer);
+    std::vector<Vec2> discs;
+    for (const Point3& p : layer.spheres) {
+        discs.push_back({static_cast<double>(p.x) * kScale, static_cast<double>(p.y) * kScale});
+    }
+    const ImageModel model = lit_model();
+    const FilmSynthesis synthesis(model, kScale, 0, {.height = layer.height, .searches = 0});
+    const SynthesisedFrame first = synthesis.next(counts, discs, nullptr, 2);
+    EXPECT_NEAR(first.optics.blur, layer.optics.blur, 0.01);
+    EXPECT_LT(first.residual_rms, 0.7 * first.residual_before);
+    const SynthesisedFrame second = synthesis.next(counts, discs, &first, 2);
+    EXPECT_EQ(second.optics.blur, first.optics.blur);
+    EXPECT_EQ(second.optics.reflectivity, first.optics.reflectivity);
+    // It starts at heights that are known.
+    EXPECT_LT(second.residual_before, 1.2 * first.residual_rms);
+    EXPECT_TRUE(synthesis.next(counts, {}, &first, 2).position.empty());
+}
+
+TEST(FilmSynthesis, AFilmHasHeightsInEveryFrameWhateverTheThreads) {
+    const std::vector<Image> images = film(3);
+    RunPlan plan;
+    const Trajectory one = tracked(images, options(1), &plan);
+    const Trajectory three = tracked(images, options(3));
+    ASSERT_EQ(one.snapshots.size(), 3U);
+    for (std::size_t f = 0; f < 3; ++f) {
+        const Snapshot& s = one.snapshots[f];
+        EXPECT_GT(s.size(), 25U);
+        EXPECT_EQ(s.z.size(), s.size());
+        EXPECT_EQ(s.id.size(), s.size());
+        EXPECT_DOUBLE_EQ(s.box.height, 1.94 * kScale);
+        EXPECT_EQ(s.position, three.snapshots[f].position);
+        EXPECT_EQ(s.z, three.snapshots[f].z);
+        EXPECT_EQ(s.z_error, three.snapshots[f].z_error);
+        EXPECT_EQ(s.id, three.snapshots[f].id);
+    }
+    EXPECT_THAT(plan.text(), HasSubstr("synthesis"));
+}
+
+TEST(FilmSynthesis, TheHeightOfTheCellIsThatOfTheLayersWhereItIsGiven) {
+    TrackOptions lower = options();
+    lower.layers.height = 1.7;
+    const Trajectory found = tracked(film(1), lower);
+    EXPECT_DOUBLE_EQ(found.snapshots.at(0).box.height, 1.7 * kScale);
+    for (const double z : found.snapshots[0].z) {
+        EXPECT_GE(z, 0.5 * kScale - 1e-6);
+        EXPECT_LE(z, 1.2 * kScale + 1e-6);
+    }
+}
+
+TEST(FilmSynthesis, SaysWhatItNeeds) {
+    TrackOptions unknown = options();
+    unknown.sphere_diameter.reset();
+    EXPECT_THAT(refusal(unknown), HasSubstr("give track.sphere-diameter"));
+    TrackOptions masked = options();
+    Image mask(84, 84, 1);
+    mask(3, 3) = 0;
+    masked.visible = VisiblePixels(mask);
+    EXPECT_THAT(refusal(masked), HasSubstr("mask"));
+    ImageModel bright = lit_model();
+    bright.polarity = Polarity::bright;
+    EXPECT_THROW(FilmSynthesis(bright, kScale, 0, {}), OptionError);
+}
+
+TEST(FilmSynthesis, WarnsOfDoubtfulSpheresAndOfAResidualThatDidNotFall) {
+    SynthesisedFrame good;
+    good.position.resize(200);
+    good.residual_before = 0.05;
+    good.residual_rms = 0.02;
+    good.doubtful = 2;
+    SynthesisSummary summary;
+    add(good, 3, summary);
+    RunPlan quiet;
+    warn_of(summary, quiet);
+    EXPECT_TRUE(quiet.warnings().empty());
+
+    SynthesisedFrame bad = good;
+    bad.doubtful = 20;
+    bad.residual_rms = 0.06;
+    add(bad, 4, summary);
+    add({}, 5, summary);  // nothing was found there
+    EXPECT_EQ(summary.frames, 2);
+    EXPECT_DOUBLE_EQ(summary.mean_before(), 0.05);
+    EXPECT_DOUBLE_EQ(summary.mean_after(), 0.04);
+    RunPlan plan;
+    warn_of(summary, plan);
+    ASSERT_EQ(plan.warnings().size(), 2U);
+    EXPECT_EQ(plan.warnings()[0].code, WarningCode::doubtful_heights);
+    EXPECT_THAT(plan.warnings()[0].text, HasSubstr("in 1 of 2 frames"));
+    EXPECT_THAT(plan.warnings()[0].text, HasSubstr("worst frame 4: 10.0 %"));
+    EXPECT_EQ(plan.warnings()[1].code, WarningCode::doubtful_heights);
+    EXPECT_THAT(plan.warnings()[1].text, HasSubstr("did not converge in 1 of 2"));
+}
+
+}  // namespace
+}  // namespace grainfield::tracking

@@ -1,0 +1,131 @@
+#include "tracking/synthesis/mirror_scene.h"
+
+#include <cmath>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace grainfield::tracking {
+namespace {
+
+constexpr float kRadius = 0.5F;
+constexpr MirrorOptics kDark{.reflectivity = 0.6, .ambient = 0, .grazing = 0};
+const float kCore = kRadius / std::sqrt(2.0F);
+
+float seen(const MirrorScene& scene, float x, float y) {
+    std::int32_t beside = -1;
+    return scene.radiance(x, y, scene.first_sphere(x, y, beside));
+}
+
+/// Schlick's reflectance where a vertical ray meets a sphere at impact parameter ρ.
+double reflectance(double rho, double at_normal) {
+    const double cosine = std::sqrt(1 - 4 * rho * rho);
+    return at_normal + (1 - at_normal) * std::pow(1 - cosine, 5);
+}
+
+TEST(MirrorScene, TheCoreOfALoneSphereSendsRaysUpAndIsDark) {
+    const MirrorScene scene({{0, 0, 0.3F}}, kDark);
+    for (const float angle : {0.0F, 1.0F, 2.5F, 4.0F}) {
+        for (const float rho : {0.0F, 0.2F, kCore - 0.002F}) {
+            EXPECT_EQ(seen(scene, rho * std::cos(angle), rho * std::sin(angle)), 0) << rho;
+        }
+    }
+}
+
+TEST(MirrorScene, TheRimOfALoneSphereShowsThePanelByItsReflectance) {
+    const MirrorScene scene({{0, 0, 0.3F}}, kDark);
+    for (const float angle : {0.0F, 1.0F, 2.5F, 4.0F}) {
+        for (const float rho : {kCore + 0.002F, 0.4F, 0.45F, 0.49F}) {
+            EXPECT_NEAR(seen(scene, rho * std::cos(angle), rho * std::sin(angle)),
+                        reflectance(static_cast<double>(rho), 0.6), 1e-4)
+                << rho;
+        }
+    }
+}
+
+TEST(MirrorScene, ARayThatPassesSeesThePanel) {
+    const MirrorScene scene({{0, 0, 0.3F}}, kDark);
+    std::int32_t beside = -1;
+    EXPECT_EQ(scene.first_sphere(0.51F, 0, beside), -1);
+    EXPECT_EQ(beside, 0);
+    EXPECT_EQ(scene.first_sphere(0.6F, 0, beside), -1);
+    EXPECT_EQ(beside, -1);
+    EXPECT_EQ(seen(scene, 0.51F, 0), 1);
+    EXPECT_EQ(seen(MirrorScene({}, kDark), 3, 4), 1);
+}
+
+TEST(MirrorScene, WhatIsNotThePanelIsSeenAsAmbientLight) {
+    MirrorOptics optics = kDark;
+    optics.ambient = 0.3;
+    EXPECT_NEAR(seen(MirrorScene({{0, 0, 0}}, optics), 0.2F, 0), 0.3 * reflectance(0.2, 0.6), 1e-5);
+    // The panel ends at 30° below the horizon: a reflected ray descends by 2 c² − 1 = −1/2 at
+    // c² = 1/4, ρ = R sqrt(3)/2.
+    optics.grazing = 0.5;
+    const MirrorScene scene({{0, 0, 0}}, optics);
+    EXPECT_NEAR(seen(scene, 0.43F, 0), 0.3 * reflectance(0.43, 0.6), 1e-4);
+    EXPECT_NEAR(seen(scene, 0.436F, 0), reflectance(0.436, 0.6), 1e-4);
+}
+
+TEST(MirrorScene, ANeighbourDarkensTheRimTowardsItAndNoOther) {
+    const MirrorScene lone({{0, 0, 0.5F}}, kDark);
+    const MirrorScene pair({{0, 0, 0.5F}, {1.1F, 0, 0.4F}}, kDark);
+    for (const float rho : {0.38F, 0.42F}) {
+        EXPECT_LT(seen(pair, rho, 0), 0.65F * seen(lone, rho, 0)) << rho;
+        EXPECT_EQ(seen(pair, -rho, 0), seen(lone, -rho, 0)) << rho;
+    }
+}
+
+TEST(MirrorScene, TheHigherOfTwoSpheresHidesTheOther) {
+    std::int32_t beside = -1;
+    const MirrorScene scene({{0, 0, 0}, {0.5F, 0, 0.9F}}, kDark);
+    EXPECT_EQ(scene.first_sphere(0.25F, 0, beside), 1);
+    EXPECT_EQ(scene.first_sphere(-0.1F, 0, beside), 0);
+}
+
+TEST(MirrorScene, AMovedSphereIsSeenAsInASceneBuiltThere) {
+    const std::vector<Point3> spheres{
+        {0, 0, 0.1F}, {0.7F, 0.3F, 0.85F}, {-0.5F, 0.9F, 0.5F}, {0.2F, -1.05F, 0.2F}};
+    const MovedSphere moved{1, {0.72F, 0.29F, 0.8F}};
+    std::vector<Point3> displaced = spheres;
+    displaced[1] = moved.centre;
+    const MirrorScene scene(spheres, {});
+    const MirrorScene there(displaced, {});
+    int changed = 0;
+    for (int row = -30; row <= 30; ++row) {
+        for (int column = -30; column <= 30; ++column) {
+            const float x = 0.7F + 0.0301F * static_cast<float>(column);
+            const float y = 0.3F + 0.0301F * static_cast<float>(row);
+            std::int32_t beside = -1;
+            const std::int32_t first = scene.first_sphere(x, y, beside);
+            const float value = scene.radiance(x, y, first >= 0 ? first : 1, moved);
+            EXPECT_NEAR(value, seen(there, x, y), 1e-5F) << x << ' ' << y;
+            changed += std::abs(value - seen(scene, x, y)) > 0.01F;
+        }
+    }
+    EXPECT_GT(changed, 100);
+}
+
+TEST(MirrorScene, ARayTouchesTheSpheresThatItMeetsAndPassesClosely) {
+    const MirrorScene scene({{0, 0, 0.5F}, {1.1F, 0, 0.4F}, {0, 2, 0.5F}}, kDark);
+    TouchedSpheres touched;
+    scene.radiance(0.38F, 0, 0, touched);
+    EXPECT_EQ(std::vector<std::int32_t>(touched.id, touched.id + touched.count),
+              (std::vector<std::int32_t>{0, 1}));
+}
+
+TEST(MirrorScene, ACameraAboveTheMiddleSeesSpheresDisplacedOutwards) {
+    MirrorOptics optics = kDark;
+    optics.distance = 50;
+    // A centre at z = 0.5 is seen where the line from (0, 0, 50) through it meets z = 0.
+    const MirrorScene scene({{10, 0, 0.5F}}, optics);
+    const float seen_at = 10 * 50 / 49.5F;
+    std::int32_t beside = -1;
+    EXPECT_EQ(scene.first_sphere(seen_at, 0, beside), 0);
+    // The silhouette's half width along y is R · 50/49.5 at this inclination, to a percent.
+    EXPECT_EQ(scene.first_sphere(seen_at, 0.495F, beside), 0);
+    EXPECT_EQ(scene.first_sphere(seen_at, 0.515F, beside), -1);
+}
+
+}  // namespace
+}  // namespace grainfield::tracking

@@ -1,0 +1,79 @@
+#include "tracking/synthesis/position_errors.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/pull.h"
+#include "tests/tracking/synthesis/rendered_layer.h"
+
+namespace grainfield::tracking {
+namespace {
+
+using testing::Pull;
+using testing::rendered_layer;
+using testing::RenderedLayer;
+
+Image white_noise(int width, int height) {
+    RandomStream random(9, "white");
+    Image noise(width, height);
+    for (float& v : noise.pixels()) v = static_cast<float>(random.normal());
+    return noise;
+}
+
+TEST(PositionErrors, WhiteNoiseIsIndependentFromPixelToPixel) {
+    EXPECT_NEAR(correlated_pixels(white_noise(300, 300)), 1, 0.05);
+}
+
+TEST(PositionErrors, ABlurCorrelatesAsManyPixelsAsItSpreadsOver) {
+    // The mean of 3 × 3: its correlation sums to 9.
+    const Image sharp = white_noise(302, 302);
+    Image spread(300, 300);
+    for (int y = 0; y < 300; ++y) {
+        for (int x = 0; x < 300; ++x) {
+            for (int k = 0; k < 9; ++k) spread(x, y) += sharp(x + k % 3, y + k / 3);
+        }
+    }
+    EXPECT_NEAR(correlated_pixels(spread), 9, 0.5);
+}
+
+// From the truth, where the rendering is linear in the step. The step itself leaves misfits of the
+// rays' grid that are correlated, so that κ widens errors that white noise alone would not. σ is
+// the larger of the residual about a sphere and its median, a tenth above the noise.
+TEST(PositionErrors, PullsOfOneStepOnFramesOfTheModelAreOneBeforeTheyAreWidened) {
+    constexpr double kScale = 12;  // [px/a]
+    Pull plane;
+    Pull height;
+    Pull widened;
+    for (const std::uint64_t seed : {21U, 22U, 23U, 24U, 25U, 26U}) {
+        const RenderedLayer layer = rendered_layer(11, kScale, 0.02, seed);
+        SynthesisFit fit(layer.brightness, layer.ceiling, kScale, 2);
+        fit.start(layer.spheres, layer.optics);
+        const SynthesisLimits limits{.height = layer.height, .most_rounds = 1};
+        fit.refine(limits);
+        const std::vector<SphereError> errors = position_errors(fit, kScale, limits, 2);
+        const double wide = std::sqrt(correlated_pixels(fit.residual()));
+        for (std::size_t i = 0; i < errors.size(); ++i) {
+            const Point3& p = layer.spheres[i];
+            const Point3& q = fit.spheres()[i];
+            // At a plate the cell cuts the error off.
+            const bool is_free = p.z > 0.06F && p.z < static_cast<float>(layer.height - 1) - 0.06F;
+            if (!layer.is_inner(p, 1) || !is_free) continue;
+            plane.add(wide * static_cast<double>(q.x - p.x) / errors[i].x);
+            plane.add(wide * static_cast<double>(q.y - p.y) / errors[i].y);
+            height.add(wide * static_cast<double>(q.z - p.z) / errors[i].z);
+            widened.add(static_cast<double>(q.x - p.x) / errors[i].x);
+            EXPECT_NEAR(errors[i].residual, 0.02, 0.008);
+        }
+    }
+    ASSERT_GT(height.count, 150);
+    for (const Pull& pull : {plane, height}) {
+        EXPECT_NEAR(pull.mean(), 0, 5 / std::sqrt(pull.count));
+        EXPECT_GT(pull.width(), 0.8);
+        EXPECT_LT(pull.width(), 1.15);
+    }
+    EXPECT_LT(widened.width(), plane.width());
+}
+
+}  // namespace
+}  // namespace grainfield::tracking

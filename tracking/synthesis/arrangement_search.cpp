@@ -1,0 +1,355 @@
+#include "tracking/synthesis/arrangement_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "core/support/parallel.h"
+
+namespace grainfield::tracking {
+namespace {
+
+constexpr double kWindow = 1.6;     // [a] half side of the square that is judged
+constexpr double kFree = 1.35;      // [a] spheres nearer than this are fitted again
+constexpr double kSeen = 4.0;       // [a] spheres farther away do not matter
+constexpr double kApart = 3.6;      // [a] places of one round
+constexpr double kSpotBlur = 0.13;  // [a]
+constexpr double kSpotRange = 1.1;  // [a]
+constexpr std::size_t kSpots = 3;
+constexpr std::size_t kNearest = 4;    // spheres that are lifted, moved or left out
+constexpr float kOtherHeight = 0.3F;   // [a]
+constexpr float kHalfSplit = 0.3F;     // [a]
+constexpr float kFarSplit = 0.45F;     // [a]
+constexpr double kSolved = 1.5;        // a window with so many usual misfits is right
+constexpr double kAbout = 0.6;         // [a] radius of the misfit about one sphere
+constexpr double kUnusual = 2.5;       // medians
+constexpr double kOverlapPrice = 400;  // [contrast²/a²]
+constexpr double kUsualMisfits = 6;    // a change must gain this many times the usual misfit m² A
+
+constexpr int kRoughly = 2;             // rounds of a trial
+constexpr int kWell = 3;                // … of the best ones
+constexpr double kLongTrialStep = 0.2;  // [a]
+constexpr std::size_t kFinalists = 3;
+
+struct Candidate {
+    std::vector<Point3> spheres;  ///< in the window's coordinates, those fitted first
+    int added = 0;                ///< −1, 0, 1
+};
+
+/// The surroundings of one place, cut out.
+struct Window {
+    Image brightness, ceiling;
+    Point3 origin;                     ///< of its coordinates [a]
+    std::vector<std::int32_t> member;  ///< numbers of the spheres, those fitted first
+    std::size_t free = 0;
+    std::vector<Point3> spheres;
+    MirrorOptics optics;
+    FrameLight light;
+    Image residual;
+};
+
+Image part_of(const Image& image, int x0, int y0, int width, int height) {
+    Image part(width, height);
+    for (int y = 0; y < height; ++y) {
+        std::copy_n(image.row(y0 + y) + x0, width, part.row(y));
+    }
+    return part;
+}
+
+double squared_in_plane(const Point3& a, const Point3& b) {
+    const auto x = static_cast<double>(a.x - b.x);
+    const auto y = static_cast<double>(a.y - b.y);
+    return x * x + y * y;
+}
+
+Window cut_out(const Image& brightness, const Image& ceiling, const SynthesisFit& fit, double scale,
+               Point3 place) {
+    Window w;
+    const int half = static_cast<int>(std::ceil((kWindow + 3 * fit.optics().blur) * scale));
+    const int column = static_cast<int>(std::lround(static_cast<double>(place.x) * scale));
+    const int row = static_cast<int>(std::lround(static_cast<double>(place.y) * scale));
+    const int x0 = std::clamp(column - half, 0, brightness.width() - 1);
+    const int y0 = std::clamp(row - half, 0, brightness.height() - 1);
+    const int x1 = std::clamp(column + half + 1, x0 + 1, brightness.width());
+    const int y1 = std::clamp(row + half + 1, y0 + 1, brightness.height());
+    w.brightness = part_of(brightness, x0, y0, x1 - x0, y1 - y0);
+    w.ceiling = part_of(ceiling, x0, y0, x1 - x0, y1 - y0);
+    w.residual = part_of(fit.residual(), x0, y0, x1 - x0, y1 - y0);
+    w.origin = {static_cast<float>(x0 / scale), static_cast<float>(y0 / scale), 0};
+    w.optics = fit.optics();
+    w.optics.middle_x -= static_cast<double>(w.origin.x);
+    w.optics.middle_y -= static_cast<double>(w.origin.y);
+    w.light = fit.light();
+    w.light.gain += w.light.fall * from_middle(brightness, column, row);
+    w.light.fall = 0;
+    for (const bool wants_free : {true, false}) {
+        for (std::size_t i = 0; i < fit.spheres().size(); ++i) {
+            const Point3& p = fit.spheres()[i];
+            const double squared = squared_in_plane(p, place);
+            if (squared > kSeen * kSeen || (squared < kFree * kFree) != wants_free) continue;
+            w.member.push_back(static_cast<std::int32_t>(i));
+            w.spheres.push_back({p.x - w.origin.x, p.y - w.origin.y, p.z});
+        }
+        if (wants_free) w.free = w.spheres.size();
+    }
+    return w;
+}
+
+/// Where image is darkest beside the rendering, within kSpotRange of the place: at most kSpots
+/// local minima of the smoothed residual, darkest first.
+std::vector<Point3> dark_spots(const Window& w, double scale, Point3 place) {
+    const Image smooth = gaussian_blurred(w.residual, kSpotBlur * scale, 1);
+    std::vector<std::pair<float, Point3>> found;
+    for (int y = 1; y + 1 < smooth.height(); ++y) {
+        for (int x = 1; x + 1 < smooth.width(); ++x) {
+            const float value = smooth(x, y);
+            if (value >= 0) continue;
+            const Point3 p{static_cast<float>(x / scale), static_cast<float>(y / scale), 0};
+            if (squared_in_plane(p, place) > kSpotRange * kSpotRange) continue;
+            bool is_least = true;
+            for (int v = -1; v <= 1; ++v) {
+                for (int u = -1; u <= 1; ++u) is_least = is_least && value <= smooth(x + u, y + v);
+            }
+            if (is_least) found.emplace_back(value, p);
+        }
+    }
+    std::sort(found.begin(), found.end(),
+              [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::vector<Point3> spots;
+    for (const auto& [value, p] : found) {
+        if (spots.size() == kSpots) break;
+        spots.push_back(p);
+    }
+    return spots;
+}
+
+/// A point `far` from a towards b, or b if that is nearer.
+Point3 towards(const Point3& a, const Point3& b, float far, float z) {
+    const auto length = static_cast<float>(std::sqrt(squared_in_plane(a, b)));
+    const float share = length > far ? far / length : 1.0F;
+    return {a.x + share * (b.x - a.x), a.y + share * (b.y - a.y), z};
+}
+
+/// Other arrangements, the likelier first.
+std::vector<Candidate> candidates(const Window& w, double scale, Point3 place, double top) {
+    std::vector<Candidate> all;
+    const auto low = static_cast<float>(0.05 * top);
+    const auto high = static_cast<float>(0.95 * top);
+    const std::pair<float, float> both[] = {{low, high}, {high, low}};
+    const std::vector<Point3> spots = dark_spots(w, scale, place);
+    const std::vector<Point3>& present = w.spheres;
+    std::vector<std::size_t> near(w.free);
+    std::iota(near.begin(), near.end(), std::size_t{0});
+    std::sort(near.begin(), near.end(), [&](std::size_t a, std::size_t b) {
+        return squared_in_plane(present[a], place) < squared_in_plane(present[b], place);
+    });
+    if (near.size() > kNearest) near.resize(kNearest);
+    const auto put = [&](std::vector<Point3> spheres, int added) {
+        all.push_back({std::move(spheres), added});
+    };
+    const auto with = [&](std::size_t i, Point3 p) {
+        std::vector<Point3> spheres = present;
+        spheres[i] = p;
+        return spheres;
+    };
+    const auto and_one = [](std::vector<Point3> spheres, Point3 p) {
+        spheres.insert(spheres.begin(), p);
+        return spheres;
+    };
+    // One at another height; two that overlap change places.
+    for (const std::size_t i : near) {
+        for (const float z : {low, high}) {
+            if (std::abs(present[i].z - z) < kOtherHeight) continue;
+            put(with(i, {present[i].x, present[i].y, z}), 0);
+        }
+    }
+    for (std::size_t k = 0; k < near.size(); ++k) {
+        for (std::size_t l = k + 1; l < near.size(); ++l) {
+            if (squared_in_plane(present[near[k]], present[near[l]]) > 1) continue;
+            std::vector<Point3> spheres = present;
+            std::swap(spheres[near[k]].z, spheres[near[l]].z);
+            if (std::abs(spheres[near[k]].z - spheres[near[l]].z) > kOtherHeight) {
+                put(std::move(spheres), 0);
+            }
+        }
+    }
+    // One more; one that stands for two; one elsewhere.
+    for (const Point3& spot : spots) {
+        for (const float z : {low, high}) put(and_one(present, {spot.x, spot.y, z}), 1);
+    }
+    for (std::size_t k = 0; k < std::min<std::size_t>(2, near.size()); ++k) {
+        const Point3 one = present[near[k]];
+        for (std::size_t a = 0; a < spots.size(); ++a) {
+            for (const auto& [here, there] : both) {
+                const Point3 opposite{2 * one.x - spots[a].x, 2 * one.y - spots[a].y, 0};
+                put(and_one(with(near[k], towards(one, opposite, kHalfSplit, here)),
+                            towards(one, spots[a], kHalfSplit, there)),
+                    1);
+                for (std::size_t b = a + 1; b < spots.size(); ++b) {
+                    put(and_one(with(near[k], towards(one, spots[a], kFarSplit, here)),
+                                towards(one, spots[b], kFarSplit, there)),
+                        1);
+                }
+                put(with(near[k], {spots[a].x, spots[a].y, here}), 0);
+            }
+        }
+    }
+    // One less.
+    for (const std::size_t i : near) {
+        std::vector<Point3> spheres = present;
+        spheres.erase(spheres.begin() + static_cast<std::ptrdiff_t>(i));
+        put(std::move(spheres), -1);
+    }
+    return all;
+}
+
+struct Outcome {
+    double misfit = 0;
+    std::vector<Point3> spheres;
+};
+
+double price(const SynthesisFit& fit) {
+    return fit.misfit() + kOverlapPrice * fit.overlap();
+}
+
+Outcome fitted(const Window& w, double scale, const std::vector<Point3>& spheres, std::size_t free,
+               const SynthesisLimits& limits, int rounds) {
+    SynthesisFit fit(w.brightness, w.ceiling, scale, 1);
+    std::vector<char> is_fixed(spheres.size(), 1);
+    std::fill_n(is_fixed.begin(), free, 0);
+    fit.start(spheres, w.optics, std::move(is_fixed), w.light);
+    SynthesisLimits few = limits;
+    few.most_rounds = rounds;
+    few.longest_step = kLongTrialStep;
+    fit.refine(few);
+    return {price(fit), fit.spheres()};
+}
+
+}  // namespace
+
+ArrangementChanges improve_arrangement(const Image& brightness, const Image& ceiling,
+                                       const SynthesisFit& fit, double scale,
+                                       const SynthesisLimits& limits, int threads,
+                                       std::vector<Point3>& spheres) {
+    spheres = fit.spheres();
+    ArrangementChanges changes;
+    if (spheres.empty()) return changes;
+    // The misfit about each sphere.
+    const Image& residual = fit.residual();
+    const double gain = fit.light().gain;
+    const int radius = static_cast<int>(kAbout * scale);
+    std::vector<double> about(spheres.size());
+    parallel_for(static_cast<std::int64_t>(spheres.size()), threads, [&](std::int64_t index) {
+        const Point3& p = spheres[static_cast<std::size_t>(index)];
+        const int cx = static_cast<int>(std::lround(static_cast<double>(p.x) * scale));
+        const int cy = static_cast<int>(std::lround(static_cast<double>(p.y) * scale));
+        double sum = 0;
+        for (int y = std::max(0, cy - radius); y <= std::min(residual.height() - 1, cy + radius);
+             ++y) {
+            for (int x = std::max(0, cx - radius); x <= std::min(residual.width() - 1, cx + radius);
+                 ++x) {
+                if ((x - cx) * (x - cx) + (y - cy) * (y - cy) > radius * radius) continue;
+                sum += static_cast<double>(residual(x, y)) * static_cast<double>(residual(x, y));
+            }
+        }
+        about[static_cast<std::size_t>(index)] = sum / (gain * gain);
+    });
+    std::vector<double> sorted = about;
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    const double median = *middle;
+    std::vector<std::size_t> order;
+    for (std::size_t i = 0; i < about.size(); ++i) {
+        if (about[i] > kUnusual * median) order.push_back(i);
+    }
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return about[a] > about[b]; });
+    std::vector<std::size_t> places;
+    for (const std::size_t i : order) {
+        const bool is_taken = std::any_of(places.begin(), places.end(), [&](std::size_t j) {
+            return squared_in_plane(spheres[i], spheres[j]) < kApart * kApart;
+        });
+        if (!is_taken) places.push_back(i);
+    }
+    changes.places = static_cast<int>(places.size());
+    const double enough = kUsualMisfits * median;
+    const double usual = median / (std::numbers::pi * radius * radius);  // a pixel
+    struct Better {
+        std::vector<std::int32_t> member;  ///< spheres that it replaces
+        std::vector<Point3> spheres;
+        int added = 0;
+    };
+    std::vector<std::optional<Better>> better(places.size());
+    std::vector<int> trials(places.size());
+    parallel_for(static_cast<std::int64_t>(places.size()), threads, [&](std::int64_t index) {
+        const auto k = static_cast<std::size_t>(index);
+        const Point3 centre = spheres[places[k]];
+        const Window w = cut_out(brightness, ceiling, fit, scale, centre);
+        const Point3 place{centre.x - w.origin.x, centre.y - w.origin.y, 0};
+        // As it is, settled.
+        const Outcome now = fitted(w, scale, w.spheres, w.free, limits, kRoughly);
+        const double solved = kSolved * usual * (2 * kWindow) * (2 * kWindow) * scale * scale;
+        struct Trial {
+            int added;
+            std::size_t free;
+            Outcome outcome;
+        };
+        std::vector<Trial> tried;
+        const auto accept = [&](const Trial& t) {
+            Better found;
+            found.member.assign(w.member.begin(),
+                                w.member.begin() + static_cast<std::ptrdiff_t>(w.free));
+            found.added = t.added;
+            for (std::size_t i = 0; i < t.free; ++i) {
+                const Point3& p = t.outcome.spheres[i];
+                found.spheres.push_back({p.x + w.origin.x, p.y + w.origin.y, p.z});
+            }
+            better[k] = std::move(found);
+        };
+        for (const Candidate& c : candidates(w, scale, place, limits.height - 1)) {
+            const auto free =
+                static_cast<std::size_t>(static_cast<std::ptrdiff_t>(w.free) + c.added);
+            tried.push_back({c.added, free, fitted(w, scale, c.spheres, free, limits, kRoughly)});
+            ++trials[k];
+            if (tried.back().outcome.misfit < std::min(now.misfit - enough, solved)) {
+                accept(tried.back());
+                return;
+            }
+        }
+        std::sort(tried.begin(), tried.end(), [](const Trial& a, const Trial& b) {
+            return a.outcome.misfit < b.outcome.misfit;
+        });
+        double least = now.misfit - enough;
+        for (std::size_t t = 0; t < std::min(kFinalists, tried.size()); ++t) {
+            tried[t].outcome =
+                fitted(w, scale, tried[t].outcome.spheres, tried[t].free, limits, kWell);
+            if (!(tried[t].outcome.misfit < least)) continue;
+            least = tried[t].outcome.misfit;
+            accept(tried[t]);
+        }
+    });
+    std::vector<char> keep(spheres.size(), 1);
+    std::vector<Point3> fresh;
+    for (std::size_t k = 0; k < places.size(); ++k) {
+        changes.trials += trials[k];
+        if (!better[k]) continue;
+        changes.added += better[k]->added > 0 ? 1 : 0;
+        changes.removed += better[k]->added < 0 ? 1 : 0;
+        changes.lifted += better[k]->added == 0 ? 1 : 0;
+        for (const std::int32_t j : better[k]->member) keep[static_cast<std::size_t>(j)] = 0;
+        fresh.insert(fresh.end(), better[k]->spheres.begin(), better[k]->spheres.end());
+    }
+    std::vector<Point3> result;
+    for (std::size_t i = 0; i < spheres.size(); ++i) {
+        if (keep[i] != 0) result.push_back(spheres[i]);
+    }
+    result.insert(result.end(), fresh.begin(), fresh.end());
+    spheres = std::move(result);
+    return changes;
+}
+
+}  // namespace grainfield::tracking

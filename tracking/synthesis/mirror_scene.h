@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "tracking/synthesis/mirror_optics.h"
+
+namespace grainfield::tracking {
+
+/// The spheres about one sphere, as the kernel reads them: whole vectors of lanes.
+struct NearSpheres {
+    static constexpr int kMost = 64;
+    int count = 0;  ///< lanes in use, a multiple of 16
+    float x[kMost], y[kMost], z[kMost];
+    std::int32_t id[kMost];  ///< −1: no sphere
+};
+
+/// Spheres whose displacement by a small amount can change what one ray sees.
+struct TouchedSpheres {
+    static constexpr int kMost = 16;
+    int count = 0;
+    std::int32_t id[kMost];
+
+    void add(std::int32_t sphere) {
+        for (int k = 0; k < count; ++k) {
+            if (id[k] == sphere) return;
+        }
+        if (count < kMost) id[count++] = sphere;
+    }
+};
+
+/// A sphere that is looked at elsewhere than where it is.
+struct MovedSphere {
+    std::int32_t id = -1;
+    Point3 centre;
+};
+
+/// Mirror-like spheres of diameter 1 seen from above, ray by ray.
+///
+/// A ray that meets a sphere goes on as from a mirror, weakened by its reflectance, until it leaves
+/// the layer. Spheres farther than kReach from one another in the plane do not mirror one another.
+/// Cost: about 0.1 µs a ray and core. Thread-safe while nothing is moved.
+class MirrorScene {
+ public:
+    static constexpr float kReach = 2.5F;  ///< [a]
+    /// A ray that passes a sphere nearer than this touches it [a].
+    static constexpr float kTouch = 0.035F;
+
+    MirrorScene(std::vector<Point3> spheres, const MirrorOptics& optics);
+
+    const std::vector<Point3>& spheres() const { return spheres_; }
+    const MirrorOptics& optics() const { return optics_; }
+    void set_optics(const MirrorOptics& optics) { optics_ = optics; }
+    /// The spheres that one of them can mirror.
+    const NearSpheres& near(std::int32_t sphere) const {
+        return near_[static_cast<std::size_t>(sphere)];
+    }
+
+    /// The sphere that the ray through (x, y, 0) meets first; −1: none. `beside`: one that it
+    /// passes within kTouch, −1: none.
+    std::int32_t first_sphere(float x, float y, std::int32_t& beside) const;
+
+    /// Radiance along the ray through (x, y, 0) that meets `first`, or one near it, first; the
+    /// panel's if first is −1. With `moved` elsewhere: give the moved sphere as `first` where there
+    /// was none.
+    float radiance(float x, float y, std::int32_t first, const MovedSphere& moved = {}) const;
+    /// The same, and what it touches.
+    float radiance(float x, float y, std::int32_t first, TouchedSpheres& touched) const;
+
+ private:
+    template <class Action>
+    void each_near(float x, float y, float distance, Action&& action) const;
+
+    std::vector<Point3> spheres_;
+    MirrorOptics optics_;
+    std::vector<NearSpheres> near_;
+    int columns_ = 0, rows_ = 0;  ///< of cells one diameter wide
+    float left_ = 0, top_ = 0;
+    std::vector<std::int32_t> begin_, member_;
+};
+
+}  // namespace grainfield::tracking

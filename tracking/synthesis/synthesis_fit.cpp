@@ -1,0 +1,396 @@
+#include "tracking/synthesis/synthesis_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <Eigen/Dense>
+
+#include "core/support/parallel.h"
+
+namespace grainfield::tracking {
+namespace {
+
+// Differences are taken over these steps: small beside the blur, large beside the distance of rays.
+constexpr float kStepInPlane = 0.01F;  // [a]
+constexpr float kStepInHeight = 0.03F;
+constexpr float kStale = 0.03F;  // [a]
+// What is known beforehand of where a round may take a sphere [a].
+constexpr double kPlaneRange = 0.1;
+constexpr double kHeightRange = 0.3;
+constexpr double kLongestInHeight = 0.25;
+constexpr double kContact = 0.01;  // [a] how far two spheres may overlap
+constexpr int kSolverSweeps = 60;
+constexpr double kLeastNoise = 0.005;  // [contrast]
+constexpr double kFirstDamping = 0.02;
+constexpr int kMostRetries = 3;
+
+Point3 plus(Point3 p, const std::array<double, 3>& d) {
+    return {p.x + static_cast<float>(d[0]), p.y + static_cast<float>(d[1]),
+            p.z + static_cast<float>(d[2])};
+}
+
+/// Σ a b over the pixels that both patches hold.
+float product(const ImagePatch& a, const ImagePatch& b) {
+    const int x0 = std::max(a.x, b.x);
+    const int x1 = std::min(a.x + a.width, b.x + b.width);
+    const int y0 = std::max(a.y, b.y);
+    const int y1 = std::min(a.y + a.height, b.y + b.height);
+    float sum = 0;
+    for (int y = y0; y < y1; ++y) {
+        const float* p = a.row(y - a.y) + (x0 - a.x);
+        const float* q = b.row(y - b.y) + (x0 - b.x);
+        float row = 0;
+#pragma omp simd reduction(+ : row)
+        for (int x = 0; x < x1 - x0; ++x) row += p[x] * q[x];
+        sum += row;
+    }
+    return sum;
+}
+
+double product(const ImagePatch& a, const Image& image) {
+    double sum = 0;
+    for (int y = 0; y < a.height; ++y) {
+        const float* p = a.row(y);
+        const float* q = image.row(a.y + y) + a.x;
+        float row = 0;
+#pragma omp simd reduction(+ : row)
+        for (int x = 0; x < a.width; ++x) row += p[x] * q[x];
+        sum += static_cast<double>(row);
+    }
+    return sum;
+}
+
+}  // namespace
+
+SynthesisFit::SynthesisFit(const Image& brightness, const Image& ceiling, double scale, int threads)
+    : brightness_(brightness),
+      ceiling_(ceiling),
+      scale_(scale),
+      threads_(threads),
+      image_(brightness.width(), brightness.height(), scale, threads) {}
+
+void SynthesisFit::start(std::vector<Point3> spheres, const MirrorOptics& optics) {
+    spheres_ = std::move(spheres);
+    optics_ = optics;
+    is_fixed_.clear();
+    is_light_known_ = false;
+    derivative_.clear();
+    render();
+}
+
+void SynthesisFit::start(std::vector<Point3> spheres, const MirrorOptics& optics,
+                         std::vector<char> is_fixed, const FrameLight& light) {
+    spheres_ = std::move(spheres);
+    optics_ = optics;
+    is_fixed_ = std::move(is_fixed);
+    light_ = light;
+    is_light_known_ = true;
+    derivative_.clear();
+    render();
+}
+
+double SynthesisFit::misfit() const {
+    const int border = static_cast<int>(std::ceil(3 * optics_.blur * scale_));
+    const double rms = inner_rms(residual_, border) / light_.gain;
+    return rms * rms * std::max(0, residual_.width() - 2 * border) *
+           std::max(0, residual_.height() - 2 * border);
+}
+
+double SynthesisFit::overlap() const {
+    double sum = 0;
+    for (std::size_t i = 0; i < spheres_.size(); ++i) {
+        const NearSpheres& near = scene_.front().near(static_cast<std::int32_t>(i));
+        for (int k = 0; k < near.count; ++k) {
+            if (near.id[k] <= static_cast<std::int32_t>(i)) continue;
+            const float x = spheres_[i].x - near.x[k];
+            const float y = spheres_[i].y - near.y[k];
+            const float z = spheres_[i].z - near.z[k];
+            const double gap = 1 - std::sqrt(static_cast<double>(x * x + y * y + z * z));
+            if (gap > 0) sum += gap * gap;
+        }
+    }
+    return sum;
+}
+
+void SynthesisFit::render() {
+    scene_.clear();
+    scene_.emplace_back(spheres_, optics_);
+    image_.render(scene_.front());
+    const int border = static_cast<int>(std::ceil(scale_));
+    if (!is_light_known_) light_ = fit_light(brightness_, ceiling_, image_.image(), border);
+    residual_ = light_residual(brightness_, ceiling_, image_.image(), light_, threads_);
+    rms_ = inner_rms(residual_, border) / light_.gain;
+}
+
+void SynthesisFit::take_derivatives() {
+    const std::size_t n = spheres_.size();
+    if (derivative_.size() != n) {
+        derivative_.assign(n, {});
+        moved_.assign(n, 1.0F);
+    }
+    const MirrorScene& scene = scene_.front();
+    parallel_for(static_cast<std::int64_t>(n), threads_, [&](std::int64_t index) {
+        const auto i = static_cast<std::size_t>(index);
+        const auto sphere = static_cast<std::int32_t>(index);
+        if (is_fixed(i)) return;
+        float moved = moved_[i];
+        const NearSpheres& near = scene.near(sphere);
+        for (int k = 0; k < near.count; ++k) {
+            if (near.id[k] < 0) continue;
+            const float across = near.x[k] - spheres_[i].x;
+            const float down = near.y[k] - spheres_[i].y;
+            if (across * across + down * down > 2) continue;
+            moved = std::max(moved, moved_[static_cast<std::size_t>(near.id[k])]);
+        }
+        if (moved < kStale && !derivative_[i][0].value.empty()) return;
+        const bool is_high = spheres_[i].z > 0.5F;
+        const float up = is_high ? -kStepInHeight : kStepInHeight;
+        derivative_[i][0] = image_.derivative(scene, sphere, {kStepInPlane, 0, 0});
+        derivative_[i][1] = image_.derivative(scene, sphere, {0, kStepInPlane, 0});
+        derivative_[i][2] = image_.derivative(scene, sphere, {0, 0, up});
+        if (is_high) {
+            for (float& v : derivative_[i][2].value) v = -v;
+        }
+    });
+}
+
+SynthesisFit::Information SynthesisFit::normal_equations(const SynthesisLimits&) const {
+    const std::size_t n = spheres_.size();
+    Information info;
+    info.own.resize(n);
+    info.gradient.resize(n);
+    info.pair.resize(n);
+    const MirrorScene& scene = scene_.front();
+    const auto gain = static_cast<double>(light_.gain);
+    const double noise = std::max(kLeastNoise, rms_) * gain;
+    parallel_for(static_cast<std::int64_t>(n), threads_, [&](std::int64_t index) {
+        const auto i = static_cast<std::size_t>(index);
+        if (is_fixed(i)) return;
+        const std::array<ImagePatch, 3>& own = derivative_[i];
+        for (std::size_t p = 0; p < 3; ++p) {
+            info.gradient[i][p] = gain * product(own[p], residual_);
+            for (std::size_t q = 0; q < 3; ++q) {
+                info.own[i][3 * p + q] = gain * gain * static_cast<double>(product(own[p], own[q]));
+            }
+        }
+        const NearSpheres& near = scene.near(static_cast<std::int32_t>(i));
+        for (int k = 0; k < near.count; ++k) {
+            if (near.id[k] < 0) continue;
+            const auto j = static_cast<std::size_t>(near.id[k]);
+            const bool is_free = !is_fixed(j);
+            Block block{near.id[k], {}};
+            for (std::size_t p = 0; p < 3 && is_free; ++p) {
+                for (std::size_t q = 0; q < 3; ++q) {
+                    block.value[3 * p + q] = static_cast<float>(
+                        gain * gain * static_cast<double>(product(own[p], derivative_[j][q])));
+                }
+            }
+            // Spheres that overlap in space push each other apart.
+            const Eigen::Vector3d apart(spheres_[i].x - near.x[k], spheres_[i].y - near.y[k],
+                                        spheres_[i].z - near.z[k]);
+            const double distance = apart.norm();
+            if (distance < 1 && distance > 0.1) {
+                const Eigen::Vector3d along = apart / distance;
+                const double weight = noise * noise / (kContact * kContact);
+                for (std::size_t p = 0; p < 3; ++p) {
+                    const auto row = static_cast<Eigen::Index>(p);
+                    info.gradient[i][p] += weight * (1 - distance) * along(row);
+                    for (std::size_t q = 0; q < 3; ++q) {
+                        const double w = weight * along(row) * along(static_cast<Eigen::Index>(q));
+                        info.own[i][3 * p + q] += w;
+                        block.value[3 * p + q] -= static_cast<float>(w);
+                    }
+                }
+            }
+            if (is_free) info.pair[i].push_back(block);
+        }
+        const double plane = noise * noise / (kPlaneRange * kPlaneRange);
+        info.own[i][0] += plane;
+        info.own[i][4] += plane;
+        info.own[i][8] += noise * noise / (kHeightRange * kHeightRange);
+    });
+    return info;
+}
+
+SynthesisFit::Information SynthesisFit::information(const SynthesisLimits& limits) {
+    take_derivatives();
+    return normal_equations(limits);
+}
+
+std::vector<std::array<double, 3>> SynthesisFit::solve(const Information& info,
+                                                       double damping) const {
+    const std::size_t n = spheres_.size();
+    std::vector<Eigen::Matrix3d> inverse(n);
+    for (std::size_t i = 0; i < n; ++i) {
+        if (is_fixed(i)) continue;
+        Eigen::Matrix3d own = Eigen::Map<const Eigen::Matrix3d>(info.own[i].data());
+        own.diagonal() *= 1 + damping;
+        inverse[i] = own.inverse();
+    }
+    std::vector<std::array<double, 3>> step(n, {0, 0, 0});
+    for (int sweep = 0; sweep < kSolverSweeps; ++sweep) {
+        for (std::size_t i = 0; i < n; ++i) {
+            if (is_fixed(i)) continue;
+            Eigen::Vector3d rest = Eigen::Map<const Eigen::Vector3d>(info.gradient[i].data());
+            for (const Block& block : info.pair[i]) {
+                const std::array<double, 3>& d = step[static_cast<std::size_t>(block.other)];
+                for (std::size_t p = 0; p < 3; ++p) {
+                    for (std::size_t q = 0; q < 3; ++q) {
+                        rest(static_cast<Eigen::Index>(p)) -=
+                            static_cast<double>(block.value[3 * p + q]) * d[q];
+                    }
+                }
+            }
+            const Eigen::Vector3d next = inverse[i] * rest;
+            step[i] = {next(0), next(1), next(2)};
+        }
+    }
+    return step;
+}
+
+int SynthesisFit::refine(const SynthesisLimits& limits) {
+    double damping = kFirstDamping;
+    const auto top = static_cast<float>(limits.height - 1);
+    for (int round = 0; round < limits.most_rounds; ++round) {
+        take_derivatives();
+        for (std::size_t i = 0; i < moved_.size(); ++i) {
+            if (moved_[i] >= kStale) moved_[i] = 0;
+        }
+        const Information info = normal_equations(limits);
+        const std::vector<Point3> before = spheres_;
+        const double rms = rms_;
+        double moved = 0;
+        for (int retry = 0; retry < kMostRetries; ++retry) {
+            std::vector<std::array<double, 3>> step = solve(info, damping);
+            moved = 0;
+            for (std::size_t i = 0; i < step.size(); ++i) {
+                const double length = std::hypot(step[i][0], step[i][1]);
+                const double shorter =
+                    length > limits.longest_step ? limits.longest_step / length : 1;
+                step[i][0] *= shorter;
+                step[i][1] *= shorter;
+                step[i][2] = std::clamp(step[i][2], -kLongestInHeight, kLongestInHeight);
+                spheres_[i] = plus(before[i], step[i]);
+                spheres_[i].z = std::clamp(spheres_[i].z, 0.0F, top);
+                moved += step[i][0] * step[i][0] + step[i][1] * step[i][1];
+            }
+            render();
+            if (rms_ <= rms * 1.02) break;
+            damping *= 8;
+        }
+        damping = std::max(0.3 * damping, 1e-3);
+        for (std::size_t i = 0; i < spheres_.size(); ++i) {
+            const Point3 a = before[i];
+            const Point3 b = spheres_[i];
+            moved_[i] += std::sqrt((a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y) +
+                                   0.1F * (a.z - b.z) * (a.z - b.z));
+        }
+        if (std::sqrt(moved / static_cast<double>(spheres_.size())) < limits.settled) {
+            return round + 1;
+        }
+    }
+    return limits.most_rounds;
+}
+
+namespace {
+
+/// The optics as a vector of what is fitted, and the steps of differences.
+constexpr int kOpticsTerms = 4;
+double& term_of(MirrorOptics& optics, int term) {
+    double* terms[kOpticsTerms] = {&optics.reflectivity, &optics.blur, &optics.ambient,
+                                   &optics.grazing};
+    return *terms[term];
+}
+constexpr double kOpticsStep[kOpticsTerms] = {0.02, 0.004, 0.02, 0.02};
+constexpr double kOpticsLeast[kOpticsTerms] = {0.1, 0.01, 0, 0};
+constexpr double kOpticsMost[kOpticsTerms] = {0.98, 0.4, 0.6, 0.7};
+constexpr int kOpticsRounds = 3;
+constexpr double kOpticsSquare = 24;   // [a]
+constexpr double kUnexplained = 0.15;  // [contrast] belongs to a wrong arrangement
+
+Image part_of(const Image& image, int x0, int y0, int width, int height) {
+    Image part(width, height);
+    for (int y = 0; y < height; ++y) {
+        std::copy_n(image.row(y0 + y) + x0, width, part.row(y));
+    }
+    return part;
+}
+
+}  // namespace
+
+void SynthesisFit::fit_optics() {
+    const int side = static_cast<int>(kOpticsSquare * scale_);
+    const int width = std::min(side, brightness_.width());
+    const int height = std::min(side, brightness_.height());
+    const int x0 = (brightness_.width() - width) / 2;
+    const int y0 = (brightness_.height() - height) / 2;
+    const Image brightness = part_of(brightness_, x0, y0, width, height);
+    const Image ceiling = part_of(ceiling_, x0, y0, width, height);
+    const auto shift_x = static_cast<float>(x0 / scale_);
+    const auto shift_y = static_cast<float>(y0 / scale_);
+    std::vector<Point3> spheres;
+    for (const Point3& p : spheres_) {
+        if (p.x < shift_x - 3 || p.y < shift_y - 3 ||
+            static_cast<double>(p.x - shift_x) > width / scale_ + 3 ||
+            static_cast<double>(p.y - shift_y) > height / scale_ + 3) {
+            continue;
+        }
+        spheres.push_back({p.x - shift_x, p.y - shift_y, p.z});
+    }
+    MirrorImage rendering(width, height, scale_, threads_);
+    MirrorOptics optics = optics_;
+    optics.middle_x -= static_cast<double>(shift_x);
+    optics.middle_y -= static_cast<double>(shift_y);
+    const auto image_with = [&](const MirrorOptics& with) {
+        rendering.render(MirrorScene(spheres, with));
+        return rendering.image();
+    };
+    const int border = static_cast<int>(std::ceil(scale_));
+    for (int round = 0; round < kOpticsRounds; ++round) {
+        const Image base = image_with(optics);
+        const FrameLight light = fit_light(brightness, ceiling, base, border);
+        const Image left = light_residual(brightness, ceiling, base, light, threads_);
+        std::vector<Image> by;
+        for (int t = 0; t < kOpticsTerms; ++t) {
+            MirrorOptics other = optics;
+            term_of(other, t) += kOpticsStep[t];
+            Image difference = image_with(other);
+            for (std::size_t k = 0; k < difference.size(); ++k) {
+                difference.pixels()[k] = (difference.pixels()[k] - base.pixels()[k]) *
+                                         static_cast<float>(light.gain / kOpticsStep[t]);
+            }
+            by.push_back(std::move(difference));
+        }
+        constexpr int kTerms = kOpticsTerms + 2;
+        Eigen::Matrix<double, kTerms, kTerms> a = decltype(a)::Zero();
+        Eigen::Matrix<double, kTerms, 1> b = decltype(b)::Zero();
+        for (int y = border; y < height - border; ++y) {
+            for (int x = border; x < width - border; ++x) {
+                const auto r = static_cast<double>(left(x, y));
+                if (std::abs(r) > kUnexplained * light.gain) continue;
+                Eigen::Matrix<double, kTerms, 1> j;
+                for (int t = 0; t < kOpticsTerms; ++t) {
+                    j(t) = static_cast<double>(by[static_cast<std::size_t>(t)](x, y));
+                }
+                j(kOpticsTerms) = static_cast<double>(base(x, y));
+                j(kOpticsTerms + 1) = 1;
+                a += j * j.transpose();
+                b += r * j;
+            }
+        }
+        a.diagonal() *= 1 + 1e-6;
+        a.diagonal().array() += 1e-6;
+        const Eigen::Matrix<double, kTerms, 1> step = a.ldlt().solve(b);
+        for (int t = 0; t < kOpticsTerms; ++t) {
+            double& term = term_of(optics, t);
+            term =
+                std::clamp(term + std::clamp(step(t), -0.2, 0.2), kOpticsLeast[t], kOpticsMost[t]);
+        }
+    }
+    for (int t = 0; t < kOpticsTerms; ++t) term_of(optics_, t) = term_of(optics, t);
+    derivative_.clear();
+    render();
+}
+
+}  // namespace grainfield::tracking

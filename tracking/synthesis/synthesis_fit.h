@@ -1,0 +1,95 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/frame.h"
+#include "tracking/synthesis/frame_light.h"
+#include "tracking/synthesis/mirror_image.h"
+#include "tracking/synthesis/mirror_optics.h"
+
+namespace grainfield::tracking {
+
+struct SynthesisLimits {
+    double height = 1.94;       ///< of the cell [a]: centres lie within height − 1
+    int most_rounds = 8;        ///< Gauss–Newton rounds
+    double settled = 0.002;     ///< [a] rounds end where the RMS step in the plane is smaller
+    double longest_step = 0.1;  ///< [a] in the plane, in one round
+};
+
+/// Positions and heights of all spheres of one frame, fitted to its image by Gauss–Newton on the
+/// rendered image.
+///
+/// Minimises Σ (I − M(x, y, z))² + penalties over all spheres at once, M the image of MirrorScene
+/// under the light of FrameLight. Penalties are the physics that the image may leave open: no two
+/// centres nearer than a diameter, none outside the cell. Derivatives are differences of rendered
+/// rays; those of a sphere are taken anew when it or a neighbour has moved by 0.03 a. Steps are
+/// solved for together by Gauss–Seidel sweeps over the 3 × 3 blocks, and damped (Marquardt) while
+/// the misfit rises.
+class SynthesisFit {
+ public:
+    /// `brightness`: 0 in the core of a sphere, 1 on the panel, as a calibrated model says;
+    /// `ceiling`: the same of the brightest count of the camera. Outlives the fit.
+    SynthesisFit(const Image& brightness, const Image& ceiling, double scale, int threads);
+
+    /// Begins with these spheres [a].
+    void start(std::vector<Point3> spheres, const MirrorOptics& optics);
+    /// The same where some of them (non-zero) stay where they are, and the light is known.
+    void start(std::vector<Point3> spheres, const MirrorOptics& optics, std::vector<char> is_fixed,
+               const FrameLight& light);
+
+    /// Rounds until nothing moves; how many.
+    int refine(const SynthesisLimits& limits);
+    /// Optics (F0, blur, ambient, grazing) and light that fit best where the spheres are now, by
+    /// Gauss–Newton over a square of at most 24 diameters in the middle.
+    void fit_optics();
+
+    const std::vector<Point3>& spheres() const { return spheres_; }
+    const MirrorOptics& optics() const { return optics_; }
+    const FrameLight& light() const { return light_; }
+    double rms() const { return rms_; }  ///< of image − rendering [contrast]
+    /// Σ (image − rendering)² but for the border that the blur reaches [contrast²].
+    double misfit() const;
+    /// By how much spheres overlap in space, Σ (1 − distance)² over all pairs [a²].
+    double overlap() const;
+    const Image& residual() const { return residual_; }
+
+    /// 3 × 3 blocks of the joint information matrix, penalties included [1/a²].
+    struct Block {
+        std::int32_t other;
+        std::array<float, 9> value;
+    };
+    struct Information {
+        std::vector<std::array<double, 9>> own;
+        std::vector<std::vector<Block>> pair;
+        std::vector<std::array<double, 3>> gradient;
+    };
+    /// Where the spheres are now.
+    Information information(const SynthesisLimits& limits);
+
+ private:
+    void render();
+    bool is_fixed(std::size_t i) const { return !is_fixed_.empty() && is_fixed_[i] != 0; }
+    void take_derivatives();
+    Information normal_equations(const SynthesisLimits& limits) const;
+    std::vector<std::array<double, 3>> solve(const Information& info, double damping) const;
+
+    const Image& brightness_;
+    const Image& ceiling_;
+    double scale_;
+    int threads_;
+    std::vector<Point3> spheres_;
+    MirrorOptics optics_;
+    MirrorImage image_;
+    std::vector<MirrorScene> scene_;  ///< one or none
+    std::vector<char> is_fixed_;      ///< empty: none
+    bool is_light_known_ = false;
+    FrameLight light_;
+    Image residual_;
+    double rms_ = 0;
+    std::vector<std::array<ImagePatch, 3>> derivative_;
+    std::vector<float> moved_;  ///< path since the derivatives were taken [a]
+};
+
+}  // namespace grainfield::tracking
