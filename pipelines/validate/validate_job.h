@@ -7,6 +7,7 @@
 
 #include "pipelines/job.h"
 #include "pipelines/render/optics_use.h"
+#include "pipelines/validate/random/random_optics.h"
 #include "pipelines/validate/validation.h"
 #include "pipelines/validate/validation_scene.h"
 #include "pipelines/validate/validation_thresholds.h"
@@ -24,6 +25,7 @@ struct ValidateJobOptions {
     tracking::TrackOptions tracking;
     analysis::FitOptions fit;
     ValidationThresholds thresholds;
+    RandomThresholds random_thresholds;  ///< of cameras drawn at random
 };
 
 /// What was found.
@@ -38,6 +40,8 @@ struct ValidateJobResult {
 /// Says in the plan what run_validation would do. Throws as that does.
 void plan_validation(const ValidateJobOptions& options, Job& job);
 
+/// For one camera or given frames; cameras drawn at random: run_random_validation.
+///
 /// Makes or opens the frames, tracks them, scores what was found against the truth and writes the
 /// page. Throws OptionError, InputError, OutputError, PhysicsError, Interrupted.
 ValidateJobResult run_validation(const ValidateJobOptions& options, Job& job);

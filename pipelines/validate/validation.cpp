@@ -1,7 +1,6 @@
 #include "pipelines/validate/validation.h"
 
 #include <algorithm>
-#include <fstream>
 #include <string>
 #include <utility>
 
@@ -13,6 +12,7 @@
 #include "core/stored_trajectory.h"
 #include "core/support/interrupt.h"
 #include "pipelines/film/watched_frames.h"
+#include "pipelines/size_check.h"
 #include "tracking/score/edge_noise.h"
 
 namespace grainfield::pipelines {
@@ -154,7 +154,7 @@ void analyse(Results& run, StoredTrajectory& snapshots, const ValidationSettings
                           {.threads = settings.threads, .plan = &plan, .progress = &progress})
             .observables;
     analysis::AnalysisOptions free = usual;
-    free.observables = "fit";
+    free.observables = {"fit"};
     free.of<analysis::FitOptions>().exponent = analysis::Exponent::free;
     Results fits = analysis::measure(snapshots, free, {.threads = settings.threads});
     for (ObservableResult& result : fits.observables) {
@@ -163,15 +163,6 @@ void analyse(Results& run, StoredTrajectory& snapshots, const ValidationSettings
 }
 
 }  // namespace
-
-double available_memory() {
-    std::ifstream lines("/proc/meminfo");
-    for (std::string word; lines >> word;) {
-        double kibibytes = 0;
-        if (word == "MemAvailable:" && lines >> kibibytes) return 1024 * kibibytes;
-    }
-    return 0;
-}
 
 void require_memory(double particles, double available) {
     constexpr double bytes = 200;  // a particle and frame

@@ -40,8 +40,6 @@ struct ValidationSettings {
 ValidationOutcome validate(const ValidationCase& scene, const ValidationSettings& settings,
                            tracking::TrackSummary& summary, RunPlan& plan);
 
-/// Free memory [bytes]; 0 if unknown.
-double available_memory();
 /// Throws OptionError if so many particles, summed over the frames, do not fit into `available`
 /// bytes (0: unknown).
 void require_memory(double particles, double available);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "analysis/order/bond_order_options.h"
+#include "pipelines/validate/threshold_table.h"
 #include "pipelines/validate/validation_figures.h"
 #include "report/page/text.h"
 
@@ -141,21 +142,6 @@ Table effect_table(const ValidationOutcome& outcome) {
                            number(outcome.msd_offset - outcome.predicted_msd_offset, "{:+.2g}"),
                            {},
                            {}}});
-    return table;
-}
-
-Table threshold_table(const std::vector<ThresholdCheck>& checks) {
-    Table table;
-    table.name = "thresholds";
-    table.title = "Thresholds of the scene";
-    table.columns = {{"value", "Measured", ""}, {"limit", "Limit", ""}, {"met", "", "", true}};
-    for (const ThresholdCheck& c : checks) {
-        const std::string limit = fmt::format("{} {:g}", c.is_least ? "≥" : "≤", c.limit);
-        table.rows.push_back({c.unit == "-" ? c.name : c.name + " [" + c.unit + "]",
-                              {number(c.value, "{:.5g}"),
-                               {c.limit, limit, false},
-                               {c.met() ? 1.0 : 0.0, c.met() ? "met" : "missed", !c.met()}}});
-    }
     return table;
 }
 

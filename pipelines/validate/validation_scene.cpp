@@ -10,6 +10,8 @@
 #include "core/support/interrupt.h"
 #include "io/frame_files.h"
 #include "io/open_snapshots.h"
+#include "pipelines/size_check.h"
+#include "pipelines/validate/random/random_optics.h"
 #include "pipelines/validate/validation.h"
 #include "simulate/md/md_simulation.h"
 #include "simulate/md/state/initial_state.h"
@@ -151,6 +153,7 @@ ValidationScene scene_of(const SceneOptions& options, Job& job, Extent extent) {
 }  // namespace
 
 SceneOptions::SceneOptions() {
+    render.optics.add(std::make_unique<RandomOptics>());
     md.cell.grains = 10400;
     md.cell.length_x = md.cell.length_y = 104;
     md.cell.sides_x = md.cell.sides_y = simulate::Side::walls;

@@ -20,6 +20,8 @@ OptionTable describe(ViewOptions& o) {
              {{"perspective", Projection::perspective}, {"telecentric", Projection::telecentric}},
              "rays from a pinhole, or parallel ones");
     t.number("distance", o.distance, "a", {100, 1e6}, "distance of the pinhole from mid height");
+    t.number("aperture", o.aperture, "rad", {0, 0.5},
+             "half angle of the lens, focused on mid height; 0: all is sharp");
     t.number("centre-x", o.centre_x, "a", {-1e6, 1e6}, "centre of the frame; auto: of the box");
     t.number("centre-y", o.centre_y, "a", {-1e6, 1e6}, "centre of the frame; auto: of the box");
     t.number("cell-height", o.cell_height, "a", {1, 1000},

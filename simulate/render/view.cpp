@@ -16,6 +16,7 @@ View::View(const ViewOptions& options, const Box& box, double height)
           std::min(options.width / box.length.x, options.height / box.length.y))),
       middle_(height / 2),
       distance_(options.distance),
+      aperture_(options.aperture),
       centre_{options.centre_x.value_or(box.origin.x + box.length.x / 2),
               options.centre_y.value_or(box.origin.y + box.length.y / 2)},
       origin_{(options.width - 1) / 2.0, (options.height - 1) / 2.0} {

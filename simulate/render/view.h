@@ -19,7 +19,9 @@ struct ViewOptions {
     int height = 1600;            ///< [px]
     std::optional<double> scale;  ///< pixels per diameter at mid height; auto: the box fills it
     Projection projection = Projection::perspective;
-    double distance = 700;           ///< of the pinhole above mid height [a]; perspective only
+    double distance = 700;  ///< of the pinhole above mid height [a]; perspective only
+    /// Half of the angle under which a point in focus, at mid height, sees the lens [rad].
+    double aperture = 0;
     std::optional<double> centre_x;  ///< of the frame [a]; auto: centre of the box
     std::optional<double> centre_y;
     std::optional<double> cell_height;  ///< between the plates [a]; auto: of the trajectory
@@ -46,6 +48,7 @@ class View {
     double mid_height() const { return middle_; }  ///< z_0 [a]
     double distance() const { return distance_; }  ///< Z [a]
     Vec2 centre() const { return centre_; }        ///< c [a]
+    double aperture() const { return aperture_; }  ///< half angle of the lens [rad]
 
     double scale_at(double z) const {
         return projection_ == Projection::telecentric
@@ -76,6 +79,7 @@ class View {
     double scale_;
     double middle_;
     double distance_;
+    double aperture_;
     Vec2 centre_;
     Vec2 origin_;
 };

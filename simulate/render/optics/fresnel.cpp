@@ -17,6 +17,10 @@ double metal_reflectance(double cosine, double n, double k) {
     return 0.5 * (r_s + r_p);
 }
 
+double schlick_reflectance(double cosine, double straight) {
+    return straight + (1 - straight) * std::pow(1 - std::clamp(cosine, 0.0, 1.0), 5);
+}
+
 double plate_reflectance(double cosine, double index) {
     const double c = std::clamp(cosine, 0.0, 1.0);
     const double inside = std::sqrt(1 - (1 - c * c) / (index * index));

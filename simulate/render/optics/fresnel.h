@@ -12,6 +12,13 @@ namespace grainfield::simulate {
 /// 0.56.
 double metal_reflectance(double cosine, double n = 2.87, double k = 3.36);
 
+/// Reflectance of a mirror that reflects the share `straight` of light that meets it straight on:
+///
+///   R = R_0 + (1 − R_0)(1 − cos θ)⁵
+///
+/// (`schlick1994`, eq. 15): Fresnel's equations for a mirror of which only R_0 is known.
+double schlick_reflectance(double cosine, double straight);
+
 /// Share of unpolarised light that a glass plate reflects, both faces and all inner reflections
 /// added without interference: 2 r/(1 + r) averaged over the polarisations, r of one face. The rest
 /// passes.

@@ -144,7 +144,8 @@ double MirrorCell::reflected(const LightPath& ray, std::uint32_t sphere, double 
     const Vec3 normal = outward * (1 / norm(outward));
     const double cosine = -dot(ray.direction, normal);
     if (cosine <= 0) return 0;
-    const double share = metal_reflectance(cosine);
+    const double share = options_.reflectivity ? schlick_reflectance(cosine, *options_.reflectivity)
+                                               : metal_reflectance(cosine);
     if (bounces <= 0 || weight * share < least_weight) return 0;
     const LightPath on{centre + normal * radius, ray.direction + normal * (2 * cosine), ray.instant,
                        sphere};

@@ -11,6 +11,7 @@
 
 #include "core/errors.h"
 #include "core/support/parallel.h"
+#include "simulate/render/optics/lens.h"
 
 namespace grainfield::simulate {
 
@@ -33,12 +34,18 @@ constexpr double tolerance_over_variance = 1835;
 constexpr double usual_noise = (8500.0 + 10 * 10) / (8500.0 * 8500);
 constexpr int reference_samples = 32;
 
-// Through `pixel`, from just above the spheres: single precision would not bear the true distance.
-LightPath camera_ray(const View& view, Vec2 pixel, double top) {
-    const Vec3 origin = view.at_height(pixel, top);
-    if (view.projection() == Projection::telecentric) return {origin, {0, 0, -1}};
-    const double pinhole = view.mid_height() + view.distance();
-    const Vec3 down{origin.x - view.centre().x, origin.y - view.centre().y, top - pinhole};
+// Through `pixel` and the point of the lens at slope `lens` (lens_points), from just above the
+// spheres: single precision would not bear the true distance.
+LightPath camera_ray(const View& view, Vec2 pixel, Vec2 lens, double top) {
+    const double above = top - view.mid_height();
+    const Vec3 in_middle = view.at_height(pixel, top);
+    const Vec3 origin = in_middle + Vec3{lens.x * above, lens.y * above, 0};
+    Vec3 down{-lens.x, -lens.y, -1};
+    if (view.projection() == Projection::perspective) {
+        const double below_pinhole = view.distance() - above;
+        down = down + Vec3{(in_middle.x - view.centre().x) / below_pinhole,
+                           (in_middle.y - view.centre().y) / below_pinhole, 0};
+    }
     return {origin, down * (1 / norm(down))};
 }
 
@@ -60,6 +67,7 @@ class Picture {
           view_(view),
           options_(options),
           tolerance_(sampling_tolerance(options, usual_noise)),
+          lens_(lens_points(view.aperture())),
           open_(std::move(open)),
           pilot_(open_.width(), open_.height(), mixed) {}
 
@@ -97,7 +105,8 @@ class Picture {
  private:
     LightPath ray_of(int x, int y, int k) const {
         const Vec2 pixel{static_cast<double>(x), static_cast<double>(y)};
-        LightPath ray = camera_ray(view_, pixel + sub_pixel(k, x, y), cell_.top());
+        const auto point = static_cast<std::size_t>(3 * x + 5 * y + 7 * k) % lens_.size();
+        LightPath ray = camera_ray(view_, pixel + sub_pixel(k, x, y), lens_[point], cell_.top());
         ray.instant = (x + 2 * y + k) % cell_.instants();
         return ray;
     }
@@ -109,7 +118,7 @@ class Picture {
 
     double panel(int x, int y) const {
         const LightPath ray =
-            camera_ray(view_, {static_cast<double>(x), static_cast<double>(y)}, cell_.top());
+            camera_ray(view_, {static_cast<double>(x), static_cast<double>(y)}, {}, cell_.top());
         return cell_.panel(ray.origin, ray.direction);
     }
 
@@ -184,6 +193,7 @@ class Picture {
     const View& view_;
     const RaytraceOptions& options_;
     double tolerance_;
+    std::vector<Vec2> lens_;
     Image open_;
     Image pilot_;  // `mixed` where spheres do not cover the pixel
 };
@@ -204,6 +214,8 @@ OptionTable Raytrace::describe() {
              "power of the panel's radiance, ∝ cos^(power − 1)");
     t.number("glass-thickness", glass_thickness, "a", {0, 1e4},
              "thickness of either plate; 0: none");
+    t.number("reflectivity", reflectivity, "-", {0, 1},
+             "of spheres met straight on; auto: of iron, by Fresnel's equations");
     t.number("ring-level", ring_level, "-", {0, 100}, "radiance of an LED ring above / panel");
     t.number("ring-angle", ring_angle, "deg", {1, 80}, "angle of the ring from the vertical");
     t.integer("bounces", bounces, "-", {1, 32}, "most mirror reflections of a ray");

@@ -10,11 +10,14 @@ struct RaytraceOptions {
     double panel_half_size = 75;  ///< of the square panel [a]
     double emission_power = 1;    ///< panel radiance ∝ cos^(power − 1): 1 is Lambertian
     double glass_thickness = 10;  ///< of either plate [a]; 0: no plates
-    double ring_level = 0;        ///< radiance of an LED ring above / of the panel; 0: none
-    double ring_angle = 30;       ///< of the ring from the vertical, as seen from the cell [deg]
-    int bounces = 4;              ///< mirror reflections followed
-    bool neighbours = true;       ///< spheres mirror one another; else each only panel and ring
-    int most_samples = 16;        ///< rays from the camera per pixel, at most
+    /// Of a sphere met straight on, growing to 1 at grazing incidence (schlick_reflectance) [-];
+    /// auto: iron (metal_reflectance).
+    std::optional<double> reflectivity;
+    double ring_level = 0;   ///< radiance of an LED ring above / of the panel; 0: none
+    double ring_angle = 30;  ///< of the ring from the vertical, as seen from the cell [deg]
+    int bounces = 4;         ///< mirror reflections followed
+    bool neighbours = true;  ///< spheres mirror one another; else each only panel and ring
+    int most_samples = 16;   ///< rays from the camera per pixel, at most
     /// Twice the standard deviation around a pixel for which one more ray is spent, where it is
     /// bright [bright field]; 0: no ray is spared; auto: of the camera's noise
     /// (sampling_tolerance).

@@ -10,6 +10,7 @@
 
 #include "core/support/parallel.h"
 #include "simulate/render/optics/disc_union.h"
+#include "simulate/render/optics/lens.h"
 
 namespace grainfield::simulate {
 
@@ -199,13 +200,17 @@ SilhouetteOptics::SilhouetteOptics(const SilhouetteOptions& options, int threads
     : options_(options), threads_(threads) {}
 
 Image SilhouetteOptics::radiance(std::span<const SphereScene> instants, const View& view) {
-    Image mean = at_one_instant(instants.front(), view);
-    for (const SphereScene& scene : instants.subspan(1)) {
-        const Image image = at_one_instant(scene, view);
-        for (std::size_t i = 0; i < mean.size(); ++i) mean.pixels()[i] += image.pixels()[i];
+    const std::vector<Vec2> lens = lens_points(view.aperture());
+    Image mean(view.width(), view.height(), 0.0F);
+    for (const SphereScene& scene : instants) {
+        for (const Vec2 point : lens) {
+            const Image image = at_one_instant(seen_through(scene, point, view), view);
+            for (std::size_t i = 0; i < mean.size(); ++i) mean.pixels()[i] += image.pixels()[i];
+        }
     }
-    if (instants.size() > 1) {
-        const float weight = 1.0F / static_cast<float>(instants.size());
+    const std::size_t images = instants.size() * lens.size();
+    if (images > 1) {
+        const float weight = 1.0F / static_cast<float>(images);
         for (float& value : mean.pixels()) value *= weight;
     }
     cost_.pixels += static_cast<double>(mean.size());
