@@ -29,6 +29,19 @@ constexpr double kPendingErrors = 8;
 // The product image is made for the positions of the fit before; in crystals the first one moves
 // some spheres far.
 constexpr int kProductImages = 2;
+/// The core of a mirror-like sphere is dark wherever no other lies above it. It is a disc of
+/// diameter a/√2: rays that meet the sphere within go up again. D is 0.85 to 0.9 a.
+/// Edges are taken sharper than they are, so that
+/// cores that touch stay apart.
+struct OtherDisc {
+    double diameter;    ///< [D]
+    double edge_width;  ///< [w]
+};
+constexpr OtherDisc kOtherDiscs[] = {{0.82, 0.45}};
+/// Where every sphere need only explain this share the model describes the frame, and what the
+/// search ends with is right.
+constexpr double kWellDescribed = 0.05;
+constexpr double kMostUnlike = 0.1;  // of all discs, where two searches differ
 
 }  // namespace
 
@@ -44,6 +57,7 @@ struct Locator::Frame {
     std::optional<ResidualBlocks> residual = {};
     std::uint64_t revision = 0;
     bool is_settled = true;
+    bool is_doubtful = false;  ///< two searches found different spheres in many places
 
     void count(const SphereSearch::Summary& summary) {
         found.passes += summary.passes;
@@ -71,6 +85,7 @@ void Locator::set_threads(int threads) {
     threads_ = threads;
     fit_.set_threads(threads);
     if (coarse_) coarse_->set_threads(threads);
+    for (const auto& other : others_) other->set_threads(threads);
 }
 
 void Locator::set_visible(const VisiblePixels& visible) {
@@ -79,6 +94,8 @@ void Locator::set_visible(const VisiblePixels& visible) {
     correlation_.set_visible(visible);
     clearance_ = visible.are_all() ? Image() : squared_distance_transform(visible.mask());
     if (coarse_) coarse_->set_visible(visible);
+    visible_ = visible;
+    others_.clear();
 }
 
 Image Locator::residual() {
@@ -224,7 +241,71 @@ void Locator::search(Frame& frame) {
     if (!frame.is_settled) sweep_to_rest(frame);
 }
 
-/// Stage 5: the fit again on the image that the product of transmissions should see.
+/// Where a search for another disc finds other places, the better arrangement stays. Whether any
+/// was tried.
+bool Locator::take_better(Frame& frame, Locator& other, const Image& darkness) {
+    DetectionOptions detection = frame.detection;
+    detection.separation *= model_.disc.diameter / other.model_.disc.diameter;
+    detection.cores = CoreSearch::never;
+    const RefinementOptions sweeps = sweeps_of(frame.refinement);
+    const Located found =
+        other.locate(darkness, detection, other.rough_sweeps_of(frame.refinement));
+    std::vector<ArrangementDifference> differences = arrangement_differences(
+        fit_.positions(), found.fitted, model_.disc.diameter, darkness.width(), darkness.height());
+    frame.found.arrangements += static_cast<int>(differences.size());
+    auto unlike = std::abs(static_cast<double>(found.fitted.size()) -
+                           static_cast<double>(fit_.positions().size()));
+    for (const ArrangementDifference& d : differences) {
+        unlike += static_cast<double>(d.ours.size() + d.theirs.size());
+    }
+    frame.is_doubtful = unlike > kMostUnlike * static_cast<double>(fit_.positions().size());
+    if (differences.empty()) return false;
+    // Either disc is wrong in its own way: each arrangement is judged with both.
+    std::vector<ArrangementDifference> as_other = differences;
+    frame.found.steps += try_differences(other.fit_, as_other, true, sweeps);
+    frame.found.steps += try_differences(fit_, differences, false, sweeps);
+    std::vector<ArrangementDifference> better;
+    for (std::size_t k = 0; k < differences.size(); ++k) {
+        if (differences[k].change < as_other[k].change) better.push_back(differences[k]);
+    }
+    frame.found.arrangements_taken += static_cast<int>(better.size());
+    if (!better.empty()) frame.found.steps += take_differences(fit_, better, sweeps);
+    return true;
+}
+
+/// Stage 5: where a search for cores finds other discs, the better arrangement stays.
+void Locator::compare_with_cores(Frame& frame) {
+    const double share = frame.search.summary().evidence;
+    const CoreSearch wanted = frame.detection.cores;
+    if (wanted == CoreSearch::never || (wanted == CoreSearch::cold_frames && frame.found.warm) ||
+        frame.detection.goal != SearchGoal::every_sphere || share <= kWellDescribed) {
+        return;
+    }
+    const auto begin = Clock::now();
+    if (others_.empty()) {
+        for (const OtherDisc& other : kOtherDiscs) {
+            const DiscProfile disc{other.diameter * model_.disc.diameter,
+                                   other.edge_width * model_.disc.edge_width, model_.disc.shape};
+            others_.push_back(std::make_unique<Locator>(
+                fit_.darkness().width(), fit_.darkness().height(), DiscModel(disc), threads_));
+            others_.back()->set_visible(visible_);
+        }
+    }
+    const Image darkness = fit_.darkness().inner();
+    bool any = false;
+    for (const std::unique_ptr<Locator>& other : others_)
+        any |= take_better(frame, *other, darkness);
+    frame.found.detect_seconds += seconds_since(begin);
+    if (!any) return;
+    frame.search.forget_judgement();
+    settle_and_judge(frame, !model_.is_product());
+    if (frame.search.look_again(sweeps_of(frame.refinement), *frame.residual)) {
+        settle_and_judge(frame, !model_.is_product());
+    }
+    if (!frame.is_settled) sweep_to_rest(frame);
+}
+
+/// Stage 6: the fit again on the image that the product of transmissions should see.
 void Locator::fit_overlaps(Frame& frame) {
     const Image original = fit_.darkness().inner();
     for (int round = 1; round <= kProductImages; ++round) {
@@ -238,13 +319,13 @@ void Locator::fit_overlaps(Frame& frame) {
     }
 }
 
-/// Stage 6. Discs at the border have explained what is dark there; half unseen, they are not
+/// Stage 7. Discs at the border have explained what is dark there; half unseen, they are not
 /// reported.
 Located Locator::report(Frame& frame) {
     Located& found = frame.found;
     const SphereSearch::Summary& summary = frame.search.summary();
     frame.count(summary);
-    found.settled_detection = summary.settled_detection;
+    found.settled_detection = summary.settled_detection && !frame.is_doubtful;
     found.trials = summary.trials;
     found.evidence = summary.evidence;
     found.noise = summary.noise;
@@ -300,6 +381,7 @@ Located Locator::locate(const JointFit::WriteRow& darkness, const DetectionOptio
     Frame frame{detection, refinement, SphereSearch(fit_, correlation_, detection)};
     start_discs(frame, start, step);
     search(frame);
+    compare_with_cores(frame);
     if (!model_.is_product()) fit_overlaps(frame);
     return report(frame);
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include "core/vec2.h"
 #include "tracking/detect/coarse_search.h"
 #include "tracking/detect/disc_correlation.h"
+#include "tracking/detect/other_arrangement.h"
 #include "tracking/detect/sphere_search.h"
 #include "tracking/model/disc_model.h"
 #include "tracking/model/visible_pixels.h"
@@ -33,6 +35,8 @@ struct Located {
     int maps_skipped = 0;           ///< maps of likelihood gain that the residual made needless
     int maps_in_part = 0;           ///< computed only where the residual can hold a sphere
     std::int64_t trials = 0;        ///< discs added on trial (second_look.h)
+    int arrangements = 0;           ///< places where a search for cores found other discs
+    int arrangements_taken = 0;     ///< … that explained the frame better
     double evidence = 0;            ///< share of an isolated one's misfit that every disc explains
     std::vector<Vec2> fitted;       ///< every disc of the model, those at the border included
     std::int64_t unsettled = 0;     ///< spheres still moving after the last sweep
@@ -52,9 +56,12 @@ struct Located {
 /// 3. Settle: sweeps bring each sphere to within a few hundredths of a pixel, joint Newton steps
 ///    (JointSolver) all of them to rest.
 /// 4. Second look: discs on trial where the model leaves unusually much (second_look.h).
-/// 5. Overlaps: where the model is not the product of transmissions, 3. is repeated, twice, on the
+/// 5. Cores: on a cold frame that the model does not describe well, a second search looks for
+///    smaller and sharper discs, and where it finds other ones the better arrangement stays
+///    (other_arrangement.h).
+/// 6. Overlaps: where the model is not the product of transmissions, 3. is repeated, twice, on the
 ///    image that the product should see there (product_image.h).
-/// 6. Report: positions, standard errors, residuals; doubtful and cut spheres are left out.
+/// 7. Report: positions, standard errors, residuals; doubtful and cut spheres are left out.
 ///
 /// Pixels outside the image do not count.
 class Locator {
@@ -90,6 +97,8 @@ class Locator {
     void search(Frame& frame);
     bool settle(Frame& frame, bool draw_all);
     void settle_and_judge(Frame& frame, bool draw_all);
+    void compare_with_cores(Frame& frame);
+    bool take_better(Frame& frame, Locator& other, const Image& darkness);
     void sweep_to_rest(Frame& frame);
     void fit_overlaps(Frame& frame);
     Located report(Frame& frame);
@@ -105,6 +114,8 @@ class Locator {
     JointFit fit_;
     JointSolver solver_;
     std::optional<CoarseSearch> coarse_;
+    std::vector<std::unique_ptr<Locator>> others_;  ///< of other discs; made when first needed
+    VisiblePixels visible_;
     Image clearance_;  ///< squared distance to what is not visible [px²]; empty: all is
 };
 

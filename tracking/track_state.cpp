@@ -54,27 +54,29 @@ void transfer(NumberArchive& archive, LinkState& state) {
 
 void transfer(NumberArchive& archive, Located& found) {
     auto& [position, error, residual, explained, residual_rms, noise, passes, added, removed,
-           coarse_steps, steps, warm, approached, maps_skipped, maps_in_part, trials, evidence,
-           fitted, unsettled, rejected, settled_detection, detect_seconds, refine_seconds] = found;
+           coarse_steps, steps, warm, approached, maps_skipped, maps_in_part, trials, arrangements,
+           arrangements_taken, evidence, fitted, unsettled, rejected, settled_detection,
+           detect_seconds, refine_seconds] = found;
     archive.members<Located>(position, error, residual, explained, residual_rms, noise, passes,
                              added, removed, coarse_steps, steps, warm, approached, maps_skipped,
-                             maps_in_part, trials, evidence, fitted, unsettled, rejected,
-                             settled_detection, detect_seconds, refine_seconds);
+                             maps_in_part, trials, arrangements, arrangements_taken, evidence,
+                             fitted, unsettled, rejected, settled_detection, detect_seconds,
+                             refine_seconds);
 }
 
 void transfer(NumberArchive& archive, FrameTimes& times) {
-    auto& [read, detect, refine, link, write, wall] = times;
-    archive.members<FrameTimes>(read, detect, refine, link, write, wall);
+    auto& [read, detect, refine, synthesis, link, write, wall] = times;
+    archive.members<FrameTimes>(read, detect, refine, synthesis, link, write, wall);
 }
 
 void transfer(NumberArchive& archive, TrackSummary& summary) {
     auto& [frames, frames_corrupt, frames_missing, particles_mean, residual_rms, step_rms,
            unsettled, rejected, warm_frames, repeated, poor_frames, worst_frame, worst_residual,
-           dimmest, brightest, layers, ms_per_frame] = summary;
+           dimmest, brightest, layers, synthesis, ms_per_frame] = summary;
     archive.members<TrackSummary>(frames, frames_corrupt, frames_missing, particles_mean,
                                   residual_rms, step_rms, unsettled, rejected, warm_frames,
                                   repeated, poor_frames, worst_frame, worst_residual, dimmest,
-                                  brightest, layers, ms_per_frame);
+                                  brightest, layers, synthesis, ms_per_frame);
 }
 
 void Tracker::transfer(NumberArchive& archive, Run& run) {
@@ -87,6 +89,7 @@ void Tracker::transfer(NumberArchive& archive, Run& run) {
     run.long_tracks.transfer(archive);
     archive(previous_.position);
     archive(previous_.found);
+    archive(previous_.synthesised);
     archive(previous_.step_rms);
     light_.transfer(archive);
     if (bilayer_) bilayer_->transfer(archive);

@@ -9,6 +9,7 @@
 #include "core/errors.h"
 #include "core/support/interrupt.h"
 #include "core/support/parallel.h"
+#include "core/support/team.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -31,25 +32,53 @@ double milliseconds_since(Clock::time_point start) {
     return 1e3 * std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-}  // namespace
-
-std::vector<OptionTable> describe(TrackOptions& options) {
-    OptionTable track("track");
-    track.number("sphere-diameter", options.sphere_diameter, "px", {2, 2000},
-                 "true diameter a of a sphere, the unit of the analysis; auto: the apparent one");
-    return {describe(options.calibration), describe(options.detection),
-            describe(options.refinement),  describe(options.link),
-            describe(options.layers),      track};
-}
-
-Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan)
-    : source_(source), options_(options), plan_(plan), threads_(thread_count(options.threads)) {
+/// Throws OptionError where an option needs another one.
+void require_diameter(const TrackOptions& options) {
     if (options.layers.height && !options.sphere_diameter) {
         throw OptionError(
             ErrorText{"the height of the cell needs the true diameter of the spheres",
                       "track.sphere-diameter is not known", "a [px], the unit of layers.height",
                       "the dark disc is smaller than the sphere; measure the sphere"});
     }
+    if (options.synthesis && !options.sphere_diameter) {
+        throw OptionError(
+            ErrorText{"synthesis needs the true diameter of the spheres",
+                      "track.sphere-diameter is not known", "a [px]",
+                      "give track.sphere-diameter; the dark disc is smaller than the sphere"});
+    }
+    if (options.synthesis && !options.visible.are_all()) {
+        throw OptionError(ErrorText{"synthesis renders whole frames", "a mask hides part of them",
+                                    "no mask", "choose a region without hidden pixels instead"});
+    }
+}
+
+}  // namespace
+
+std::vector<OptionTable> describe(TrackOptions& options) {
+    OptionTable track("track");
+    track.number("sphere-diameter", options.sphere_diameter, "px", {2, 2000},
+                 "true diameter a of a sphere, the unit of the analysis; auto: the apparent one");
+    track.flag("synthesis", options.synthesis,
+               "positions and heights of mirror-like spheres by rendering the frame");
+    // The height of the cell is that of the layers: no second option for it.
+    OptionTable synthesis("synthesis");
+    synthesis.integer("searches", options.synthesis_options.searches, "-", {0, 100},
+                      "most rounds of the search for other arrangements");
+    return {describe(options.calibration),
+            describe(options.detection),
+            describe(options.refinement),
+            describe(options.link),
+            describe(options.layers),
+            synthesis,
+            track};
+}
+
+Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan)
+    : source_(source), options_(options), plan_(plan), threads_(thread_count(options.threads)) {
+    require_diameter(options);
+    // Mirrors before a panel are dark.
+    PolarityChoice& polarity = options_.calibration.polarity;
+    if (options.synthesis && polarity == PolarityChoice::automatic) polarity = PolarityChoice::dark;
     const std::int64_t count = source.count();
     const std::int64_t tries = std::min(count, kCalibrationFrames);
     for (std::int64_t i = 0; i < tries && !calibration_; ++i) {
@@ -57,7 +86,7 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
         const Frame frame = source.read(index);
         if (frame.status != FrameStatus::ok) continue;
         RunPlan attempt;
-        calibration_ = calibrate(frame.image, options.calibration, options.detection,
+        calibration_ = calibrate(frame.image, options_.calibration, options.detection,
                                  options.refinement, threads_, attempt, options.visible);
         if (calibration_) {
             calibration_frame_ = frame.index;
@@ -93,6 +122,22 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
                  fmt::format("frames begin, two at a time, with the spheres of the frame before "
                              "them while these move less than {:.2g} D",
                              kWarmStep));
+    }
+    plan_heights(plan);
+}
+
+void Tracker::plan_heights(RunPlan& plan) {
+    if (options_.synthesis) {
+        SynthesisOptions& synthesis = options_.synthesis_options;
+        synthesis.height = options_.layers.height.value_or(synthesis.height);
+        synthesis_.emplace(model(), *options_.sphere_diameter,
+                           options_.layers.camera_distance.value_or(0), synthesis);
+        plan.run("synthesis",
+                 fmt::format("mirror spheres rendered and fitted to each frame in x, y and z; "
+                             "plates {:.4g} a apart, optics from the first frame",
+                             synthesis.height));
+        plan.run("layers", "the side of the middle of the cell on which synthesis has a sphere");
+        return;
     }
     if (options_.layers.height) {
         plan.run("layers", "overlaps in projection, up to turning each cluster of spheres over");
@@ -158,12 +203,29 @@ void Tracker::fit(std::vector<Job>& jobs) {
     }
     parallel_for(static_cast<std::int64_t>(fitted.size()), threads_, [&](std::int64_t i) {
         const auto lane = static_cast<std::size_t>(i);
-        lanes_[lane].locator.set_threads(std::max(1, threads_ / static_cast<int>(fitted.size())));
-        fit(jobs[fitted[lane]], lanes_[lane]);
+        const int own = std::max(1, threads_ / static_cast<int>(fitted.size()));
+        lanes_[lane].locator.set_threads(own);
+        // One region for the whole frame, where a lane has threads of its own.
+        on_team(own, [&](Team&) { fit(jobs[fitted[lane]], lanes_[lane]); });
     });
     if (!fitted.empty()) light_ = lanes_[fitted.size() - 1].illumination.state();
     for (std::size_t k = 0; k < jobs.size(); ++k) {
         if (jobs[k].is_repeated) jobs[k].found = k == 0 ? previous_.found : jobs[k - 1].found;
+    }
+    if (synthesis_) synthesise(jobs);
+}
+
+/// One after the other, each on all threads: a frame starts from the one before it.
+void Tracker::synthesise(std::vector<Job>& jobs) const {
+    const SynthesisedFrame* earlier = previous_.synthesised ? &*previous_.synthesised : nullptr;
+    for (Job& job : jobs) {
+        if (!job.is_usable()) continue;
+        const auto begin = Clock::now();
+        job.synthesised = job.is_repeated ? *earlier
+                                          : synthesis_->next(job.frame.image, job.found.fitted,
+                                                             earlier, threads_);
+        job.ms.synthesis += milliseconds_since(begin);
+        earlier = &*job.synthesised;
     }
 }
 
@@ -190,11 +252,14 @@ void Tracker::fit(Job& job, Lane& lane) const {
                   : previous_.step_rms > 0
                       ? static_cast<double>(job.position - previous_.position) * previous_.step_rms
                       : kWarmStep * model().disc.diameter;
+    DetectionOptions detection = options_.detection;
+    // The calibration looked for most spheres only.
+    if (frame.index == calibration_frame_) detection.cores = CoreSearch::this_frame;
     for (int attempt = 0; attempt < 2; ++attempt) {
         begin = Clock::now();
         job.found = lane.locator.locate(
-            [&](int y, float* row) { model().darkness_row(frame.image, light, y, row); },
-            options_.detection, options_.refinement, places, step);
+            [&](int y, float* row) { model().darkness_row(frame.image, light, y, row); }, detection,
+            options_.refinement, places, step);
         if (attempt == 0) job.is_warm = job.found.warm && frame.index != calibration_frame_;
         // Drawing and what every frame needs besides count as refinement.
         job.ms.detect += 1e3 * job.found.detect_seconds;
@@ -209,6 +274,7 @@ void Tracker::fit(Job& job, Lane& lane) const {
         if (holds) break;
         places = job.found.fitted;
         step = 0;
+        detection.cores = CoreSearch::never;
     }
     job.light = light;
 }
@@ -235,8 +301,24 @@ Snapshot Tracker::snapshot_of(const Job& job, Run& run) {
         summary.brightest = std::max(summary.brightest, job.light.span);
         summary.ms_per_frame.detect += job.ms.detect;
         summary.ms_per_frame.refine += job.ms.refine;
+        summary.ms_per_frame.synthesis += job.ms.synthesis;
     }
     judge(found, job.frame, summary);
+    report(job, snapshot, summary);
+    link(job, run, snapshot);
+    return snapshot;
+}
+
+/// Positions, errors and what else is known of each sphere.
+void Tracker::report(const Job& job, Snapshot& snapshot, TrackSummary& summary) {
+    if (job.synthesised) {
+        snapshot.box.height = synthesis_->cell_height();
+        synthesis_->report(*job.synthesised, options_.detection.border * model().disc.diameter,
+                           snapshot);
+        if (!job.is_repeated) add(*job.synthesised, job.frame.index, summary.synthesis);
+        return;
+    }
+    const Located& found = job.found;
     snapshot.position = found.position;
     snapshot.quality = found.residual;
     snapshot.position_error = found.error;
@@ -246,6 +328,10 @@ Snapshot Tracker::snapshot_of(const Job& job, Run& run) {
     }
 
     if (bilayer_) bilayer_->admit(snapshot, found.explained);
+}
+
+void Tracker::link(const Job& job, Run& run, Snapshot& snapshot) {
+    TrackSummary& summary = run.summary;
     const auto begin = Clock::now();
     Linker& linker = run.linker;
     const LinkSummary before = linker.summary();
@@ -260,7 +346,6 @@ Snapshot Tracker::snapshot_of(const Job& job, Run& run) {
         summary.layers = bilayer_->summary();
     }
     summary.ms_per_frame.link += milliseconds_since(begin);
-    return snapshot;
 }
 
 void Tracker::judge(const Located& found, const Frame& frame, TrackSummary& summary) {
@@ -316,6 +401,7 @@ void Tracker::summarise(const TrackSummary& summary) {
             "layers.height or track.sphere-diameter too small, or a sphere false?",
             layers.contradictory, layers.spheres));
     }
+    warn_of(summary.synthesis, plan_);
     if (summary.repeated > 0) {
         plan_.warn(fmt::format("{} frames repeat the one before", summary.repeated));
     }
@@ -347,13 +433,14 @@ void Tracker::finish(Job& job, Run& run, const EachFrame& each_frame) {
     previous_.position = job.position;
     previous_.counts = std::move(job.frame.image);
     previous_.found = std::move(job.found);
+    if (job.synthesised) previous_.synthesised = std::move(job.synthesised);
 }
 
 TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress, const EachFrame& each_frame,
                           const TrackResumption& resumption) {
     previous_ = {};
     bilayer_.reset();
-    if (options_.layers.height) {
+    if (options_.layers.height && !synthesis_) {
         if (!options_.layers.camera_distance) {
             plan_.warn(
                 "layers.camera-distance is not given: the lens is taken as telecentric. One with "
@@ -401,7 +488,8 @@ TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress, const EachFram
     summary.residual_rms /= n;
     for (double* t :
          {&summary.ms_per_frame.read, &summary.ms_per_frame.detect, &summary.ms_per_frame.refine,
-          &summary.ms_per_frame.link, &summary.ms_per_frame.write, &summary.ms_per_frame.wall}) {
+          &summary.ms_per_frame.synthesis, &summary.ms_per_frame.link, &summary.ms_per_frame.write,
+          &summary.ms_per_frame.wall}) {
         *t /= n;
     }
     const LinkSummary& links = linker.summary();

@@ -21,6 +21,7 @@
 #include "tracking/locate.h"
 #include "tracking/model/image_model.h"
 #include "tracking/model/visible_pixels.h"
+#include "tracking/synthesis/film_synthesis.h"
 
 namespace grainfield::tracking {
 
@@ -31,17 +32,19 @@ struct TrackOptions {
     LinkOptions link;
     LayerOptions layers;
     std::optional<double> sphere_diameter;  ///< true diameter a [px]; empty: the apparent D
+    bool synthesis = false;                 ///< positions and heights from rendered images
+    SynthesisOptions synthesis_options;     ///< layers.height, where given, is the height
     VisiblePixels visible;                  ///< pixels that are looked at
     int threads = 0;                        ///< 0: all
 };
 
 /// Every option of tracking, one table a stage ("calibrate", "detect", "refine", "link", "layers",
-/// "track").
+/// "synthesis", "track").
 std::vector<OptionTable> describe(TrackOptions& options);
 
 /// Where the time of a run went, per frame.
 struct FrameTimes {
-    double read = 0, detect = 0, refine = 0, link = 0, write = 0;  ///< [ms]
+    double read = 0, detect = 0, refine = 0, synthesis = 0, link = 0, write = 0;  ///< [ms]
     double wall = 0;  ///< by the clock [ms]; less than the sum where frames are fitted side by side
 };
 
@@ -60,12 +63,13 @@ struct TrackSummary {
     double worst_residual = 0;          ///< RMS residual of that frame [contrast]
     double dimmest = 1, brightest = 1;  ///< contrast of the frames relative to the first [-]
     Bilayer::Summary layers;            ///< zeros without a height of the cell
+    SynthesisSummary synthesis;         ///< zeros without synthesis
     FrameTimes ms_per_frame;
 };
 
 /// What a saved run of the tracker calls itself (Checkpoint::kind), with the version of what it
 /// holds.
-inline constexpr const char* kTrackStateKind = "track 2";
+inline constexpr const char* kTrackStateKind = "track 3";
 
 /// How a long run is saved now and then, and taken up again.
 struct TrackResumption {
@@ -86,8 +90,10 @@ struct TrackResumption {
 /// that repeats the one before costs nothing. The light of each frame is followed
 /// (IlluminationFollower).
 ///
-/// Where the height of the cell is given, spheres without room between the plates are left out. The
-/// others get the layer that their overlaps imply (Bilayer), up to a flip of each cluster.
+/// With synthesis, positions, heights and layers are those of FilmSynthesis, frame by frame, and
+/// the next frame starts from them. Else, where the height of the cell is given, spheres without
+/// room between the plates are left out. The others get the layer that their overlaps imply
+/// (Bilayer), up to a flip of each cluster.
 ///
 /// Positions are in pixels of the source. Three frames are in memory at a time. Results do not
 /// depend on the number of threads: frames are fitted in twos on one thread as well.
@@ -95,7 +101,8 @@ class Tracker {
  public:
     /// Calibrates; what was decided goes into `plan`. The source must outlive the tracker. A source
     /// without any usable frame gives a tracker that writes empty snapshots, with warnings. Throws
-    /// OptionError if the height of the cell is given without the true diameter of the spheres.
+    /// OptionError if the height of the cell, or synthesis, is asked for without the true diameter
+    /// of the spheres, and if synthesis is asked for with a mask or bright spheres.
     Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan);
 
     Tracker(const Tracker&) = delete;
@@ -121,6 +128,7 @@ class Tracker {
         std::int64_t position = -2;  ///< among the frames selected
         Image counts;
         Located found;
+        std::optional<SynthesisedFrame> synthesised = {};
         double step_rms = 0;  ///< of its spheres, RMS displacement [px]; 0: unknown
     };
 
@@ -150,6 +158,7 @@ class Tracker {
         bool is_repeated = false;   ///< of the frame before: `found` is that one's
         bool is_warm = false;
         Located found;
+        std::optional<SynthesisedFrame> synthesised = {};
         Illumination light;
         FrameTimes ms;
 
@@ -158,9 +167,13 @@ class Tracker {
     std::vector<Job> read(Run& run);
     void fit(std::vector<Job>& jobs);
     void fit(Job& job, Lane& lane) const;
+    void synthesise(std::vector<Job>& jobs) const;
     std::vector<Vec2> start_for(const Job& job) const;
     void finish(Job& job, Run& run, const EachFrame& each_frame);
     Snapshot snapshot_of(const Job& job, Run& run);
+    void report(const Job& job, Snapshot& snapshot, TrackSummary& summary);
+    void link(const Job& job, Run& run, Snapshot& snapshot);
+    void plan_heights(RunPlan& plan);
     void judge(const Located& found, const Frame& frame, TrackSummary& summary);
     void summarise(const TrackSummary& summary);
 
@@ -174,6 +187,7 @@ class Tracker {
     IlluminationFollower::State light_;
     Previous previous_;
     std::optional<Bilayer> bilayer_;
+    std::optional<FilmSynthesis> synthesis_;
 };
 
 }  // namespace grainfield::tracking

@@ -46,7 +46,7 @@ TEST(Locate, FindsEveryIsolatedDiscAtTheBound) {
     const auto s = scored(located(testing::tanh_frame(scene, 16, 1.2, 0.02, 1)), scene);
     EXPECT_EQ(s.missed, 0);
     EXPECT_EQ(s.spurious, 0);
-    // Bound .00757 px (methods.md, case I); 361 discs scatter by 2.6 %, 8-bit rounding adds 1 %.
+    // Bound .00757 px (position_bounds); 361 discs scatter by 2.6 %, 8-bit rounding adds 1 %.
     EXPECT_LT(s.rms, 1.12 * 0.00757);
 }
 
@@ -55,7 +55,7 @@ TEST(Locate, FindsEveryDiscOfADenseLiquid) {
     const auto s = scored(located(testing::tanh_frame(scene, 16, 1.2, 0.02, 1)), scene);
     EXPECT_EQ(s.missed, 0);
     EXPECT_EQ(s.spurious, 0);
-    // Joint bound .00835 px (case A); 1,200 discs scatter by 1.4 %.
+    // Joint bound .00835 px (position_bounds); 1,200 discs scatter by 1.4 %.
     EXPECT_LT(s.rms, 1.10 * 0.00835);
 }
 
@@ -165,7 +165,7 @@ TEST(Locate, FindsBothLayersWhereTheHolesAreAllButClosed) {
     patch.clearance = 1;
     const auto scene = testing::crystal_in_liquid(640, 640, 16, 0.7, patch, 2);
     const auto s = scored(located(testing::tanh_frame(scene, 16, 1.2, 0.02, 2)), scene);
-    // methods.md, case B: recall 0.98, 30 false of 11,603.
+    // A published detector has recall 0.98 and 30 false of 11,603 on such frames.
     EXPECT_LE(s.missed, 0.01 * static_cast<double>(scene.position.size()));
     EXPECT_LE(s.spurious, 0.003 * static_cast<double>(scene.position.size()));
 }

@@ -7,9 +7,10 @@
 
 #include <gtest/gtest.h>
 
+#include "core/memory_frames.h"
 #include "core/support/random.h"
+#include "tests/support/collect.h"
 #include "tests/support/layer_frames.h"
-#include "tests/support/memory_frames.h"
 #include "tests/support/position_score.h"
 #include "tracking/score/track_scores.h"
 #include "tracking/tracker.h"
@@ -19,7 +20,6 @@ namespace {
 
 using testing::Collect;
 using testing::LayerScene;
-using testing::MemoryFrames;
 using testing::score_positions;
 
 constexpr int kSide = 300;
@@ -85,7 +85,7 @@ struct Tracked {
 };
 
 Tracked tracked(const Film& film, const TrackOptions& options = {}) {
-    MemoryFrames source(film.frames);
+    MemoryFrames source(testing::numbered(film.frames));
     Collect sink;
     RunPlan plan;
     Tracker tracker(source, options, plan);

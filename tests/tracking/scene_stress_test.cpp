@@ -9,9 +9,10 @@
 
 #include <gtest/gtest.h>
 
+#include "core/memory_frames.h"
 #include "core/support/random.h"
+#include "tests/support/collect.h"
 #include "tests/support/layer_frames.h"
-#include "tests/support/memory_frames.h"
 #include "tests/support/position_score.h"
 #include "tracking/score/position_bounds.h"
 #include "tracking/tracker.h"
@@ -21,7 +22,6 @@ namespace {
 
 using testing::Collect;
 using testing::LayerScene;
-using testing::MemoryFrames;
 using testing::PositionScore;
 using testing::score_positions;
 

@@ -30,9 +30,9 @@ TEST(TrackState, EveryMemberOfWhatWasLocatedSurvives) {
     Located before;
     {
         auto& [position, error, residual, explained, residual_rms, noise, passes, added, removed,
-               coarse_steps, steps, warm, approached, maps_skipped, maps_in_part, trials, evidence,
-               fitted, unsettled, rejected, settled_detection, detect_seconds, refine_seconds] =
-            before;
+               coarse_steps, steps, warm, approached, maps_skipped, maps_in_part, trials,
+               arrangements, arrangements_taken, evidence, fitted, unsettled, rejected,
+               settled_detection, detect_seconds, refine_seconds] = before;
         position = {{1, 2}};
         error = {{3, 4}};
         residual = {5};
@@ -40,6 +40,7 @@ TEST(TrackState, EveryMemberOfWhatWasLocatedSurvives) {
         std::tie(residual_rms, noise, evidence, detect_seconds, refine_seconds) =
             std::tuple{0.1, 0.2, 0.3, 0.4, 0.5};
         std::tie(passes, maps_skipped, maps_in_part) = std::tuple{8, 9, 10};
+        std::tie(arrangements, arrangements_taken) = std::tuple{22, 23};
         std::tie(added, removed, coarse_steps, steps, trials, unsettled, rejected) =
             std::tuple{11, 12, 13, 14, 15, 16, 17};
         std::tie(warm, approached, settled_detection) = std::tuple{true, true, false};
@@ -49,6 +50,7 @@ TEST(TrackState, EveryMemberOfWhatWasLocatedSurvives) {
     const Located after = restored<Located>(numbers);
     EXPECT_EQ(saved(after), numbers);
     EXPECT_EQ(after.trials, 15);
+    EXPECT_EQ(after.arrangements_taken, 23);
     EXPECT_EQ(after.evidence, 0.3);
     EXPECT_EQ(after.fitted, before.fitted);
     EXPECT_FALSE(after.settled_detection);
@@ -62,6 +64,9 @@ TEST(TrackState, EveryMemberOfTheSummarySurvives) {
     before.step_rms = 3.5;
     before.layers.labelled = 4;
     before.layers.is_exact = false;
+    before.synthesis.doubtful = 7;
+    before.synthesis.optics.grazing = 8.5;
+    before.ms_per_frame.synthesis = 9.5;
     before.ms_per_frame.wall = 5.5;
     before.brightest = 6.5;
     const TrackSummary after = restored<TrackSummary>(saved(before));
@@ -70,8 +75,37 @@ TEST(TrackState, EveryMemberOfTheSummarySurvives) {
     EXPECT_EQ(after.step_rms, 3.5);
     EXPECT_EQ(after.layers.labelled, 4);
     EXPECT_FALSE(after.layers.is_exact);
+    EXPECT_EQ(after.synthesis.doubtful, 7);
+    EXPECT_EQ(after.synthesis.optics.grazing, 8.5);
+    EXPECT_EQ(after.ms_per_frame.synthesis, 9.5);
     EXPECT_EQ(after.ms_per_frame.wall, 5.5);
     EXPECT_EQ(after.brightest, 6.5);
+}
+
+TEST(TrackState, WhatSynthesisFoundSurvives) {
+    SynthesisedFrame before;
+    before.position = {{1, 2}, {3, 4}};
+    before.error = {{0.1, 0.2}, {0.3, 0.4}};
+    before.z = {0.5, 0.6};
+    before.z_error = {0.7, 0.8};
+    before.residual = {0.9, 1.1};
+    before.optics = {.reflectivity = 0.51,
+                     .blur = 0.06,
+                     .ambient = 0.03,
+                     .grazing = 0.3,
+                     .distance = 70,
+                     .middle_x = 5,
+                     .middle_y = 6,
+                     .reflections = 3};
+    before.residual_before = 0.04;
+    before.residual_rms = 0.02;
+    before.added = 7;
+    const std::vector<double> numbers = saved(before);
+    const SynthesisedFrame after = restored<SynthesisedFrame>(numbers);
+    EXPECT_EQ(saved(after), numbers);
+    EXPECT_EQ(after.z, before.z);
+    EXPECT_EQ(after.optics.reflections, 3);
+    EXPECT_EQ(after.added, 7);
 }
 
 TEST(TrackState, TheStateOfTheLinkerSurvives) {

@@ -9,15 +9,16 @@
 #include <gtest/gtest.h>
 
 #include "core/errors.h"
+#include "core/memory_frames.h"
+#include "tests/support/collect.h"
 #include "tests/support/layer_frames.h"
-#include "tests/support/memory_frames.h"
 #include "tests/support/position_score.h"
 
 namespace grainfield::tracking {
 namespace {
 
 using testing::Collect;
-using testing::MemoryFrames;
+using testing::numbered;
 using testing::score_positions;
 
 struct Movie {
@@ -50,7 +51,7 @@ TrackSummary run(FrameSource& source, Collect& sink, RunPlan& plan,
 
 TEST(Tracker, FollowsEverySphereThroughAMovie) {
     const Movie m = movie(6);
-    MemoryFrames source(m.frames);
+    MemoryFrames source(numbered(m.frames));
     Collect sink;
     RunPlan plan;
     const TrackSummary summary = run(source, sink, plan);
@@ -97,7 +98,7 @@ TEST(Tracker, GoesOnFromAnyFrameAsIfNothingHadHappened) {
     Movie m = movie(7);
     m.frames[3] = m.frames[2];  // repeated
     m.frames[5].status = FrameStatus::corrupt;
-    MemoryFrames source(m.frames);
+    MemoryFrames source(numbered(m.frames));
     TrackOptions options;
     options.link.minimum_length = 3;
     options.layers.height = 1.94;
@@ -138,7 +139,7 @@ TEST(Tracker, GoesOnFromAnyFrameAsIfNothingHadHappened) {
 
 TEST(Tracker, RefusesACheckpointOfAnotherFilm) {
     const Movie m = movie(3);
-    MemoryFrames source(m.frames);
+    MemoryFrames source(numbered(m.frames));
     std::optional<Checkpoint> saved;
     Collect sink;
     RunPlan plan;
@@ -149,7 +150,7 @@ TEST(Tracker, RefusesACheckpointOfAnotherFilm) {
                  .save = [&](Checkpoint&& state) { saved = std::move(state); }});
     ASSERT_TRUE(saved);
     std::vector<Frame> others(m.frames.rbegin(), m.frames.rend());
-    MemoryFrames other(others);
+    MemoryFrames other(numbered(others));
     Tracker stranger(other, {}, plan);
     EXPECT_THROW(stranger.run(sink, progress, {}, {.from = &*saved}), InputError);
     Checkpoint damaged = *saved;
@@ -163,8 +164,8 @@ TEST(Tracker, FramesLeftOutOnPurposeAreNotMissing) {
     Collect whole;
     Collect sparse;
     RunPlan plan;
-    MemoryFrames every(m.frames);
-    MemoryFrames some(m.frames, 7);  // more than the memory
+    MemoryFrames every(numbered(m.frames));
+    MemoryFrames some(numbered(m.frames, 7));  // more than the memory
     run(every, whole, plan);
     const TrackSummary summary = run(some, sparse, plan);
     EXPECT_GT(summary.step_rms, 0);
@@ -180,7 +181,7 @@ TEST(Tracker, CorruptAndMissingFramesLeaveAGap) {
     m.frames[1].message = "bad strip";
     m.frames[1].image = Image();
     m.frames[2].status = FrameStatus::missing;
-    MemoryFrames source(m.frames);
+    MemoryFrames source(numbered(m.frames));
     Collect sink;
     RunPlan plan;
     const TrackSummary summary = run(source, sink, plan);
@@ -197,11 +198,11 @@ TEST(Tracker, AWarmStartFindsWhatAColdOneFindsWithLessWork) {
     Collect warm;
     Collect cold;
     RunPlan plan;
-    MemoryFrames source(m.frames);
+    MemoryFrames source(numbered(m.frames));
     const TrackSummary summary = run(source, warm, plan);
     EXPECT_EQ(summary.warm_frames, 3);  // the first one follows the calibration
     for (std::size_t f = 0; f < 4; ++f) {
-        MemoryFrames one({m.frames[f]});
+        MemoryFrames one(numbered({m.frames[f]}));
         run(one, cold, plan);
         const auto score = score_positions(warm.snapshots[f].position, cold.snapshots[f].position,
                                            3, 300, 300, 12);
@@ -215,7 +216,7 @@ TEST(Tracker, AWarmStartFindsWhatAColdOneFindsWithLessWork) {
 TEST(Tracker, AFrameThatRepeatsTheOneBeforeIsNotFittedAgain) {
     Movie m = movie(2);
     m.frames.insert(m.frames.begin() + 1, m.frames[0]);
-    MemoryFrames source(m.frames);
+    MemoryFrames source(numbered(m.frames));
     Collect sink;
     RunPlan plan;
     const TrackSummary summary = run(source, sink, plan);
@@ -237,8 +238,8 @@ TEST(Tracker, FollowsALampThatFlickers) {
     Collect truth;
     RunPlan plan;
     RunPlan quiet;
-    MemoryFrames source(m.frames);
-    MemoryFrames same(steady.frames);
+    MemoryFrames source(numbered(m.frames));
+    MemoryFrames same(numbered(steady.frames));
     const TrackSummary summary = run(source, sink, plan);
     run(same, truth, quiet);
     // Vignetting by 15 % and a dark level of 6 % leave 0.04 at this change (IlluminationFollower).
@@ -263,7 +264,7 @@ TEST(Tracker, ReportedErrorsHoldOnFramesOfACameraThatItDidNotImagine) {
     const auto scene = testing::crystal_in_liquid(640, 640, 12, 0.68, patch, 2);
     Frame frame;
     frame.image = testing::camera_frame(scene, {}, 1);
-    MemoryFrames source({frame});
+    MemoryFrames source(numbered({frame}));
     Collect sink;
     RunPlan plan;
     run(source, sink, plan);
@@ -304,7 +305,7 @@ TEST(Tracker, SaysWhenTheImageModelDoesNotFit) {
     for (std::size_t i = 0; i < frame.image.size(); ++i) {
         frame.image.pixels()[i] += 0.9F * (200 - cores.pixels()[i]);
     }
-    MemoryFrames source({frame});
+    MemoryFrames source(numbered({frame}));
     Collect sink;
     RunPlan plan;
     TrackOptions options;
@@ -321,7 +322,7 @@ TEST(Tracker, SaysWhenTheImageModelDoesNotFit) {
 TEST(Tracker, ABlackMovieGivesEmptySnapshotsAndAWarning) {
     Frame black;
     black.image = Image(64, 48);
-    MemoryFrames source({black, black});
+    MemoryFrames source(numbered({black, black}));
     Collect sink;
     RunPlan plan;
     const TrackSummary summary = run(source, sink, plan);
@@ -333,7 +334,7 @@ TEST(Tracker, ABlackMovieGivesEmptySnapshotsAndAWarning) {
 TEST(Tracker, CalibratesOnALaterFrameWhenTheFirstIsBlack) {
     Movie m = movie(2);
     m.frames[0].image = Image(300, 300);
-    MemoryFrames source(m.frames);
+    MemoryFrames source(numbered(m.frames));
     Collect sink;
     RunPlan plan;
     run(source, sink, plan);
@@ -342,7 +343,7 @@ TEST(Tracker, CalibratesOnALaterFrameWhenTheFirstIsBlack) {
 }
 
 TEST(Tracker, LinkingIsSkippedForOneFrameAndSaysSo) {
-    MemoryFrames source(movie(1).frames);
+    MemoryFrames source(numbered(movie(1).frames));
     Collect sink;
     RunPlan plan;
     run(source, sink, plan);
@@ -353,7 +354,7 @@ TEST(Tracker, LinkingIsSkippedForOneFrameAndSaysSo) {
 
 TEST(Tracker, LayersOfACrystalAreThoseOfTheTruthUpToOneFlipAndStay) {
     const Movie m = movie(4);
-    MemoryFrames source(m.frames);
+    MemoryFrames source(numbered(m.frames));
     Collect sink;
     RunPlan plan;
     TrackOptions options;
@@ -385,7 +386,7 @@ TEST(Tracker, LayersOfACrystalAreThoseOfTheTruthUpToOneFlipAndStay) {
 
 TEST(Tracker, TheHeightOfTheCellNeedsTheTrueDiameter) {
     const Movie m = movie(1);
-    MemoryFrames source(m.frames);
+    MemoryFrames source(numbered(m.frames));
     RunPlan plan;
     TrackOptions options;
     options.layers.height = 1.94;
@@ -396,7 +397,7 @@ TEST(Tracker, SameBytesForAnyNumberOfThreads) {
     const Movie m = movie(4);  // one alone, two side by side, one of two
     std::vector<std::vector<Snapshot>> snapshots;
     for (const int threads : {1, 2, 8}) {
-        MemoryFrames source(m.frames);
+        MemoryFrames source(numbered(m.frames));
         Collect sink;
         RunPlan plan;
         TrackOptions options;

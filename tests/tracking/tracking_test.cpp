@@ -6,8 +6,8 @@
 
 #include "core/errors.h"
 #include "core/memory_frames.h"
+#include "tests/support/collect.h"
 #include "tests/support/layer_frames.h"
-#include "tests/support/memory_frames.h"
 #include "tests/support/position_score.h"
 
 namespace grainfield::tracking {

@@ -36,7 +36,7 @@ OptionTable describe(CalibrationOptions& options) {
     table.number("disc-diameter", options.diameter, "px", {2, 2000},
                  "apparent diameter D of the disc that a sphere is in the image");
     table.also_called("diameter");
-    table.number("edge-width", options.edge_width, "px", {0.05, 200}, "width w of its tanh edge");
+    table.number("edge-width", options.edge_width, "px", {0.05, 200}, "width w of its edge");
     table.choice("polarity", options.polarity,
                  {{"auto", PolarityChoice::automatic},
                   {"dark", PolarityChoice::dark},
@@ -45,7 +45,7 @@ OptionTable describe(CalibrationOptions& options) {
     table.choice("meeting-edges", options.meeting_edges, rule_choices(),
                  "image of edges that meet: transmissions multiply, or a lens blurs their union");
     table.choice("profile", options.profile, profile_choices(),
-                 "darkness across a sphere: a tanh edge, or learned where spheres stand alone");
+                 "darkness across a sphere: an edge, or learned where spheres stand alone");
     table.number("uniform-tolerance", options.uniform_tolerance, "-", {0, 1},
                  "variation of the background, relative to the contrast, that is ignored");
     return table;

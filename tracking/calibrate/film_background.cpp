@@ -176,11 +176,15 @@ Evening evening_of(const ClearLevels& clear, const FilmLevels& levels,
     return evening;
 }
 
-void even_out(Image& counts, const Image& gain, const FilmLevels& levels) {
+void even_out(Image& counts, const Image& gain, const FilmLevels& levels, int threads) {
     const auto core = static_cast<float>(levels.core);
-    std::transform(counts.pixels().begin(), counts.pixels().end(), gain.pixels().begin(),
-                   counts.pixels().begin(),
-                   [core](float v, float g) { return g == 1 ? v : core + g * (v - core); });
+    parallel_for(counts.height(), threads, [&](std::int64_t row) {
+        const auto y = static_cast<int>(row);
+        for (int x = 0; x < counts.width(); ++x) {
+            const float g = gain(x, y);
+            if (g != 1) counts(x, y) = core + g * (counts(x, y) - core);
+        }
+    });
 }
 
 }  // namespace grainfield::tracking

@@ -70,6 +70,6 @@ Evening evening_of(const ClearLevels& clear, const FilmLevels& levels,
                    const VisiblePixels& visible = {});
 
 /// I' from I, in place.
-void even_out(Image& counts, const Image& gain, const FilmLevels& levels);
+void even_out(Image& counts, const Image& gain, const FilmLevels& levels, int threads = 1);
 
 }  // namespace grainfield::tracking

@@ -101,51 +101,51 @@ class Chooser {
             return;
         }
         if (!fitted_) fitted_ = fit(*model_.overlap);
+        const std::string_view edge = model_.disc.shape->name();
         LearnedProfile learned =
             learn_profile(fitted_->residual, fitted_->position, model_.disc, visible_);
         if (!learned.is_sampled()) {
             const std::string reason = fmt::format(
-                "tanh: too few pixels near one sphere only: {:.0f} per w/4 of "
-                "edge, {:.0f} wanted",
-                learned.fewest, LearnedProfile::kFewest);
+                "{}: too few pixels near one sphere only: {:.0f} per w/4 of edge, {:.0f} wanted",
+                edge, learned.fewest, LearnedProfile::kFewest);
             plan_.skip("profile", reason, "one fit of one frame");
             if (choice.learning == Learning::always)
                 plan_.warn("no profile was learned, " + reason);
             return;
         }
         if (learned.correction.is_zero()) {
-            plan_.skip("profile", "tanh: spheres that stand alone show nothing else",
+            plan_.skip("profile",
+                       fmt::format("{}: spheres that stand alone show nothing else", edge),
                        "one fit of one frame");
             return;
         }
         if (choice.learning == Learning::automatic &&
             learned.rms_left > kMuchBetter * learned.rms) {
             plan_.skip("profile",
-                       fmt::format("tanh: near one sphere only, any other profile leaves {:.4f} of "
+                       fmt::format("{}: near one sphere only, any other profile leaves {:.4f} of "
                                    "{:.4f} of the contrast",
-                                   learned.rms_left, learned.rms),
+                                   edge, learned.rms_left, learned.rms),
                        "one fit of one frame");
             return;
         }
         const std::string source = fmt::format(
-            "up to {:.3f} of the contrast off tanh, ± {:.3f}, from {} pixels near one "
-            "sphere only",
-            learned.correction.largest(), learned.error, learned.pixels);
+            "up to {:.3f} of the contrast off {}, ± {:.3f}, from {} pixels near one sphere only",
+            learned.correction.largest(), edge, learned.error, learned.pixels);
         // Darkness 0 is where no sphere is.
         const BackgroundSurface clear = model_.background.towards(model_.dark_level, learned.veil);
         if (choice.learning == Learning::automatic) {
             ImageModel other = model_;
             other.background = clear;
             darkness_ = other.darkness(counts_);
-            const double tanh = overlap_rms(*fitted_, model_.disc, visible_);
+            const double plain = overlap_rms(*fitted_, model_.disc, visible_);
             const double rms =
                 overlap_rms(fit(*model_.overlap, learned.correction), model_.disc, visible_) *
                 (1 - learned.veil);
-            const bool is_learned = rms < kMuchBetter * tanh;
+            const bool is_learned = rms < kMuchBetter * plain;
             plan_.run("profile",
                       fmt::format("{}: RMS residual where spheres overlap {:.4f} of the contrast "
-                                  "with tanh edges, {:.4f} with a learned profile, {}",
-                                  is_learned ? "learned" : "tanh", tanh, rms, source));
+                                  "with {} edges, {:.4f} with a learned profile, {}",
+                                  is_learned ? "learned" : edge, plain, edge, rms, source));
             if (!is_learned) return;
         } else {
             plan_.run("profile", "learned, as asked for: " + source);

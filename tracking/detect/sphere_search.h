@@ -19,6 +19,13 @@ enum class SearchGoal {
     most_spheres,  ///< in one pass, without a second look: enough to calibrate the image model on
 };
 
+/// When a second search looks for the cores of spheres, if the model describes the frame badly.
+enum class CoreSearch {
+    never,
+    cold_frames,  ///< on frames without a start
+    this_frame,   ///< in any case: the start is rough
+};
+
 struct DetectionOptions {
     double cutoff = 3;  ///< a first candidate needs 1/χ² above this [-]
     /// Two centres nearer than this are one sphere [D]: SphereCell::least_distance of a cell of
@@ -32,6 +39,7 @@ struct DetectionOptions {
     double significance = 6;  ///< … and this many standard deviations of the noise [-]
     int max_passes = 12;      ///< most rounds of adding and removing spheres
     SearchGoal goal = SearchGoal::every_sphere;
+    CoreSearch cores = CoreSearch::cold_frames;
 };
 
 OptionTable describe(DetectionOptions& options);

@@ -25,6 +25,7 @@ void keep_particles(Snapshot& s, const std::vector<char>& wanted) {
     keep(s.velocity, wanted);
     keep(s.spin, wanted);
     keep(s.position_error, wanted);
+    keep(s.z_error, wanted);
     keep(s.quality, wanted);
     keep(s.layer, wanted);
 }
@@ -53,7 +54,6 @@ void LongTracks::write(const Snapshot& snapshot) {
 void LongTracks::finish() {
     while (!waiting_.empty()) release();
     forget();
-    for (const auto& [id, seen] : seen_) dropped_tracks_ += seen.times < minimum_length_;
     seen_.clear();
 }
 
@@ -78,16 +78,13 @@ void LongTracks::forget() {
     const std::int64_t oldest = waiting_.empty() ? frame_ + 1 : waiting_.front().frame;
     std::erase_if(seen_, [&](const auto& entry) {
         const Seen& seen = entry.second;
-        const bool gone = frame_ - seen.last > memory_ && seen.last < oldest;
-        if (gone) dropped_tracks_ += seen.times < minimum_length_;
-        return gone;
+        return frame_ - seen.last > memory_ && seen.last < oldest;
     });
 }
 
 void LongTracks::transfer(NumberArchive& archive) {
     archive(frame_);
     archive.list(waiting_);
-    archive(dropped_tracks_);
     std::vector<double> seen;
     for (const auto& [id, track] : seen_) {
         for (const std::int64_t n : {id, track.times, track.last}) {

@@ -26,7 +26,6 @@ class LongTracks : public SnapshotSink {
     /// No more frames come: tracks that are still short have ended. Call it before the sink closes.
     void finish();
 
-    std::int64_t dropped_tracks() const { return dropped_tracks_; }
     std::size_t waiting() const { return waiting_.size(); }
 
     /// Saves or restores what waits and what is known of its tracks.
@@ -47,7 +46,6 @@ class LongTracks : public SnapshotSink {
     std::int64_t frame_ = 0;
     std::deque<Snapshot> waiting_;
     std::unordered_map<std::int64_t, Seen> seen_;  ///< tracks alive or waiting
-    std::int64_t dropped_tracks_ = 0;
 };
 
 }  // namespace grainfield::tracking

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/vec2.h"
+#include "tracking/refine/joint_fit.h"
+
+namespace grainfield::tracking {
+
+// A search ends in an arrangement that no single disc, added or removed, improves: three spheres in
+// a row, fitted as two, stay two. A search with another disc stops elsewhere. Where they differ one
+// of the two is better.
+
+/// Discs of one arrangement and those of another one in their place.
+struct ArrangementDifference {
+    std::vector<Vec2> ours, theirs;  ///< [px]
+    Vec2 low, high;                  ///< corners of the box of all of them [px]
+    double change = 0;  ///< of Σ (I − M)² about them when theirs take the place of ours [contrast²]
+};
+
+/// Where `other` has discs without a partner within D/4 in the fit, or the fit in it: clusters of
+/// such discs, 1.2 D from one to the next, in an order that depends on the positions only. D:
+/// `diameter`.
+std::vector<ArrangementDifference> arrangement_differences(const std::vector<Vec2>& ours,
+                                                           const std::vector<Vec2>& theirs,
+                                                           double diameter, int width, int height);
+
+/// Tries each difference, clusters 5 D apart at once: its discs are exchanged, they and their
+/// neighbours take a few sweeps, Σ (I − M)² about them is compared, and all go back. Fills
+/// `change`. With `reversed` the fit holds `theirs`. How many disc updates were done. Independent
+/// of the number of threads.
+std::int64_t try_differences(JointFit& fit, std::vector<ArrangementDifference>& differences,
+                             bool reversed, const RefinementOptions& refinement);
+
+/// Exchanges the discs of these differences. How many disc updates were done.
+std::int64_t take_differences(JointFit& fit, const std::vector<ArrangementDifference>& differences,
+                              const RefinementOptions& refinement);
+
+}  // namespace grainfield::tracking
