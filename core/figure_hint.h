@@ -4,19 +4,34 @@
 #include <string>
 #include <vector>
 
+#include "core/unit.h"
+
 namespace grainfield {
 
 enum class Scale { linear, log };
+
+/// The unit that a run has on an axis. Runs share an axis even where their units differ.
+struct RunUnit {
+    Unit unit;
+    std::optional<TimeUnit> time{};  ///< of the run; empty where the unit has no time in it
+
+    friend bool operator==(const RunUnit&, const RunUnit&) = default;
+};
+
+/// The unit with the time unit of a run, if it has time in it.
+RunUnit run_unit(const Unit& unit, TimeUnit time);
 
 /// An axis of a figure.
 struct Axis {
     std::string name;   ///< column in the CSV: "k"
     std::string label;  ///< "Wavevector k"
-    std::string unit;   ///< for people, "1/a"; empty if dimensionless; "time unit": that of the run
+    Unit unit{};
     Scale scale = Scale::linear;
-    bool from_zero = false;  ///< a linear axis shows zero
+    bool from_zero = false;        ///< a linear axis shows zero
+    std::vector<RunUnit> units{};  ///< those of the runs, each once; empty: `unit`
 
-    std::string title() const;  ///< "Wavevector k [1/a]"
+    std::string unit_text() const;  ///< "1/a", "1/a or 1/l", empty if dimensionless
+    std::string title() const;      ///< "Wavevector k [1/a]"
 };
 
 enum class Mark {

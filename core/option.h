@@ -31,6 +31,14 @@ constexpr const char* automatic = "auto";
 
 enum class OptionKind { flag, integer, number, text, choice };
 
+/// What depends on an option.
+enum class Effect {
+    result,  ///< the numbers that a run makes
+    extent,  ///< how far the run goes: one that is gone on with may be made longer
+    work,    ///< how they are made, or whether: with another value they are the same
+    call     ///< this call alone, as going on with an earlier one: not part of a run's record
+};
+
 /// One row of an option table: everything that the command line, the TOML file, the help text, the
 /// range check and the record of a run need to know about one field.
 struct Option {
@@ -45,6 +53,8 @@ struct Option {
     Count count;               ///< of the elements of a list
     std::vector<std::string> choices;
     OptionValue default_value;  ///< as it was when the table was made
+    Effect effect = Effect::result;
+    const void* field = nullptr;  ///< what the row is bound to
 
     bool is_called(std::string_view word) const;  ///< by its name or another one
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 #include <type_traits>
 
 #include <fmt/format.h>
@@ -105,9 +106,11 @@ Option make_row(std::string name, std::string unit, Range range, std::string mea
     return row;
 }
 
-// Completes a row: `assign` gets the row as it will be described in messages, and the value.
+// Not called bind: std::bind would be found too, and fit better. Completes a row: `assign` gets the
+// row as it will be described in messages, and the value.
 template <class Get, class Assign>
-void bind(std::vector<Option>& rows, Option row, Get get, Assign assign) {
+void add_row(std::vector<Option>& rows, Option row, const void* field, Get get, Assign assign) {
+    row.field = field;
     row.get = get;
     row.default_value = get();
     const Option description = row;
@@ -117,8 +120,8 @@ void bind(std::vector<Option>& rows, Option row, Get get, Assign assign) {
 
 template <class Integer>
 void bind_integer(std::vector<Option>& rows, Option row, Integer& field) {
-    bind(
-        rows, std::move(row),
+    add_row(
+        rows, std::move(row), &field,
         [&field]() -> OptionValue { return static_cast<std::int64_t>(field); },
         [&field](const Option& option, const OptionValue& value) {
             field = require<Integer>(option, value);
@@ -135,8 +138,8 @@ Option make_list(std::string name, std::string unit, Range range, std::string me
 
 template <class Element>
 void bind_list(std::vector<Option>& rows, Option row, std::vector<Element>& field) {
-    bind(
-        rows, std::move(row), [&field]() -> OptionValue { return list_text(field); },
+    add_row(
+        rows, std::move(row), &field, [&field]() -> OptionValue { return list_text(field); },
         [&field](const Option& option, const OptionValue& value) {
             field = require_list<Element>(option, value);
         });
@@ -145,8 +148,8 @@ void bind_list(std::vector<Option>& rows, Option row, std::vector<Element>& fiel
 }  // namespace
 
 void OptionTable::flag(std::string name, bool& field, std::string meaning) {
-    bind(
-        rows_, make_row(std::move(name), {}, {}, std::move(meaning), OptionKind::flag),
+    add_row(
+        rows_, make_row(std::move(name), {}, {}, std::move(meaning), OptionKind::flag), &field,
         [&field]() -> OptionValue { return field; },
         [&field](const Option& option, const OptionValue& value) {
             const auto* on = std::get_if<bool>(&value);
@@ -173,10 +176,10 @@ void OptionTable::integer(std::string name, std::int64_t& field, std::string uni
 
 void OptionTable::number(std::string name, double& field, std::string unit, Range range,
                          std::string meaning) {
-    bind(
+    add_row(
         rows_,
         make_row(std::move(name), std::move(unit), range, std::move(meaning), OptionKind::number),
-        [&field]() -> OptionValue { return field; },
+        &field, [&field]() -> OptionValue { return field; },
         [&field](const Option& option, const OptionValue& value) {
             field = require<double>(option, value);
         });
@@ -187,8 +190,8 @@ void OptionTable::number(std::string name, std::optional<double>& field, std::st
     Option row =
         make_row(std::move(name), std::move(unit), range, std::move(meaning), OptionKind::number);
     row.may_be_auto = true;
-    bind(
-        rows_, std::move(row),
+    add_row(
+        rows_, std::move(row), &field,
         [&field]() -> OptionValue {
             if (field) return *field;
             return std::string(automatic);
@@ -203,8 +206,8 @@ void OptionTable::number(std::string name, std::optional<double>& field, std::st
 }
 
 void OptionTable::text(std::string name, std::string& field, std::string meaning) {
-    bind(
-        rows_, make_row(std::move(name), {}, {}, std::move(meaning), OptionKind::text),
+    add_row(
+        rows_, make_row(std::move(name), {}, {}, std::move(meaning), OptionKind::text), &field,
         [&field]() -> OptionValue { return field; },
         [&field](const Option& option, const OptionValue& value) {
             const auto* text = std::get_if<std::string>(&value);
@@ -242,8 +245,8 @@ void OptionTable::numbers(std::string name, std::optional<std::vector<double>>& 
     Option row = make_list(std::move(name), std::move(unit), range, std::move(meaning),
                            OptionKind::number, count);
     row.may_be_auto = true;
-    bind(
-        rows_, std::move(row),
+    add_row(
+        rows_, std::move(row), &field,
         [&field]() -> OptionValue { return field ? list_text(*field) : std::string(automatic); },
         [&field](const Option& option, const OptionValue& value) {
             if (is_auto(value)) {
@@ -261,13 +264,13 @@ void OptionTable::names(std::string name, std::vector<std::string>& field,
     bind_list(rows_, std::move(row), field);
 }
 
-void OptionTable::add_choice(std::string name, std::vector<std::string> names,
+void OptionTable::add_choice(std::string name, std::vector<std::string> names, const void* field,
                              std::function<std::string()> get,
                              std::function<void(const std::string&)> set, std::string meaning) {
     Option row = make_row(std::move(name), {}, {}, std::move(meaning), OptionKind::choice);
     row.choices = std::move(names);
-    bind(
-        rows_, std::move(row), [get]() -> OptionValue { return get(); },
+    add_row(
+        rows_, std::move(row), field, [get]() -> OptionValue { return get(); },
         [set](const Option& option, const OptionValue& value) {
             set(require<std::string>(option, value));
         });
@@ -277,6 +280,12 @@ const Option* OptionTable::find(std::string_view name) const {
     const auto found =
         std::ranges::find_if(rows_, [name](const Option& row) { return row.is_called(name); });
     return found == rows_.end() ? nullptr : &*found;
+}
+
+const Option& OptionTable::row_of(const void* field) const {
+    const auto found = std::ranges::find(rows_, field, &Option::field);
+    if (found == rows_.end()) throw std::logic_error("no option is bound to this field");
+    return *found;
 }
 
 void OptionTable::set(std::string_view name, const OptionValue& value) const {

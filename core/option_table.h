@@ -57,7 +57,7 @@ class OptionTable {
         std::vector<std::string> names;
         for (const auto& [text, value] : values) names.push_back(text);
         add_choice(
-            std::move(name), std::move(names),
+            std::move(name), std::move(names), &field,
             [&field, values] {
                 for (const auto& [text, value] : values) {
                     if (value == field) return text;
@@ -75,15 +75,21 @@ class OptionTable {
     /// The option added last may be called so too.
     void also_called(std::string name) { rows_.back().other_names.push_back(std::move(name)); }
 
+    /// What depends on the option added last.
+    void affects(Effect effect) { rows_.back().effect = effect; }
+
     const std::string& section() const { return section_; }
     const std::vector<Option>& rows() const { return rows_; }
     const Option* find(std::string_view name) const;
+    /// The row that is bound to this field of the options; throws std::logic_error if there is
+    /// none.
+    const Option& row_of(const void* field) const;
 
     /// Sets option `name`; throws OptionError with the nearest known name if there is none.
     void set(std::string_view name, const OptionValue& value) const;
 
  private:
-    void add_choice(std::string name, std::vector<std::string> names,
+    void add_choice(std::string name, std::vector<std::string> names, const void* field,
                     std::function<std::string()> get, std::function<void(const std::string&)> set,
                     std::string meaning);
 

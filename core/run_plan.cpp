@@ -6,15 +6,20 @@
 
 namespace grainfield {
 
+std::string RunPlan::worded(std::string text) const {
+    return wording_ ? wording_(std::move(text)) : text;
+}
+
 void RunPlan::run(std::string stage, std::string reason) {
-    stages_.push_back({std::move(stage), true, std::move(reason), {}});
+    stages_.push_back({std::move(stage), true, worded(std::move(reason)), {}});
 }
 
 void RunPlan::skip(std::string stage, std::string reason, std::string saved) {
-    stages_.push_back({std::move(stage), false, std::move(reason), std::move(saved)});
+    stages_.push_back({std::move(stage), false, worded(std::move(reason)), std::move(saved)});
 }
 
 void RunPlan::warn(Warning warning) {
+    warning.text = worded(std::move(warning.text));
     if (std::ranges::find(warnings_, warning.text, &Warning::text) == warnings_.end()) {
         warnings_.push_back(std::move(warning));
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,6 +21,14 @@ struct PlannedStage {
 /// stops; the summary of a run repeats the skipped stages. Warnings gathered on the way ride along.
 class RunPlan {
  public:
+    /// Puts a text into the words of whoever called: libraries name options "section.name" and
+    /// "option 'name'", a program may have flags for them.
+    using Wording = std::function<std::string(std::string)>;
+
+    RunPlan() = default;
+    explicit RunPlan(Wording wording) : wording_(std::move(wording)) {}
+    const Wording& wording() const { return wording_; }
+
     void run(std::string stage, std::string reason);
     void skip(std::string stage, std::string reason, std::string saved);
     /// Keeps each distinct text once, in the order of first appearance.
@@ -35,6 +44,9 @@ class RunPlan {
     std::string text() const;
 
  private:
+    std::string worded(std::string text) const;
+
+    Wording wording_;
     std::vector<PlannedStage> stages_;
     std::vector<Warning> warnings_;
 };

@@ -26,6 +26,7 @@ void require_consistent(const Snapshot& snapshot) {
     require_length(snapshot, "velocity", snapshot.velocity);
     require_length(snapshot, "spin", snapshot.spin);
     require_length(snapshot, "position_error", snapshot.position_error);
+    require_length(snapshot, "z_error", snapshot.z_error);
     require_length(snapshot, "quality", snapshot.quality);
     require_length(snapshot, "layer", snapshot.layer);
     for (std::size_t i = 0; i < snapshot.size(); ++i) {

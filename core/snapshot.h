@@ -24,10 +24,11 @@ struct Snapshot {
 
     std::vector<Vec2> position;        ///< [length unit]
     std::vector<std::int64_t> id;      ///< identity through time, ≥ 0; empty: not linked
-    std::vector<double> z;             ///< height of the centre above the resting low plate
+    std::vector<double> z;             ///< of the centre above the resting low plate [length unit]
     std::vector<Vec3> velocity;        ///< [length unit / time unit]
     std::vector<Vec3> spin;            ///< angular velocity [rad / time unit]
     std::vector<Vec2> position_error;  ///< standard error per axis [length unit]
+    std::vector<double> z_error;       ///< standard error of z [length unit]
     std::vector<double> quality;       ///< local RMS residual of the image model [contrast]
     std::vector<Layer> layer;
 

@@ -154,4 +154,8 @@ std::string typeset_text(const Unit& unit, TimeUnit time_unit) {
     return with_superscripts(unit_text(unit, typeset_text(time_unit)));
 }
 
+std::string typeset_text(const Unit& unit) {
+    return unit.is_dimensionless() ? "" : with_superscripts(unit.text());
+}
+
 }  // namespace grainfield

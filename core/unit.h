@@ -58,5 +58,7 @@ const char* typeset_text(TimeUnit unit);
 std::string plain_text(const Unit& unit, TimeUnit time_unit);
 /// "a²/s" for people; empty if dimensionless.
 std::string typeset_text(const Unit& unit, TimeUnit time_unit);
+/// The same where the time unit is not known: "a²/time unit".
+std::string typeset_text(const Unit& unit);
 
 }  // namespace grainfield

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "core/frame_source.h"
+#include "core/support/output_file.h"
 #include "io/frame_file_options.h"
 #include "io/frame_writer.h"
 #include "io/images/image_formats.h"
-#include "io/output_file.h"
 
 namespace grainfield::io {
 

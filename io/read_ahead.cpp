@@ -14,7 +14,9 @@ class ReadAhead : public PassedFrames {
 
     Frame read(std::int64_t index) override {
         Frame frame = take(index);
-        if (index + 1 < source().count()) {
+        const bool goes_on = index == last_ + 1;
+        last_ = index;
+        if (goes_on && index + 1 < source().count()) {
             ahead_ = index + 1;
             under_way_ = std::async(std::launch::async,
                                     [this, next = ahead_] { return source().read(next); });
@@ -33,6 +35,7 @@ class ReadAhead : public PassedFrames {
         return source().read(index);
     }
 
+    std::int64_t last_ = -1;
     std::int64_t ahead_ = -1;
     std::future<Frame> under_way_;  // waits for its thread before the source goes
 };

@@ -1,6 +1,5 @@
 #include "core/support/interrupt.h"
 
-#include <atomic>
 #include <csignal>
 
 #include <fmt/format.h>
@@ -13,6 +12,8 @@ namespace {
 
 std::atomic<int> signal_seen{0};
 static_assert(std::atomic<int>::is_always_lock_free, "used in a signal handler");
+
+thread_local const std::atomic<int>* stop_of_job = nullptr;
 
 extern "C" void remember_signal(int signal) {
     signal_seen.store(signal, std::memory_order_relaxed);
@@ -38,7 +39,17 @@ void ignore_file_size_signal() {
 }
 
 int caught_signal() {
-    return signal_seen.load(std::memory_order_relaxed);
+    const int signal = signal_seen.load(std::memory_order_relaxed);
+    if (signal != 0 || stop_of_job == nullptr) return signal;
+    return stop_of_job->load(std::memory_order_relaxed);
+}
+
+StoppableJob::StoppableJob(const std::atomic<int>& stop) : before_(stop_of_job) {
+    stop_of_job = &stop;
+}
+
+StoppableJob::~StoppableJob() {
+    stop_of_job = before_;
 }
 
 void throw_if_interrupted(const char* work) {

@@ -15,6 +15,7 @@ void transfer(NumberArchive& archive, Snapshot& snapshot) {
     archive(snapshot.velocity);
     archive(snapshot.spin);
     archive(snapshot.position_error);
+    archive(snapshot.z_error);
     archive(snapshot.quality);
     archive(snapshot.layer);
 }

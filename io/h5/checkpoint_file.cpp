@@ -12,7 +12,7 @@
 #include <zlib.h>
 
 #include "core/errors.h"
-#include "io/output_file.h"
+#include "core/support/output_file.h"
 
 namespace grainfield::io {
 

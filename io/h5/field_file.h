@@ -6,7 +6,7 @@
 
 #include "core/density_field.h"
 #include "core/results.h"
-#include "io/output_file.h"
+#include "core/support/output_file.h"
 
 namespace grainfield::io {
 

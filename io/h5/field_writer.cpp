@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "core/version.h"
+#include "io/h5/detail/data_digest.h"
 #include "io/h5/detail/h5_group.h"
 #include "io/h5/detail/observable_group.h"
 #include "io/h5/detail/run_record_json.h"
@@ -100,6 +101,7 @@ void FieldWriter::finish(const std::vector<ObservableResult>& statistics,
     group.write_text("observables", text_of(text));
     state_->group.write_text("identity", text_of(to_json(identity)));
     state_->group.write_text("record", text_of(to_json(record)));
+    store_digest(state_->file);
     state_->file.close();
     state_->output.commit();
 }

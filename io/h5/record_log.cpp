@@ -29,10 +29,13 @@ std::uint32_t checksum(const char* bytes, std::size_t count) {
 }
 
 [[noreturn]] void fail_writing(const std::filesystem::path& path) {
+    const bool is_link = errno == ELOOP;
     throw OutputError({.problem = fmt::format("cannot write '{}'", path.string()),
-                       .actual = std::generic_category().message(errno),
+                       .actual = is_link ? "a symbolic link stands in its place"
+                                         : std::generic_category().message(errno),
                        .expected = {},
-                       .suggestion = "check the free space and quota of that disk"});
+                       .suggestion = is_link ? "remove the link, or give the output another name"
+                                             : "check the free space and quota of that disk"});
 }
 
 void put(int descriptor, const void* data, std::size_t count, const std::filesystem::path& path) {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "io/h5/detail/data_digest.h"
 #include "io/h5/detail/h5_group.h"
 #include "io/h5/detail/legacy_identity.h"
 #include "io/h5/detail/observable_group.h"
@@ -70,6 +71,7 @@ void write_results(OutputFile output, const Results& results) {
     for (std::size_t i = 0; i < results.previews.size(); ++i) {
         write_preview(previews, std::to_string(i), results.previews[i]);
     }
+    store_digest(file);
     file.close();
     output.commit();
 }

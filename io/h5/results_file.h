@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "core/results.h"
-#include "io/output_file.h"
+#include "core/support/output_file.h"
 
 namespace grainfield::io {
 

@@ -6,16 +6,16 @@
 #include <vector>
 
 #include "core/results.h"
+#include "core/support/output_file.h"
 #include "core/trajectory.h"
-#include "io/output_file.h"
 
 namespace grainfield::io {
 
 /// Writes a trajectory as H5MD 1.1 (`debuyl2014`), frame by frame.
 ///
 /// Particles stand in the group particles/trajectory: position (N × 3; third column = z if known,
-/// else the layer 0/1, else 0), id, and where they apply velocity, spin, position_error, quality
-/// and layer, all with the step (= frame index) and time of position. Where the number of
+/// else the layer 0/1, else 0), id, and where they apply velocity, spin, position_error, z_error,
+/// quality and layer, all with the step (= frame index) and time of position. Where the number of
 /// particles varies, rows beyond a frame's own have id −1 and NaN positions. The box is
 /// time-dependent (3 × 3 edges; third edge = cell height, or the diameter where that is unknown).
 /// What H5MD has no place for (units, box origin, record of the run, previews) is under

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "core/snapshot_check.h"
 #include "io/h5/detail/curve_group.h"
 #include "io/h5/detail/flat_columns.h"
 #include "io/h5/detail/h5_group.h"
@@ -28,7 +29,8 @@ constexpr std::array all_columns{TrajectoryColumn::id,
                                  TrajectoryColumn::spin,
                                  TrajectoryColumn::position_error,
                                  TrajectoryColumn::quality,
-                                 TrajectoryColumn::layer};
+                                 TrajectoryColumn::layer,
+                                 TrajectoryColumn::z_error};
 
 // Ours is called "trajectory"; elsewhere, the first group that has positions.
 H5Group particle_group(const H5File& file, const H5Group& root) {
@@ -92,7 +94,11 @@ struct TrajectoryFile::State {
     void open_columns(const H5Group& particles);
     void require_frames(const H5Dataset& data) const;
     Box box(hsize_t frame) const;
-    Snapshot read(hsize_t frame) const;
+    Snapshot read(hsize_t frame);
+    void require_growing_times() const;
+    std::vector<bool> particles_of(const Snapshot& snapshot) const;
+    [[noreturn]] void fail(const Snapshot& snapshot, const std::string& actual,
+                           std::size_t particle, const std::string& expected) const;
     bool has(TrajectoryColumn column, hsize_t frame) const;
     template <class T>
     std::vector<T> row(TrajectoryColumn column, hsize_t frame, hsize_t width) const;
@@ -107,6 +113,8 @@ struct TrajectoryFile::State {
     hsize_t dimensions = 3;
     std::vector<std::int64_t> step;
     std::vector<double> time;
+    std::string time_path;
+    SnapshotCheck check;
     H5Dataset positions;
     std::array<H5Dataset, trajectory_column_names.size()> columns;
     std::vector<std::uint8_t> present;  ///< per frame, empty for files from elsewhere
@@ -124,6 +132,7 @@ TrajectoryFile::State::State(const std::filesystem::path& path) : file(H5File::o
     open_box(particles);
     read_own(root);
     open_columns(particles);
+    require_growing_times();
     if (info.source.empty()) info.source = path.filename().string();
 }
 
@@ -150,9 +159,53 @@ void TrajectoryFile::State::open_positions(const H5Group& particles) {
         (!step.empty() && step.front() < 0)) {
         file.fail("the steps do not grow from frame to frame");
     }
-    if (!std::ranges::all_of(time, [](double t) { return std::isfinite(t); })) {
-        file.fail("a frame has no time");
+    const auto lost = std::ranges::find_if(time, [](double t) { return !std::isfinite(t); });
+    if (lost != time.end()) {
+        file.fail(
+            fmt::format("frame {} has no time in {}/time", lost - time.begin(), element.path()));
     }
+    time_path = element.path() + "/time";
+}
+
+// The stamps of a film are those of its camera, which the tracker has warned of.
+void TrajectoryFile::State::require_growing_times() const {
+    if (info.origin == Origin::video) return;
+    if (const auto frame = first_not_growing(time)) {
+        file.fail(fmt::format("{}: frame {} is at {:.17g}, the one before it at {:.17g}", time_path,
+                              *frame, time[*frame], time[*frame - 1]),
+                  "times that grow from frame to frame");
+    }
+}
+
+// Rows that hold a particle. Files have as many rows a frame as the fullest needs: the others have
+// identity −1 or, without identities, stand at the end, not a number.
+std::vector<bool> TrajectoryFile::State::particles_of(const Snapshot& snapshot) const {
+    std::vector<bool> keep(snapshot.size());
+    bool is_over = false;
+    for (std::size_t p = 0; p < keep.size(); ++p) {
+        const bool is_nan =
+            std::isnan(snapshot.position[p].x) && std::isnan(snapshot.position[p].y);
+        const bool is_named = snapshot.id.empty() || snapshot.id[p] >= 0;
+        keep[p] = snapshot.id.empty() ? !is_nan : is_named;
+        const bool is_lost = snapshot.id.empty() ? !is_nan && is_over : is_named && is_nan;
+        const bool is_nameless = !present.empty() && !is_named && !is_nan;
+        is_over = is_over || is_nan;
+        if (is_lost) {
+            fail(
+                snapshot,
+                snapshot.id.empty() ? "a particle before it has no position" : "it has no position",
+                p, "finite coordinates");
+        }
+        if (is_nameless) fail(snapshot, "it has no identity", p, "identities from 0");
+    }
+    return keep;
+}
+
+void TrajectoryFile::State::fail(const Snapshot& snapshot, const std::string& actual,
+                                 std::size_t particle, const std::string& expected) const {
+    file.fail(fmt::format("{}, frame {}, {}: {}", positions.path(), snapshot.frame,
+                          particle_name(snapshot, particle), actual),
+              expected);
 }
 
 void TrajectoryFile::State::open_box(const H5Group& particles) {
@@ -262,7 +315,7 @@ std::vector<T> TrajectoryFile::State::row(TrajectoryColumn column, hsize_t frame
     return values;
 }
 
-Snapshot TrajectoryFile::State::read(hsize_t frame) const {
+Snapshot TrajectoryFile::State::read(hsize_t frame) {
     const auto i = static_cast<std::size_t>(frame);
     const auto width = static_cast<std::size_t>(dimensions);
     Snapshot snapshot;
@@ -287,22 +340,23 @@ Snapshot TrajectoryFile::State::read(hsize_t frame) const {
     if (!present.empty()) {
         snapshot.spin = vec3s(row<double>(TrajectoryColumn::spin, frame, 3));
         snapshot.position_error = vec2s(row<double>(TrajectoryColumn::position_error, frame, 2), 2);
+        snapshot.z_error = row<double>(TrajectoryColumn::z_error, frame, 1);
         snapshot.quality = row<double>(TrajectoryColumn::quality, frame, 1);
         snapshot.layer = layers(row<std::int8_t>(TrajectoryColumn::layer, frame, 1));
     }
-    std::vector<bool> keep(snapshot.size());
-    for (std::size_t p = 0; p < keep.size(); ++p) {
-        const bool is_named = !present.empty() || snapshot.id.empty() || snapshot.id[p] >= 0;
-        keep[p] = is_named && !std::isnan(snapshot.position[p].x);
-    }
+    const std::vector<bool> keep = particles_of(snapshot);
     keep_rows(snapshot.id, keep);
     keep_rows(snapshot.z, keep);
     keep_rows(snapshot.velocity, keep);
     keep_rows(snapshot.spin, keep);
     keep_rows(snapshot.position_error, keep);
+    keep_rows(snapshot.z_error, keep);
     keep_rows(snapshot.quality, keep);
     keep_rows(snapshot.layer, keep);
     keep_rows(snapshot.position, keep);
+    if (const auto flaw = check.flaw_of(snapshot)) {
+        fail(snapshot, flaw->actual, flaw->particle, flaw->expected);
+    }
     require_consistent(snapshot);
     return snapshot;
 }

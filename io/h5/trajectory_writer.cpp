@@ -11,6 +11,7 @@
 #include "core/errors.h"
 #include "core/version.h"
 #include "io/h5/detail/curve_group.h"
+#include "io/h5/detail/data_digest.h"
 #include "io/h5/detail/flat_columns.h"
 #include "io/h5/detail/h5_group.h"
 #include "io/h5/detail/preview_group.h"
@@ -204,6 +205,7 @@ void TrajectoryWriter::State::write(const Snapshot& snapshot) {
     write_column(TrajectoryColumn::velocity, 3, nan, flat(snapshot.velocity));
     write_column(TrajectoryColumn::spin, 3, nan, flat(snapshot.spin));
     write_column(TrajectoryColumn::position_error, 2, nan, flat(snapshot.position_error));
+    write_column(TrajectoryColumn::z_error, 1, nan, snapshot.z_error);
     write_column(TrajectoryColumn::quality, 1, nan, snapshot.quality);
     write_column(TrajectoryColumn::layer, 1, no_layer, flat(snapshot.layer));
     for (const H5Dataset& data : column_value) {
@@ -247,6 +249,7 @@ void TrajectoryWriter::finish(const RunRecord& record) {
     if (!state_->curves.empty()) {
         write_curves(state_->own.make_group("curves"), state_->curves);
     }
+    store_digest(state_->file);
     state_->file.close();
     state_->output.commit();
 }

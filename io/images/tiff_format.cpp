@@ -20,6 +20,8 @@ bool is_tiff(std::string_view head) {
 
 void write_tiff(const std::filesystem::path& path, std::span<const std::uint8_t> counts,
                 const PictureShape& shape) {
+    TIFFSetErrorHandler(nullptr);  // what fails is thrown, not printed
+    TIFFSetWarningHandler(nullptr);
     TIFF* tiff = TIFFOpen(path.c_str(), "w");
     if (tiff == nullptr) fail_to_write(path, "libtiff cannot open it");
     const int sample_bits = shape.bit_depth > 8 ? 16 : 8;

@@ -28,6 +28,7 @@ struct Columns {
     bool id = false;
     bool z = false;
     bool position_error = false;
+    bool z_error = false;
     bool layer = false;
     bool quality = false;
     bool velocity = false;
@@ -61,6 +62,7 @@ Columns columns_of(SnapshotSource& source) {
         columns.id |= !s.id.empty();
         columns.z |= !s.z.empty();
         columns.position_error |= !s.position_error.empty();
+        columns.z_error |= !s.z_error.empty();
         columns.layer |= !s.layer.empty();
         columns.quality |= !s.quality.empty();
         columns.velocity |= !s.velocity.empty();
@@ -89,6 +91,7 @@ void append_csv_line(std::string& text, const Snapshot& s, std::size_t i, const 
         append_cell(text, error.x);
         append_cell(text, error.y);
     }
+    if (columns.z_error) append_cell(text, s.z_error.empty() ? std::nan("") : s.z_error[i]);
     if (columns.layer) {
         text += ',';
         const Layer layer = s.layer.empty() ? Layer::unknown : s.layer[i];
@@ -227,6 +230,7 @@ void export_csv(SnapshotSource& source, const std::filesystem::path& path, Overw
     text += ",x,y";
     if (columns.z) text += ",z";
     if (columns.position_error) text += ",x_std,y_std";
+    if (columns.z_error) text += ",z_std";
     if (columns.layer) text += ",layer";
     if (columns.quality) text += ",quality";
     output.write(text + '\n');

@@ -3,17 +3,17 @@
 #include <filesystem>
 
 #include "core/results.h"
+#include "core/support/output_file.h"
 #include "core/trajectory.h"
-#include "io/output_file.h"
 
 namespace grainfield::io {
 
 /// Writes comment lines that state the units, the particle diameter, the frame rate and the box
 /// (PointsStatement; not a box that changes with time), then
-/// `frame,particle,x,y,z,x_std,y_std,layer,quality`, one particle a line. Columns that no frame has
-/// are left out, missing numbers are empty. Numbers are the shortest text that reads back to the
-/// same double. Times that are not frame / frame rate, and frames without particles, are comment
-/// lines. Reads the source three times. Throws OutputError (see OutputFile).
+/// `frame,particle,x,y,z,x_std,y_std,z_std,layer,quality`, one particle a line. Columns that no
+/// frame has are left out, missing numbers are empty. Numbers are the shortest text that reads back
+/// to the same double. Times that are not frame / frame rate, and frames without particles, are
+/// comment lines. Reads the source three times. Throws OutputError (see OutputFile).
 void export_csv(SnapshotSource& source, const std::filesystem::path& path, Overwrite overwrite);
 
 /// Writes extended XYZ, one block a frame: number of particles; Lattice, Origin, pbc, frame, Time

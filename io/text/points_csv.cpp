@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "core/snapshot_check.h"
 #include "core/support/interrupt.h"
 #include "io/text/points_line.h"
 #include "io/text/points_statement.h"
@@ -36,6 +37,16 @@ struct IndexedFrame {
     std::int64_t unnamed = 0;    ///< points without an identity
     std::optional<double> time;  ///< where a comment says it
 };
+
+// The line of the n-th point of a frame, where no comments stand between its points.
+std::int64_t line_of(const IndexedFrame& frame, std::size_t point) {
+    auto before = static_cast<std::int64_t>(point);
+    for (const Piece& piece : frame.pieces) {
+        if (before < piece.lines) return piece.line + before;
+        before -= piece.lines;
+    }
+    return 0;
+}
 
 /// Lines of a text file with their numbers and places.
 class LineReader {
@@ -87,6 +98,7 @@ void drop_columns_without_values(Snapshot& snapshot) {
     const auto is_nan = [](double value) { return std::isnan(value); };
     drop_if_all(snapshot.id, [](std::int64_t id) { return id < 0; });
     drop_if_all(snapshot.z, is_nan);
+    drop_if_all(snapshot.z_error, is_nan);
     drop_if_all(snapshot.quality, is_nan);
     drop_if_all(snapshot.position_error,
                 [](Vec2 error) { return std::isnan(error.x) && std::isnan(error.y); });
@@ -120,6 +132,7 @@ class PointsTable : public SnapshotSource {
     void index_lines();
     void take_comment(const LineReader& lines);
     void refuse_repeated(std::int64_t frame);
+    void require_growing_times() const;
     void set_box(const std::optional<Box>& box);
     Box bounding_box() const;
 
@@ -131,6 +144,7 @@ class PointsTable : public SnapshotSource {
     std::vector<std::pair<std::int64_t, std::int64_t>> named_;   ///< identities and their lines
     std::vector<std::pair<std::int64_t, IndexedFrame>> frames_;  ///< by index in the source
     Box box_;
+    SnapshotCheck check_;
     Vec2 low_{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
     Vec2 high_{-low_.x, -low_.y};
 };
@@ -214,8 +228,25 @@ void PointsTable::index_lines() {
                                  entry.unnamed, entry.points),
                      "a number for each or for none");
     }
+    require_growing_times();
     frames_.assign(std::make_move_iterator(found_.begin()), std::make_move_iterator(found_.end()));
     found_.clear();
+}
+
+// Where comments say the times; those of the tracker may be as its camera gave them.
+void PointsTable::require_growing_times() const {
+    if (info_.origin == Origin::video) return;
+    std::optional<double> last;
+    for (const auto& [frame, entry] : found_) {
+        if (!entry.time) continue;
+        if (last && !(*entry.time > *last)) {
+            reader_.fail(0,
+                         fmt::format("frame {} is at {:.17g}, the one before it at {:.17g}", frame,
+                                     *entry.time, *last),
+                         "times that grow from frame to frame");
+        }
+        last = entry.time;
+    }
 }
 
 Box PointsTable::bounding_box() const {
@@ -256,6 +287,12 @@ Snapshot PointsTable::read(std::int64_t index) {
     }
     refuse_repeated(frame);
     drop_columns_without_values(snapshot);
+    if (const auto flaw = check_.flaw_of(snapshot)) {
+        reader_.fail(entry.pieces.empty() ? 0 : line_of(entry, flaw->particle),
+                     fmt::format("frame {}, {}: {}", frame, particle_name(snapshot, flaw->particle),
+                                 flaw->actual),
+                     flaw->expected);
+    }
     return snapshot;
 }
 

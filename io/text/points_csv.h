@@ -11,8 +11,9 @@ namespace grainfield::io {
 
 /// Reads points from a table with a header line, of grainfield or any other tracker.
 ///
-/// Columns `frame`, `x`, `y` must be there; `particle`, `z`, `x_std`, `y_std`, `layer`, `quality`
-/// may be; order, upper case, spaces, other columns, CRLF and a byte-order mark do not matter.
+/// Columns `frame`, `x`, `y` must be there; `particle`, `z`, `x_std`, `y_std`, `z_std`, `layer`,
+/// `quality` may be; order, upper case, spaces, other columns, CRLF and a byte-order mark do not
+/// matter.
 /// Empty fields are missing values (NaN, or layer unknown); a column without any value in a frame
 /// is left out of that frame. `particle` is given for all points of a frame or for none, and each
 /// identity once. Lines may be in any order; snapshots are in order of frame, each in order of its

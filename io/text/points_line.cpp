@@ -56,7 +56,7 @@ bool is_missing(std::string_view text) {
 }  // namespace
 
 const std::array<std::string_view, PointsLine::field_count> PointsLine::names{
-    "frame", "particle", "x", "y", "z", "x_std", "y_std", "layer", "quality"};
+    "frame", "particle", "x", "y", "z", "x_std", "y_std", "z_std", "layer", "quality"};
 
 bool PointsLine::is_blank(std::string_view line) {
     const std::string_view content = trimmed(line);
@@ -87,7 +87,7 @@ void PointsLine::read_header(std::string_view line, std::int64_t number) {
     for (const Field needed : {frame, x, y}) {
         if (has(needed)) continue;
         fail(number, fmt::format("there is no column '{}' in the header", names[needed]),
-             "columns frame,x,y and where they apply particle,z,x_std,y_std,layer,quality");
+             "columns frame,x,y and where they apply particle,z,x_std,y_std,z_std,layer,quality");
     }
 }
 
@@ -139,6 +139,7 @@ Point PointsLine::read(std::string_view line, std::int64_t number_of_line) {
     if (has(particle) && !is_missing(text(particle))) point.particle = integer(particle);
     point.z = number_or_missing(z);
     point.position_error = {number_or_missing(x_std), number_or_missing(y_std)};
+    point.z_error = number_or_missing(z_std);
     point.quality = number_or_missing(quality);
     const double level = number_or_missing(layer);
     if (level == 0 || level == 1) point.layer = static_cast<Layer>(level);
@@ -150,6 +151,7 @@ void PointsLine::append(const Point& point, Snapshot& snapshot) const {
     if (has(particle)) snapshot.id.push_back(point.particle);
     if (has(z)) snapshot.z.push_back(point.z);
     if (has(x_std) || has(y_std)) snapshot.position_error.push_back(point.position_error);
+    if (has(z_std)) snapshot.z_error.push_back(point.z_error);
     if (has(quality)) snapshot.quality.push_back(point.quality);
     if (has(layer)) snapshot.layer.push_back(point.layer);
 }

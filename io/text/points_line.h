@@ -19,6 +19,7 @@ struct Point {
     Vec2 position;
     double z = 0;
     Vec2 position_error;
+    double z_error = 0;
     double quality = 0;
     Layer layer = Layer::unknown;
 };
@@ -54,6 +55,7 @@ class PointsLine {
         z,
         x_std,
         y_std,
+        z_std,
         layer,
         quality,
         field_count

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <string>
 
-#include "io/output_file.h"
+#include "core/support/output_file.h"
 
 namespace grainfield::io {
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <span>
 
-#include "io/output_file.h"
+#include "core/support/output_file.h"
 
 namespace grainfield::io {
 

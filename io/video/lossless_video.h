@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <memory>
 
+#include "core/support/output_file.h"
 #include "io/frame_writer.h"
-#include "io/output_file.h"
 
 namespace grainfield::io {
 

@@ -20,8 +20,23 @@ TEST(MemoryFrames, GivesImagesWithTheirIndexAndTime) {
     EXPECT_DOUBLE_EQ(MemoryFrames({Image(1, 1), Image(1, 1)}).read(1).time, 1);
 }
 
+TEST(MemoryFrames, KeepsTheIndicesOfFramesAndBadOnesAmongThem) {
+    Frame bad;
+    bad.status = FrameStatus::corrupt;
+    bad.index = 7;
+    Frame good;
+    good.image = Image(4, 3, 2.0F);
+    good.index = 14;
+    MemoryFrames frames(std::vector<Frame>{bad, good});
+    EXPECT_EQ(frames.width(), 4);
+    EXPECT_EQ(frames.read(0).status, FrameStatus::corrupt);
+    EXPECT_EQ(frames.read(0).index, 7);
+    EXPECT_EQ(frames.read(1).index, 14);
+}
+
 TEST(MemoryFrames, RefuseWhatIsNoFilm) {
-    EXPECT_THROW(MemoryFrames({}), InputError);
+    EXPECT_THROW(MemoryFrames(std::vector<Image>{}), InputError);
+    EXPECT_THROW(MemoryFrames(std::vector<Frame>(2)), InputError) << "bad frames alone";
     EXPECT_THROW(MemoryFrames({Image()}), InputError);
     EXPECT_THROW(MemoryFrames({Image(4, 3), Image(3, 4)}), InputError);
     MemoryFrames frames({Image(4, 3)});

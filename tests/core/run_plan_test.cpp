@@ -27,6 +27,19 @@ TEST(RunPlan, KeepsEachWarningOnceInOrderOfFirstAppearance) {
     EXPECT_EQ(plan.warnings(), (std::vector<Warning>{{.text = "b"}, {.text = "a"}}));
 }
 
+TEST(RunPlan, SaysEverythingInTheWordsOfTheCaller) {
+    RunPlan plan([](std::string text) {
+        const auto at = text.find("option 'resume'");
+        return at == std::string::npos ? text : text.replace(at, 15, "--resume");
+    });
+    plan.warn("option 'resume' goes on");
+    plan.warn("--resume goes on");
+    plan.run("start", "with option 'resume'");
+    plan.skip("log", "without option 'resume'", "");
+    EXPECT_EQ(plan.warnings(), (std::vector<Warning>{{.text = "--resume goes on"}}));
+    EXPECT_EQ(plan.text(), "run  start: with --resume\nskip log: without --resume\n");
+}
+
 TEST(RunPlan, KeepsTheCodeThatAWarningCameWithFirst) {
     RunPlan plan;
     plan.warn(WarningCode::incomplete, "a");

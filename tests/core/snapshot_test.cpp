@@ -36,6 +36,7 @@ TEST(Snapshot, ColumnsMayBeAbsentOrComplete) {
     s.velocity.resize(2);
     s.spin.resize(2);
     s.position_error.resize(2);
+    s.z_error.resize(2);
     s.quality.resize(2);
     s.layer = {Layer::top, Layer::unknown};
     EXPECT_NO_THROW(require_consistent(s));
@@ -56,6 +57,7 @@ TEST(Snapshot, AnIncompleteColumnIsNamedWithItsFrameAndLength) {
     EXPECT_THAT(with([](Snapshot& s) { s.spin.resize(1); }), HasSubstr("'spin'"));
     EXPECT_THAT(with([](Snapshot& s) { s.position_error.resize(1); }),
                 HasSubstr("'position_error'"));
+    EXPECT_THAT(with([](Snapshot& s) { s.z_error.resize(1); }), HasSubstr("'z_error'"));
     EXPECT_THAT(with([](Snapshot& s) { s.quality.resize(1); }), HasSubstr("'quality'"));
     EXPECT_THAT(with([](Snapshot& s) { s.layer.resize(1); }), HasSubstr("'layer'"));
 }

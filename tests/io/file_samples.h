@@ -42,6 +42,8 @@ inline Snapshot full_snapshot(std::int64_t frame, std::size_t n) {
         s.velocity.push_back({random.normal(), random.normal(), random.normal()});
         s.spin.push_back({random.normal(), random.normal(), random.normal()});
         s.position_error.push_back({random.uniform(), random.uniform()});
+        s.z_error.push_back(i % 4 == 0 ? std::numeric_limits<double>::quiet_NaN()
+                                       : random.uniform());
         s.quality.push_back(i % 3 == 0 ? std::numeric_limits<double>::quiet_NaN()
                                        : random.uniform());
         s.layer.push_back(static_cast<Layer>(static_cast<int>(i % 3) - 1));
@@ -134,6 +136,7 @@ inline void expect_same(const Snapshot& a, const Snapshot& b) {
     EXPECT_EQ(a.velocity, b.velocity);
     EXPECT_EQ(a.spin, b.spin);
     EXPECT_EQ(a.position_error, b.position_error);
+    expect_same_numbers(a.z_error, b.z_error);
     expect_same_numbers(a.quality, b.quality);
     EXPECT_EQ(a.layer, b.layer);
 }

@@ -5,7 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "core/errors.h"
-#include "tests/support/memory_frames.h"
+#include "core/memory_frames.h"
+#include "tests/support/collect.h"
 
 namespace grainfield::io {
 namespace {
@@ -19,7 +20,7 @@ std::unique_ptr<FrameSource> ramp(int width, int height) {
     bad.status = FrameStatus::corrupt;
     Frame good;
     good.image = image;
-    return std::make_unique<grainfield::testing::MemoryFrames>(std::vector<Frame>{good, bad});
+    return std::make_unique<MemoryFrames>(grainfield::testing::numbered({good, bad}));
 }
 
 TEST(FrameRegion, IsThatPartOfEveryFrame) {
@@ -62,8 +63,8 @@ TEST(FlatField, IsDividedOutAndTheMeanLevelStays) {
     for (const float v : flat.pixels()) mean += static_cast<double>(v) / 1200;
     Frame lit;
     lit.image = flat;
-    const auto frames = flatten_frames(
-        std::make_unique<grainfield::testing::MemoryFrames>(std::vector<Frame>{lit}), flat);
+    const auto frames =
+        flatten_frames(std::make_unique<MemoryFrames>(std::vector<Frame>{lit}), flat);
     const Frame frame = frames->read(0);
     for (const float v : frame.image.pixels()) {
         EXPECT_NEAR(static_cast<double>(v), mean, 1e-3);

@@ -57,10 +57,18 @@ TEST(ReadAhead, ReadsEachFrameOnceWhenTheyAreTakenInOrder) {
     EXPECT_EQ(reads, 6);
 }
 
+TEST(ReadAhead, ReadsNothingThatIsNotAskedForWhereFramesAreTakenHereAndThere) {
+    std::atomic<int> reads = 0;
+    const auto frames = read_ahead(std::make_unique<Counting>(reads));
+    for (const std::int64_t i : {4, 1, 3, 0}) frames->read(i);
+    frames->read(5);  // waits for what is under way
+    EXPECT_EQ(reads, 5);
+}
+
 TEST(ReadAhead, ThrowsWhenTheBadFrameIsAskedForNotBefore) {
     std::atomic<int> reads = 0;
     const auto frames = read_ahead(std::make_unique<Counting>(reads, 3));
-    EXPECT_NO_THROW(frames->read(2));
+    for (const std::int64_t i : {0, 1, 2}) EXPECT_NO_THROW(frames->read(i));
     EXPECT_THROW(frames->read(3), InputError);
     EXPECT_NO_THROW(frames->read(2));
     EXPECT_NO_THROW(frames->read(4));

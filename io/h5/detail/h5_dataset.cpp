@@ -63,10 +63,15 @@ std::string H5Dataset::extent_text() const {
     return "[" + text + "]";
 }
 
-void H5Dataset::require_number() const {
+NumberKind H5Dataset::kind() const {
     const H5Handle type = file().own(H5Dget_type(id()), "a dataset has no type");
     const H5T_class_t kind = H5Tget_class(type.get());
-    if (kind == H5T_INTEGER || kind == H5T_FLOAT) return;
+    if (kind == H5T_INTEGER) return NumberKind::integer;
+    return kind == H5T_FLOAT ? NumberKind::real : NumberKind::none;
+}
+
+void H5Dataset::require_number() const {
+    if (kind() != NumberKind::none) return;
     file().fail(fmt::format("{} is not an array of numbers", path()));
 }
 

@@ -13,12 +13,16 @@ namespace grainfield::io {
 template <class T>
 hid_t h5_type();
 
+/// What the entries of an array are; texts are no numbers.
+enum class NumberKind { none, integer, real };
+
 /// An array in a file.
 class H5Dataset : public H5Object {
  public:
     using H5Object::H5Object;
 
     H5Extent extent() const;
+    NumberKind kind() const;
     std::string extent_text() const;  ///< "[12, 11704, 3]"
 
     /// The whole array. Fails if it is not one of numbers.

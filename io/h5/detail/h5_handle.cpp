@@ -104,7 +104,9 @@ H5File H5File::create(const fs::path& path, const std::string& name) {
     H5Pset_obj_track_times(creation.get(), false);
     H5Handle handle(
         H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.get(), access_properties().get()));
-    H5File file(std::move(handle), name, true, 0);
+    // What is read back while it is made has no size to be held against.
+    constexpr std::uint64_t unbounded = std::uint64_t{1} << 62;
+    H5File file(std::move(handle), name, true, unbounded);
     if (!file.handle_) file.fail("the file cannot be created");
     return file;
 }

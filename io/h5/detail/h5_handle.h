@@ -42,7 +42,7 @@ class H5File {
 
     hid_t id() const { return handle_.get(); }
     const std::string& name() const { return name_; }
-    std::uint64_t bytes() const { return bytes_; }  ///< size on opening
+    std::uint64_t bytes() const { return bytes_; }  ///< on opening; all there can be if made
 
     /// `what` completes the sentence "cannot read|write 'file': …"; a failed system call that is
     /// behind it ("No space left on device") is added.

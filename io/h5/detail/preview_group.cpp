@@ -84,6 +84,7 @@ void write_snapshot(const H5Group& group, const Snapshot& snapshot) {
     write_column(group, "velocity", flat(snapshot.velocity), 3);
     write_column(group, "spin", flat(snapshot.spin), 3);
     write_column(group, "position_error", flat(snapshot.position_error), 2);
+    write_column(group, "z_error", snapshot.z_error, 1);
     write_column(group, "quality", snapshot.quality, 1);
     write_column(group, "layer", flat(snapshot.layer), 1);
 }
@@ -96,6 +97,7 @@ Snapshot read_snapshot(const H5Group& group) {
     snapshot.velocity = vec3s(read_column<double>(group, "velocity"));
     snapshot.spin = vec3s(read_column<double>(group, "spin"));
     snapshot.position_error = vec2s(read_column<double>(group, "position_error"), 2);
+    snapshot.z_error = read_column<double>(group, "z_error");
     snapshot.quality = read_column<double>(group, "quality");
     snapshot.layer = layers(read_column<std::int8_t>(group, "layer"));
     return snapshot;

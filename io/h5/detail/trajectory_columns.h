@@ -18,12 +18,13 @@ enum class TrajectoryColumn : std::uint8_t {
     spin,
     position_error,
     quality,
-    layer
+    layer,
+    z_error
 };
 
 /// H5MD element under particles/trajectory; z is the third column of position.
-inline constexpr std::array<const char*, 7> trajectory_column_names{
-    "id", "z", "velocity", "spin", "position_error", "quality", "layer"};
+inline constexpr std::array<const char*, 8> trajectory_column_names{
+    "id", "z", "velocity", "spin", "position_error", "quality", "layer", "z_error"};
 
 constexpr std::size_t index_of(TrajectoryColumn column) {
     return static_cast<std::size_t>(column);

@@ -5,8 +5,8 @@
 #include <functional>
 #include <memory>
 
+#include "core/support/output_file.h"
 #include "io/detail/libav.h"
-#include "io/output_file.h"
 
 namespace grainfield::io {
 

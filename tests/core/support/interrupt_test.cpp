@@ -1,6 +1,8 @@
 #include "core/support/interrupt.h"
 
+#include <atomic>
 #include <csignal>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -31,6 +33,30 @@ void second_signal_of_the_same_kind_ends_the_process() {
     std::raise(SIGINT);
     std::raise(SIGINT);
     std::exit(0);
+}
+
+TEST(StoppableJobTest, AJobIsStoppedAloneAndOnlyInItsThread) {
+    std::atomic<int> stop{0};
+    {
+        const StoppableJob job(stop);
+        EXPECT_EQ(caught_signal(), 0);
+        stop = SIGINT;
+        EXPECT_EQ(caught_signal(), SIGINT);
+        EXPECT_THROW(throw_if_interrupted("linking"), Interrupted);
+        std::thread([] { EXPECT_EQ(caught_signal(), 0); }).join();
+    }
+    EXPECT_EQ(caught_signal(), 0);
+}
+
+TEST(StoppableJobTest, TheInnermostJobCounts) {
+    std::atomic<int> outer{SIGTERM};
+    std::atomic<int> inner{0};
+    const StoppableJob first(outer);
+    {
+        const StoppableJob second(inner);
+        EXPECT_EQ(caught_signal(), 0);
+    }
+    EXPECT_EQ(caught_signal(), SIGTERM);
 }
 
 TEST(InterruptDeathTest, TheFirstSignalOnlySetsAFlagThatThrowsWhenAsked) {

@@ -19,6 +19,7 @@ Snapshot sample() {
     s.position = {{1.0 / 3, -0.0}, {std::numeric_limits<double>::denorm_min(), 2}};
     s.id = {1, (std::int64_t{1} << 53) - 1};
     s.position_error = {{std::numeric_limits<double>::quiet_NaN(), 0.1}, {0.2, 0.3}};
+    s.z_error = {0.03, 0.04};
     s.quality = {0.01, 0.02};
     s.layer = {Layer::unknown, Layer::top};
     return s;
@@ -41,6 +42,7 @@ TEST(NumberArchive, GivesEveryBitOfASnapshotBack) {
     EXPECT_EQ(s.id, saved.id);
     EXPECT_EQ(std::bit_cast<std::uint64_t>(s.position_error[0].x),
               std::bit_cast<std::uint64_t>(saved.position_error[0].x));
+    EXPECT_EQ(s.z_error, saved.z_error);
     EXPECT_EQ(s.layer, saved.layer);
     EXPECT_TRUE(s.velocity.empty());
 }

@@ -1,4 +1,4 @@
-#include "io/output_file.h"
+#include "core/support/output_file.h"
 
 #include <cstdio>
 #include <cstdlib>

@@ -181,6 +181,29 @@ TEST(TrajectoryReader, RefusesWhatMakesNoTrajectory) {
     expect_refused([](F& f) { f.steps = {3, 3}; }, "do not grow");
     expect_refused([](F& f) { f.steps = {-1, 3}; }, "do not grow");
     expect_refused([](F& f) { f.times[1] = std::nan(""); }, "no time");
+    expect_refused(
+        [](F& f) {
+            f.times = {1, 1};
+        },
+        "/particles/atoms/position/time: frame 1 is at 1, the one before it at 1");
+    expect_refused([](F& f) { f.times = {1, 0.5}; }, "frame 1 is at 0.5");
+    const char* const third = "/particles/atoms/position/value, frame 5, particle number 0: ";
+    expect_refused([](F& f) { f.positions[4] = 1e300; }, third);
+    expect_refused([](F& f) { f.positions[5] = -INFINITY; }, third);
+    expect_refused([](F& f) { f.positions[4] = 501; }, "beside a box of 10 × 20");
+    expect_refused([](F& f) { f.positions[1] = NAN; }, "it is at (1, nan)");
+    expect_refused([](F& f) { f.positions[0] = f.positions[1] = NAN; }, "has no position");
+    expect_refused(
+        [](F& f) {
+            f.ids = {4, 5, 6, 6};
+        },
+        "frame 5, particle 6: it stands there twice");
+    expect_refused(
+        [](F& f) {
+            f.ids = {4, 5, 6, 7};
+            f.positions[6] = f.positions[7] = NAN;
+        },
+        "frame 5, particle 7: it has no position");
     expect_refused([](F& f) { f.boundary[0] = "sticky"; }, "unknown boundary 'sticky'");
     expect_refused([](F& f) { f.edges = {10, -1}; }, "box");
     expect_refused([](F& f) { f.edges = {10, std::nan("")}; }, "box");

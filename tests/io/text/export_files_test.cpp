@@ -67,12 +67,13 @@ TEST(ExportCsv, HasTheColumnsThatApplyInTheOrderOfTheContract) {
     s.id = {7, 8};
     s.z = {0.5, nan};
     s.position_error = {{0.01, 0.02}, {nan, nan}};
+    s.z_error = {0.25, nan};
     s.layer = {Layer::top, Layer::unknown};
     s.quality = {0.125, nan};
     EXPECT_EQ(csv_of({s}),
-              "frame,particle,x,y,z,x_std,y_std,layer,quality\n"
-              "3,7,1.5,2,0.5,0.01,0.02,1,0.125\n"
-              "3,8,0.1,-3,,,,,\n");
+              "frame,particle,x,y,z,x_std,y_std,z_std,layer,quality\n"
+              "3,7,1.5,2,0.5,0.01,0.02,0.25,1,0.125\n"
+              "3,8,0.1,-3,,,,,,\n");
 }
 
 TEST(ExportCsv, LeavesFieldsEmptyInFramesWithoutTheColumn) {

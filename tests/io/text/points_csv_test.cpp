@@ -89,10 +89,10 @@ TEST(PointsCsv, TakesTablesOfOtherTrackers) {
 TEST(PointsCsv, ReadsEveryColumnAndKeepsMissingNumbersMissing) {
     const testing::ScratchFolder folder;
     const auto points = open_text(folder / "p.csv",
-                                  "frame,particle,x,y,z,x_std,y_std,layer,quality\n"
-                                  "0,5,1,2,0.5,0.1,0.2,1,0.03\n"
-                                  "0,6,3,4,,0.1,,,\n"
-                                  "1,,3,4,,,,,\n");
+                                  "frame,particle,x,y,z,x_std,y_std,z_std,layer,quality\n"
+                                  "0,5,1,2,0.5,0.1,0.2,0.4,1,0.03\n"
+                                  "0,6,3,4,,0.1,,,,\n"
+                                  "1,,3,4,,,,,,\n");
     const Snapshot s = points->read(0);
     EXPECT_THAT(s.id, ElementsAre(5, 6));
     EXPECT_EQ(s.z[0], 0.5);
@@ -100,11 +100,13 @@ TEST(PointsCsv, ReadsEveryColumnAndKeepsMissingNumbersMissing) {
     EXPECT_EQ(s.position_error[0], (Vec2{0.1, 0.2}));
     EXPECT_TRUE(std::isnan(s.position_error[1].y));
     EXPECT_THAT(s.layer, ElementsAre(Layer::top, Layer::unknown));
+    EXPECT_EQ(s.z_error[0], 0.4);
+    EXPECT_TRUE(std::isnan(s.z_error[1]));
     EXPECT_EQ(s.quality[0], 0.03);
     EXPECT_TRUE(std::isnan(s.quality[1]));
     const Snapshot bare = points->read(1);
     EXPECT_TRUE(bare.id.empty() && bare.z.empty() && bare.position_error.empty() &&
-                bare.quality.empty() && bare.layer.empty());
+                bare.z_error.empty() && bare.quality.empty() && bare.layer.empty());
 }
 
 TEST(PointsCsv, TakesTimesFromTheFrameRateAndTheBoxFromItsUser) {

@@ -1,0 +1,137 @@
+// Cases 16 and 24 of docs/reliability.md: what a run makes depends neither on threads nor on kills.
+// Its record does (seconds, threads), which a fingerprint leaves out.
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <signal.h>
+
+#include "tests/support/disc_sequence.h"
+#include "tests/support/program.h"
+
+namespace grainfield {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::Outcome;
+using testing::Process;
+using testing::program;
+using testing::ScratchFolder;
+using testing::with;
+using Words = std::vector<std::string>;
+
+std::string fingerprint(const std::string& file) {
+    const Outcome outcome = testing::run_grainfield({"info", file, "--fingerprint", "--json"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    return nlohmann::json::parse(outcome.out).value("fingerprint", "");
+}
+
+class SameData : public ::testing::Test {
+ protected:
+    std::string made_with(const std::string& threads, const Words& job, const std::string& name) {
+        const std::string output = folder_ / (name + threads + ".h5");
+        const Outcome outcome =
+            testing::run_grainfield(with(job, {"--threads", threads, "-o", output}));
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        return output;
+    }
+
+    // One, two and eight threads.
+    void expect_same(const Words& job, const std::string& name) {
+        const std::string one = fingerprint(made_with("1", job, name));
+        EXPECT_EQ(one.size(), 16U);
+        for (const char* threads : {"2", "8"}) {
+            EXPECT_EQ(fingerprint(made_with(threads, job, name)), one) << threads;
+        }
+    }
+
+    ScratchFolder folder_;
+};
+
+TEST_F(SameData, OfMolecularDynamicsForAnyNumberOfThreads) {
+    expect_same({"simulate", "md", "--grains", "1300", "--length-x", "9", "--length-y", "160",
+                 "--periods", "6", "--snapshot-every", "2", "--order"},
+                "md");
+}
+
+TEST_F(SameData, OfAFieldRunForAnyNumberOfThreads) {
+    expect_same(
+        {"simulate", "field", "--nx", "192", "--relax", "5", "--record", "20", "--store", "10"},
+        "field");
+}
+
+TEST_F(SameData, OfTrackingAndItsAnalysisForAnyNumberOfThreads) {
+    const ScratchFolder film;
+    Words job{"track", "--fps", "25"};
+    for (const std::string& frame : testing::write_disc_sequence(film, 4)) job.push_back(frame);
+    expect_same(job, "tracks");
+    expect_same({"analyze", folder_ / "tracks1.h5", "--observables", "q4,sk,variance,msd"},
+                "results");
+}
+
+TEST_F(SameData, AfterKillsAndResumption) {
+    const Words job{"simulate",   "md",   "--grains",         "400", "--length-x", "20.5",
+                    "--length-y", "20.5", "--snapshot-every", "7",   "--periods",  "120"};
+    const std::string whole = made_with("1", job, "whole");
+    const std::string output = folder_ / "killed.h5";
+    const Words resumed =
+        with(job, {"--threads", "2", "-o", output, "--resume", "--checkpoint-every", "0.001"});
+    for (int i = 0; i < 4; ++i) {
+        const Process process(program(resumed));
+        process.let_work(std::chrono::milliseconds(150), SIGINT);
+        process.send(SIGKILL);
+        process.wait();
+        if (std::filesystem::exists(output)) break;
+    }
+    const Outcome last = testing::run_grainfield(with(resumed, {"--force"}));
+    ASSERT_EQ(last.code, 0) << last.err;
+    EXPECT_EQ(fingerprint(output), fingerprint(whole));
+}
+
+// A run killed before its first checkpoint left nothing to go on from: it starts anew.
+TEST_F(SameData, AfterAKillBeforeTheFirstCheckpoint) {
+    const Words job{"simulate",   "md",   "--grains",  "400", "--length-x", "20.5",
+                    "--length-y", "20.5", "--periods", "60",  "-o",         folder_ / "a.h5",
+                    "--resume"};
+    const Process process(program(job));
+    process.let_work(std::chrono::milliseconds(100), SIGINT);
+    process.send(SIGKILL);
+    process.wait();
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "a.h5.checkpoint"));
+    const Outcome again = testing::run_grainfield(job);
+    EXPECT_EQ(again.code, 0) << again.err;
+    EXPECT_EQ(folder_.entries(), 1U);
+}
+
+TEST_F(SameData, OfAnotherSeedHaveAnotherFingerprint) {
+    const Words job{"simulate", "md",         "--grains", "40",        "--length-x",
+                    "8",        "--length-y", "8",        "--periods", "2"};
+    const std::string one = made_with("1", with(job, {"--seed", "1"}), "a");
+    const std::string other = made_with("1", with(job, {"--seed", "2"}), "b");
+    EXPECT_NE(fingerprint(one), fingerprint(other));
+}
+
+TEST_F(SameData, OfAFileThatWasChangedAreRefused) {
+    const Words job{"simulate", "md",         "--grains", "40",        "--length-x",
+                    "8",        "--length-y", "8",        "--periods", "2"};
+    const std::string file = made_with("1", job, "a");
+    const std::string good = testing::read_all(file);
+    // The stored digest itself, as text: any other digit is a lie.
+    const std::string digest = fingerprint(file);
+    const auto at = good.find(digest);
+    ASSERT_NE(at, std::string::npos) << "stored in the file";
+    std::string bad = good;
+    bad[at] = bad[at] == '0' ? '1' : '0';
+    std::ofstream(file, std::ios::binary) << bad;
+    const Outcome outcome = testing::run_grainfield({"info", file, "--fingerprint"});
+    EXPECT_EQ(outcome.code, 3);
+    EXPECT_THAT(outcome.err, HasSubstr("a1.h5"));
+}
+
+}  // namespace
+}  // namespace grainfield
