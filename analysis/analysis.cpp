@@ -106,11 +106,9 @@ class TrajectoryView final : public SnapshotSource {
 }  // namespace
 
 std::vector<OptionTable> describe(AnalysisOptions& options, const std::vector<Observable>& known) {
-    std::string names;
-    for (const Observable& observable : known) names += observable.name + ", ";
-    names.resize(names.empty() ? 0 : names.size() - 2);
     OptionTable choice("analysis");
-    choice.text("observables", options.observables, "comma list of " + names + "; or all");
+    choice.names("observables", options.observables, names_for(known),
+                 "what to measure; all: every observable");
     std::vector<OptionTable> tables{std::move(choice)};
     for (const Observable& observable : known) {
         if (auto table = observable.describe(options)) tables.push_back(*std::move(table));

@@ -4,15 +4,19 @@
 #include <map>
 #include <string>
 #include <typeindex>
+#include <vector>
 
 namespace grainfield::analysis {
+
+/// Stands for the names of all observables.
+inline constexpr const char* all_observables = "all";
 
 /// What to measure and how. Each observable has an options struct of its own, found by its type:
 ///
 ///     options.of<StructureFactorOptions>().k_max = 3;
 class AnalysisOptions {
  public:
-    std::string observables = "all";  ///< comma list of names, or all
+    std::vector<std::string> observables{all_observables};  ///< their names, or all
 
     /// The options of one observable, to be changed; defaults until then.
     template <class Options>

@@ -13,6 +13,7 @@
 #include "analysis/pattern.h"
 #include "core/figure_hint.h"
 #include "core/option_table.h"
+#include "core/quantity_titles.h"
 #include "core/results.h"
 #include "core/run_plan.h"
 
@@ -52,6 +53,7 @@ struct Observable {
     std::function<void(const PlanSetup&, RunPlan&)> plan;
     std::function<std::unique_ptr<Accumulator>(const RunSetup&)> start;
     std::function<std::vector<FigureHint>()> figures;
+    std::function<ObservableTitles()> titles;
 };
 
 /// What an observable's accumulator derives from. The work of a snapshot has two halves, so that
@@ -63,8 +65,8 @@ struct Observable {
 ///   ObservableResult result(const Inputs&) const
 ///
 /// Derived is built from a RunSetup. It has static members `name` and, where the defaults here do
-/// not fit, `has_result`, `needs`, `describe`, `plan` and `figures`. Memory must not grow with the
-/// number of snapshots beyond what the class comment states.
+/// not fit, `has_result`, `needs`, `describe`, `plan`, `figures` and `titles`. Memory must not grow
+/// with the number of snapshots beyond what the class comment states.
 template <class Derived, class SampleType>
 class AccumulatorOf : public Accumulator {
  public:
@@ -75,6 +77,7 @@ class AccumulatorOf : public Accumulator {
     static std::optional<OptionTable> describe(AnalysisOptions& /*options*/) { return {}; }
     static void plan(const PlanSetup& /*setup*/, RunPlan& /*plan*/) {}
     static std::vector<FigureHint> figures() { return {}; }
+    static ObservableTitles titles() { return {Derived::name, Derived::name}; }
 
     std::unique_ptr<AnySample> measure_any(const Moment& moment) const final {
         return std::make_unique<StoredSample<Sample>>(self().measure(moment));
@@ -100,7 +103,8 @@ Observable observable_of() {
             .describe = &A::describe,
             .plan = &A::plan,
             .start = [](const RunSetup& setup) { return std::make_unique<A>(setup); },
-            .figures = &A::figures};
+            .figures = &A::figures,
+            .titles = &A::titles};
 }
 
 }  // namespace grainfield::analysis

@@ -1,7 +1,7 @@
 #include "analysis/observables.h"
 
 #include <algorithm>
-#include <sstream>
+#include <iterator>
 
 #include "analysis/density/field_statistics.h"
 #include "analysis/density/synthetic_observable.h"
@@ -12,6 +12,7 @@
 #include "analysis/spectra/fit_observable.h"
 #include "analysis/spectra/s4_observable.h"
 #include "analysis/spectra/sk_observable.h"
+#include "analysis/statistics/critical.h"
 #include "analysis/statistics/run_series.h"
 #include "core/errors.h"
 
@@ -27,32 +28,30 @@ const std::vector<Observable>& observables() {
     return all;
 }
 
-std::vector<Observable> chosen(const std::string& list, const std::vector<Observable>& known) {
-    std::vector<std::string> names{"all"};
+std::vector<std::string> names_for(const std::vector<Observable>& known) {
+    std::vector<std::string> names{all_observables};
     for (const Observable& observable : known) names.push_back(observable.name);
+    return names;
+}
+
+std::vector<Observable> chosen(const std::vector<std::string>& wanted,
+                               const std::vector<Observable>& known) {
+    const std::vector<std::string> names = names_for(known);
     std::string expected = "some of all";
     for (const Observable& observable : known) expected += ", " + observable.name;
-    std::vector<std::string> wanted;
-    std::istringstream entries(list);
-    for (std::string entry; std::getline(entries, entry, ',');) {
-        entry.erase(0, entry.find_first_not_of(" \t"));
-        entry.erase(entry.find_last_not_of(" \t") + 1);
-        if (entry.empty()) continue;
-        if (std::ranges::find(names, entry) == names.end()) {
-            const std::string nearest = nearest_name(entry, names);
-            throw OptionError(ErrorText{"unknown observable", "'" + entry + "'", expected,
-                                        nearest.empty() ? "" : "did you mean " + nearest + "?"});
-        }
-        wanted.push_back(entry);
+    for (const std::string& name : wanted) {
+        if (std::ranges::find(names, name) != names.end()) continue;
+        const std::string nearest = nearest_name(name, names);
+        throw OptionError(ErrorText{"unknown observable", "'" + name + "'", expected,
+                                    nearest.empty() ? "" : "did you mean " + nearest + "?"});
     }
     if (wanted.empty()) {
-        throw OptionError(
-            ErrorText{"no observables are asked for", "'" + list + "'", expected, ""});
+        throw OptionError(ErrorText{"no observables are asked for", "none", expected, ""});
     }
     const auto is_wanted = [&](const std::string& name) {
         return std::ranges::find(wanted, name) != wanted.end();
     };
-    if (is_wanted("all")) return known;
+    if (is_wanted(all_observables)) return known;
     std::vector<Observable> taken;
     std::ranges::copy_if(known, std::back_inserter(taken),
                          [&](const Observable& o) { return is_wanted(o.name); });
@@ -69,6 +68,15 @@ std::vector<FigureHint> figure_hints(const std::vector<Observable>& known) {
     add(run_series_figures());
     std::ranges::stable_sort(hints, {}, &FigureHint::place);
     return hints;
+}
+
+std::vector<ObservableTitles> titles(const std::vector<Observable>& known) {
+    std::vector<ObservableTitles> titles;
+    for (const Observable& observable : known) titles.push_back(observable.titles());
+    std::ranges::move(field_titles(), std::back_inserter(titles));
+    titles.push_back(run_series_titles());
+    titles.push_back(critical_titles());
+    return titles;
 }
 
 }  // namespace grainfield::analysis

@@ -15,6 +15,7 @@
 #include "app/exit_code.h"
 #include "app/option_set.h"
 #include "core/errors.h"
+#include "core/support/printable.h"
 #include "core/support/team.h"
 #include "core/version.h"
 
@@ -134,6 +135,7 @@ class BoundCommand {
         session.apply(common_);
         session.inputs.assign(inputs_.begin(), inputs_.end());
         session.configuration = options_.configuration();
+        session.plan = RunPlan([this](std::string text) { return options_.with_flags(text); });
         // One team for the whole run: its threads are started once and sleep between their work.
         Summary summary;
         on_team(session.threads, [&](Team&) { summary = command_->run(session); });
@@ -141,6 +143,8 @@ class BoundCommand {
     }
 
     const OptionSet& options() const { return options_; }
+    /// The file that options were read from; empty if there was none.
+    const std::string& config() const { return config_; }
 
  private:
     std::vector<OptionTable> tables() {
@@ -174,7 +178,8 @@ class BoundCommand {
     }
 
     void refuse_unknown_words() const {
-        const std::vector<std::string> unknown = parser_->remaining();
+        std::vector<std::string> unknown = parser_->remaining();
+        std::erase(unknown, "--");  // what follows it is no option
         if (unknown.empty()) return;
         std::string_view word = unknown.front();
         word = word.substr(std::min(word.size(), word.find_first_not_of('-')));
@@ -197,9 +202,9 @@ class BoundCommand {
     std::string config_;
 };
 
-void print_warnings(const RunPlan& plan, const OptionSet& options) {
+void print_warnings(const RunPlan& plan) {
     for (const Warning& warning : plan.warnings()) {
-        fmt::print(stderr, "warning: {}\n", options.with_flags(warning.text));
+        fmt::print(stderr, "warning: {}\n", printable(warning.text));
     }
 }
 
@@ -211,10 +216,31 @@ void print_summary(const Session& session, const Summary& summary) {
             json_summary(session, summary).dump(2, ' ', false, Json::error_handler_t::replace));
     } else if (!session.common.quiet) {
         if (session.common.verbose && !session.common.explain)
-            fmt::print("{}", session.plan.text());
-        fmt::print("{}", summary.text);
+            fmt::print("{}", printable(session.plan.text()));
+        fmt::print("{}", printable(summary.text));
     }
     if (std::fflush(stdout) != 0) throw OutputError("cannot write to standard output.");
+}
+
+// Says what was being worked on where the message names no file: rooms that compute know none.
+std::string with_files(std::string message, const BoundCommand& command, const Session& session) {
+    const auto is_named = [&message](const std::string& file) {
+        return !file.empty() && message.find(file) != std::string::npos;
+    };
+    std::string files;
+    if (!session.inputs.empty() && std::ranges::none_of(session.inputs, [&](const auto& input) {
+            return is_named(input.string());
+        })) {
+        files = fmt::format("input '{}'", session.inputs.front().string());
+        if (session.inputs.size() > 1) {
+            files += fmt::format(" and {} more", session.inputs.size() - 1);
+        }
+    }
+    if (!command.config().empty() && !is_named(command.config())) {
+        files += fmt::format("{}options of '{}'", files.empty() ? "" : "; ", command.config());
+    }
+    if (files.empty()) return message;
+    return fmt::format("{} ({})", message, files);
 }
 
 int run(BoundCommand& command) {
@@ -233,10 +259,12 @@ int run(BoundCommand& command) {
             "frames.\n");
         code = exit_code(error);
     } catch (const std::exception& error) {
-        fmt::print(stderr, "error: {}\n", command.options().with_flags(error.what()));
+        fmt::print(
+            stderr, "error: {}\n",
+            printable(with_files(command.options().with_flags(error.what()), command, session)));
         code = exit_code(error);
     }
-    print_warnings(session.plan, command.options());
+    print_warnings(session.plan);
     return code;
 }
 
@@ -284,7 +312,7 @@ int run_command_line(int argc, const char* const* argv,
         bound.push_back(std::make_unique<BoundCommand>(app, std::move(command)));
     }
     if (const auto problem = unknown_command(argc, argv, names)) {
-        fmt::print(stderr, "error: {}\n", *problem);
+        fmt::print(stderr, "error: {}\n", printable(*problem));
         return static_cast<int>(ExitCode::wrong_usage);
     }
     try {
@@ -294,7 +322,7 @@ int run_command_line(int argc, const char* const* argv,
             app.exit(error);
             return static_cast<int>(ExitCode::done);
         }
-        fmt::print(stderr, "error: {}; see --help.\n", in_words(error.what()));
+        fmt::print(stderr, "error: {}; see --help.\n", printable(in_words(error.what())));
         return static_cast<int>(ExitCode::wrong_usage);
     }
     const auto called =

@@ -12,6 +12,8 @@ OptionTable describe(CommonOptions& options) {
     table.flag("quiet", options.quiet, "no progress and no summary");
     table.flag("verbose", options.verbose, "also list the stages that ran");
     table.flag("force", options.force, "replace an output that exists");
+    table.flag("force-size", options.force_size,
+               "begin a run that seems to need more memory or time than there is");
     return table;
 }
 

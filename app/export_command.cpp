@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "core/support/output_file.h"
 #include "io/file_kind.h"
 #include "io/h5/results_file.h"
 #include "io/h5/trajectory_file.h"
 #include "io/open_snapshots.h"
-#include "io/output_file.h"
 #include "io/text/export_files.h"
 #include "io/video/colour_video.h"
 #include "pipelines/interrupt_deadline.h"

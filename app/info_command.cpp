@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include "core/errors.h"
 #include "io/file_kind.h"
 #include "io/frame_files.h"
 #include "io/h5/field_file.h"
+#include "io/h5/fingerprint.h"
 #include "io/h5/results_file.h"
 #include "io/h5/trajectory_file.h"
 #include "io/open_snapshots.h"
@@ -181,6 +183,32 @@ Summary describe_fields(const std::filesystem::path& path) {
     return sheet.take();
 }
 
+Summary describe_fingerprint(const std::filesystem::path& path) {
+    switch (io::identify(path)) {
+        case io::FileKind::trajectory:
+        case io::FileKind::results:
+        case io::FileKind::field:
+            break;
+        default:
+            throw InputError({.problem = fmt::format("'{}' has no fingerprint", path.string()),
+                              .actual = "it is none of these files",
+                              .expected = "a trajectory, results or fields (.h5)",
+                              .suggestion = "use cmp or sha256sum"});
+    }
+    const io::Fingerprint fingerprint = io::fingerprint_of(path);
+    if (fingerprint.stored && *fingerprint.stored != fingerprint.data) {
+        throw InputError({.problem = fmt::format("the data of '{}' are not those that were written",
+                                                 path.string()),
+                          .actual = fmt::format("fingerprint {}", fingerprint.data),
+                          .expected = *fingerprint.stored,
+                          .suggestion = "it was damaged or changed; make it again"});
+    }
+    Summary summary;
+    summary.text = fmt::format("{}  {}\n", fingerprint.data, path.string());
+    summary.facts["fingerprint"] = fingerprint.data;
+    return summary;
+}
+
 Summary describe_frames(Session& session) {
     const auto frames = io::open_frames(session.inputs, {});
     Sheet sheet(fmt::format("{}: camera frames", frames->name()));
@@ -211,8 +239,16 @@ Command::Inputs InfoCommand::inputs() const {
             .count = Count::one};
 }
 
+std::vector<OptionTable> InfoCommand::options() {
+    OptionTable table("");
+    table.flag("fingerprint", fingerprint_,
+               "print the digest of the data, the same for any threads and times");
+    return {table};
+}
+
 Summary InfoCommand::run(Session& session) {
     const std::filesystem::path& path = session.inputs.front();
+    if (fingerprint_) return describe_fingerprint(path);
     switch (io::identify(path)) {
         case io::FileKind::trajectory:
             return describe_snapshots(path, "trajectory");

@@ -10,8 +10,11 @@ class InfoCommand : public Command {
     std::string name() const override { return "info"; }
     std::string purpose() const override;
     Inputs inputs() const override;
-    std::vector<OptionTable> options() override { return {}; }
+    std::vector<OptionTable> options() override;
     Summary run(Session& session) override;
+
+ private:
+    bool fingerprint_ = false;
 };
 
 }  // namespace grainfield::app

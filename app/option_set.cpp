@@ -108,6 +108,7 @@ bool OptionSet::belongs(const Entry& entry, std::string_view section) const {
 std::vector<std::pair<std::string, std::string>> OptionSet::configuration() const {
     std::vector<std::pair<std::string, std::string>> pairs;
     for (const Entry& entry : entries_) {
+        if (entry.option.effect == Effect::call) continue;
         const std::string prefix = entry.section.empty() ? "" : entry.section + ".";
         pairs.emplace_back(prefix + entry.option.name, to_text(entry.option.get()));
     }

@@ -43,7 +43,8 @@ class OptionSet {
     std::vector<std::string> keys(std::string_view section) const;
     const Entry* find(std::string_view section, std::string_view key) const;
 
-    /// "section.name" (or "name" for command-wide options) → present value, in order.
+    /// "section.name" (or "name" for command-wide options) → present value, in order; without those
+    /// that concern one call only.
     std::vector<std::pair<std::string, std::string>> configuration() const;
 
  private:

@@ -7,6 +7,7 @@
 
 #include "core/errors.h"
 #include "core/support/progress.h"
+#include "pipelines/recorded_options.h"
 
 namespace grainfield::app {
 
@@ -37,10 +38,9 @@ std::string words(const std::filesystem::path& output, const pipelines::FieldJob
 // The session's job for one value of nu, which its output records: `critical` looks there.
 pipelines::Job job_of(const Session& session, const pipelines::FieldJobOptions& options) {
     pipelines::Job job = session;
-    job.plan = {};
-    for (auto& [name, text] : job.configuration) {
-        if (name == "model.nu") text = to_text(OptionValue(options.field.model.nu));
-    }
+    job.plan = RunPlan(session.plan.wording());
+    simulate::FieldOptions field = options.field;
+    pipelines::update(job.configuration, simulate::describe(field));
     return job;
 }
 
@@ -65,6 +65,7 @@ std::vector<OptionTable> SimulateFieldCommand::options() {
     own.text("output", output_, "field file to write");
     own.flag("resume", job_.resume.resume,
              "go on from the checkpoint of an interrupted run if it is there");
+    own.affects(Effect::call);  // a run that was gone on with is recorded as one
     own.number("checkpoint-every", checkpoint_every_, "s", {0.01, 1e9},
                "wall time between checkpoints");
     own.numbers("nu-list", nu_list_, "-", {.minimum = 0},

@@ -69,6 +69,7 @@ std::vector<OptionTable> SimulateMdCommand::options() {
     own.integer("start-frame", job_.start_frame, "-", {-1, 1e15},
                 "snapshot to start from, -1: last");
     own.flag("resume", job_.resume.resume, "go on from OUTPUT.checkpoint if it is there");
+    own.affects(Effect::call);  // a run that was gone on with is recorded as one
     own.flag("order", job_.order, "also mean |Q4| and share of solid grains of each snapshot");
     own.number("checkpoint-every", checkpoint_every_, "min", {0, 1e6}, "time between checkpoints");
     std::vector<OptionTable> tables{own};

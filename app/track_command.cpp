@@ -12,6 +12,41 @@ namespace {
 using nlohmann::ordered_json;
 using pipelines::TrackJobResult;
 
+std::string synthesis_in_words(const tracking::SynthesisSummary& found) {
+    if (found.frames == 0) return "";
+    const tracking::MirrorOptics& optics = found.optics;
+    return fmt::format(
+        "  synthesis  residual {:.4f} → {:.4f} of the contrast; {} added, {} removed, {} moved; {} "
+        "of {} positions doubtful\n"
+        "  optics     reflectivity F0 {:.3f}, blur {:.4f} a, ambient {:.3f}, grazing {:.3f}\n",
+        found.mean_before(), found.mean_after(), found.added, found.removed, found.lifted,
+        found.doubtful, found.spheres, optics.reflectivity, optics.blur, optics.ambient,
+        optics.grazing);
+}
+
+ordered_json synthesis_facts(const tracking::TrackSummary& summary) {
+    const tracking::SynthesisSummary& found = summary.synthesis;
+    if (found.frames == 0) return nullptr;
+    const tracking::MirrorOptics& optics = found.optics;
+    return {{"frames", found.frames},
+            {"residual_before", found.mean_before()},
+            {"residual_rms", found.mean_after()},
+            {"positions", found.spheres},
+            {"added", found.added},
+            {"removed", found.removed},
+            {"moved", found.lifted},
+            {"doubtful", found.doubtful},
+            {"frames_doubtful", found.doubtful_frames},
+            {"frames_not_converged", found.risen_frames},
+            {"optics",
+             {{"reflectivity", optics.reflectivity},
+              {"blur_a", optics.blur},
+              {"ambient", optics.ambient},
+              {"grazing", optics.grazing},
+              {"camera_distance_a", optics.distance}}},
+            {"ms_per_frame", summary.ms_per_frame.synthesis}};
+}
+
 std::string words(const Session& session, const TrackJobResult& result) {
     const tracking::TrackSummary& summary = result.summary;
     std::string text =
@@ -34,12 +69,16 @@ std::string words(const Session& session, const TrackJobResult& result) {
                             summary.layers.labelled, summary.layers.spheres,
                             summary.layers.rejected_pairs + summary.layers.rejected_triples);
     }
+    text += synthesis_in_words(summary.synthesis);
     const auto& ms = summary.ms_per_frame;
+    const std::string synthesis =
+        summary.synthesis.frames > 0 ? fmt::format("synthesis {:.1f}, ", ms.synthesis) : "";
     text += fmt::format(
-        "  time       {:.1f} ms a frame{} read {:.1f}, detect {:.1f}, refine {:.1f}, link {:.1f}, "
+        "  time       {:.1f} ms a frame{} read {:.1f}, detect {:.1f}, refine {:.1f}, {}link "
+        "{:.1f}, "
         "write {:.1f}; {} in all\n",
         ms.wall, summary.frames > 1 ? ", two side by side; of each" : ":", ms.read, ms.detect,
-        ms.refine, ms.link, ms.write, format_duration(session.seconds()));
+        ms.refine, synthesis, ms.link, ms.write, format_duration(session.seconds()));
     for (const PlannedStage& stage : session.plan.skipped()) {
         text += fmt::format("  skipped    {}: {}\n", stage.stage, stage.reason);
     }
@@ -73,6 +112,7 @@ ordered_json facts(const TrackJobResult& result) {
                            {"rejected_pairs", layers.rejected_pairs},
                            {"rejected_triples", layers.rejected_triples}};
     }
+    facts["synthesis"] = synthesis_facts(summary);
     facts["unsettled"] = summary.unsettled;
     facts["rejected"] = summary.rejected;
     facts["warm_frames"] = summary.warm_frames;
@@ -99,6 +139,7 @@ std::vector<OptionTable> TrackCommand::options() {
     describe(job_.film, own);
     own.integer("previews", job_.previews, "-", {0, 1000}, "frames kept in the output to look at");
     own.flag("resume", job_.resume.resume, "go on from OUTPUT.checkpoint if it is there");
+    own.affects(Effect::call);  // a run that was gone on with is recorded as one
     own.number("checkpoint-every", checkpoint_every_, "min", {0, 1e6}, "time between checkpoints");
     std::vector<OptionTable> tables{own};
     for (OptionTable& table : tracking::describe(job_.tracking)) tables.push_back(std::move(table));

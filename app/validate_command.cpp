@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "app/optics_summary.h"
+#include "app/random_summary.h"
 #include "app/validation_summary.h"
 
 namespace grainfield::app {
@@ -24,7 +25,8 @@ std::vector<OptionTable> ValidateCommand::options() {
     own.flag("figures", job_.report.figures, "write every plot and table as SVG and CSV beside it");
     own.text("trajectory", job_.scene.trajectory, "render this trajectory instead of running MD");
     own.text("truth", job_.scene.truth, "true positions in px of the frames given as input");
-    own.integer("previews", job_.previews, "-", {0, 100}, "frames shown in the report");
+    own.integer("previews", job_.previews, "-", {0, 100},
+                "frames shown in the report; of random optics the worst scenes");
     std::vector<OptionTable> tables{own};
     for (OptionTable& table : simulate::describe(job_.scene.md)) tables.push_back(std::move(table));
     for (OptionTable& table : simulate::describe(job_.scene.render))
@@ -32,16 +34,37 @@ std::vector<OptionTable> ValidateCommand::options() {
     for (OptionTable& table : tracking::describe(job_.tracking)) tables.push_back(std::move(table));
     tables.push_back(analysis::describe(job_.fit));
     tables.push_back(describe(job_.thresholds));
+    tables.push_back(describe(job_.random_thresholds));
     return tables;
 }
 
 Summary ValidateCommand::run(Session& session) {
+    const bool is_random = pipelines::is_random(job_);
     if (session.common.explain) {
-        pipelines::plan_validation(job_, session);
+        if (is_random) {
+            pipelines::plan_random_validation(job_, session);
+        } else {
+            pipelines::plan_validation(job_, session);
+        }
         return explanation(session.plan);
     }
     require_output(session, output_);
     job_.output = output_;
+    return is_random ? run_random(session) : run_one_camera(session);
+}
+
+Summary ValidateCommand::run_random(Session& session) {
+    const pipelines::RandomValidationResult result =
+        pipelines::run_random_validation(job_, session);
+    Summary summary{.text = random_text(output_, result),
+                    .facts = random_facts(result),
+                    .signal = result.signal,
+                    .failure = {}};
+    if (summary.signal == 0) summary.failure = missed_thresholds(result.checks);
+    return summary;
+}
+
+Summary ValidateCommand::run_one_camera(Session& session) {
     const pipelines::ValidateJobResult result = pipelines::run_validation(job_, session);
     Summary summary{.text = summary_text(output_, result.outcome, result.checks),
                     .facts = summary_facts(result.outcome, result.tracked, result.checks),

@@ -11,7 +11,8 @@ namespace grainfield::app {
 /// `grainfield validate`: frames whose truth is known, tracked, and how well that meets the truth.
 ///
 /// The frames are rendered from a run of molecular dynamics that the scene file describes, or from
-/// a trajectory that exists; or they are given together with their truth.
+/// a trajectory that exists; or they are given together with their truth; or each is a scene of its
+/// own by a camera that is drawn at random.
 class ValidateCommand : public Command {
  public:
     std::string name() const override { return "validate"; }
@@ -21,6 +22,9 @@ class ValidateCommand : public Command {
     Summary run(Session& session) override;
 
  private:
+    Summary run_random(Session& session);
+    Summary run_one_camera(Session& session);
+
     std::string output_;
     pipelines::ValidateJobOptions job_;
 };

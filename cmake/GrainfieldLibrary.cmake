@@ -1,7 +1,7 @@
 # grainfield_library(NAME SOURCES … [PUBLIC libs…] [PRIVATE libs…] [INTERNAL core …])
 #
 # One library per top-level folder, alias grainfield::NAME. The arrows
-#     core <- {io, tracking, simulate, analysis, report} <- pipelines <- app
+#     core <- {io, tracking, simulate, analysis, report} <- pipelines <- {app, python}
 # are enforced twice: INTERNAL may name only `core` (pipelines: their rooms; app: anything), and each library exposes only
 # its own folder on the include path, so that a header of a sibling is not found by the compiler.
 set(GRAINFIELD_ROOMS core io tracking simulate analysis report pipelines app)

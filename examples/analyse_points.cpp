@@ -15,7 +15,7 @@ int main() {
     grainfield::Trajectory trajectory;
     trajectory.snapshots = {points};
     grainfield::analysis::AnalysisOptions options;
-    options.observables = "q4,sk";
+    options.observables = {"q4", "sk"};
     const auto results = grainfield::analysis::measure(trajectory, options);
     for (const double q : results.find("q4")->find_curve("q4_histogram")->find("q4")->values) {
         std::printf("bin of |Q4| at %.2f\n", q);

@@ -14,7 +14,7 @@ int main() {
     const auto trajectory = grainfield::simulate::simulate_md(layer);
 
     grainfield::analysis::AnalysisOptions options;
-    options.observables = "sk";
+    options.observables = {"sk"};
     const auto results = grainfield::analysis::measure(trajectory, options);
     const auto& curve = *results.find("sk")->find_curve("sk");
     std::printf("%zu snapshots\n", trajectory.snapshots.size());

@@ -12,6 +12,7 @@
 
 #include "core/support/interrupt.h"
 #include "core/support/output_file.h"
+#include "core/support/printable.h"
 
 namespace grainfield::pipelines {
 
@@ -41,7 +42,7 @@ InterruptDeadline::InterruptDeadline(std::function<std::string(int signal)> last
               if (!sleep(stop, 50ms)) return;
           }
           if (!sleep(stop, 1200ms)) return;
-          fmt::print(stderr, "{}\n", act(caught_signal()));
+          fmt::print(stderr, "{}\n", printable(act(caught_signal())));
           static_cast<void>(abandon_outputs());
           std::fflush(nullptr);
           _exit(128 + caught_signal());

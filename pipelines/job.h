@@ -11,6 +11,7 @@
 #include "core/run_plan.h"
 #include "core/support/output_file.h"
 #include "core/support/progress.h"
+#include "pipelines/size_check.h"
 
 namespace grainfield::pipelines {
 
@@ -24,7 +25,8 @@ struct Job {
     int threads = 1;
     std::uint64_t seed = 1;  ///< of all random streams
     Verbosity verbosity = Verbosity::quiet;
-    Overwrite overwrite = Overwrite::refuse;  ///< outputs that exist
+    Overwrite overwrite = Overwrite::refuse;   ///< outputs that exist
+    SizeCheck size_check = SizeCheck::refuse;  ///< jobs too large for the machine
 
     RunPlan plan;                                ///< stages and warnings so far
     std::vector<std::filesystem::path> outputs;  ///< complete ones

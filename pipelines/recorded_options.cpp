@@ -4,18 +4,33 @@
 
 namespace grainfield::pipelines {
 
-Configuration recorded_options(const std::vector<OptionTable>& tables,
-                               const std::vector<std::string_view>& left_out) {
+namespace {
+
+std::string full_name(const OptionTable& table, const Option& row) {
+    return (table.section().empty() ? "" : table.section() + ".") + row.name;
+}
+
+}  // namespace
+
+Configuration physics_of(const std::vector<OptionTable>& tables) {
     Configuration options;
     for (const OptionTable& table : tables) {
-        const std::string prefix = table.section().empty() ? "" : table.section() + ".";
         for (const Option& row : table.rows()) {
-            std::string name = prefix + row.name;
-            if (std::ranges::find(left_out, name) != left_out.end()) continue;
-            options.emplace_back(std::move(name), to_text(row.get()));
+            if (row.effect != Effect::result) continue;
+            options.emplace_back(full_name(table, row), to_text(row.get()));
         }
     }
     return options;
+}
+
+void update(Configuration& configuration, const std::vector<OptionTable>& tables) {
+    for (const OptionTable& table : tables) {
+        for (const Option& row : table.rows()) {
+            const auto recorded = std::ranges::find(configuration, full_name(table, row),
+                                                    &Configuration::value_type::first);
+            if (recorded != configuration.end()) recorded->second = to_text(row.get());
+        }
+    }
 }
 
 }  // namespace grainfield::pipelines

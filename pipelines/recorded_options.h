@@ -1,7 +1,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -11,9 +10,11 @@ namespace grainfield::pipelines {
 
 using Configuration = std::vector<std::pair<std::string, std::string>>;
 
-/// Every option of the tables and its present value as text, under "section.name" or, in the table
-/// without a section, "name"; those named in `left_out` are not among them.
-Configuration recorded_options(const std::vector<OptionTable>& tables,
-                               const std::vector<std::string_view>& left_out = {});
+/// Every option of the tables that the result depends on (Effect::result) and its present value as
+/// text, under "section.name" or, in the table without a section, "name".
+Configuration physics_of(const std::vector<OptionTable>& tables);
+
+/// Puts the present values of these options in place of those that the configuration has.
+void update(Configuration& configuration, const std::vector<OptionTable>& tables);
 
 }  // namespace grainfield::pipelines

@@ -1,9 +1,14 @@
 #include "pipelines/resumable.h"
 
+#include <cerrno>
+#include <csignal>
 #include <system_error>
 #include <utility>
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include "core/errors.h"
 #include "core/version.h"
@@ -21,6 +26,16 @@ constexpr const char* version_key = "program version";
 bool is_there(const fs::path& path) {
     std::error_code unreachable;
     return fs::exists(path, unreachable);
+}
+
+// Whether a run that lives holds the temporary of its output (OutputFile).
+bool is_locked(const fs::path& temporary) {
+    const int descriptor = ::open(temporary.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    if (descriptor < 0) return false;
+    const bool is_free = ::flock(descriptor, LOCK_SH | LOCK_NB) == 0;
+    const bool is_held = !is_free && errno == EWOULDBLOCK;
+    ::close(descriptor);
+    return is_held;
 }
 
 std::string version_of(const Checkpoint& checkpoint) {
@@ -41,9 +56,8 @@ std::string version_of(const Checkpoint& checkpoint) {
 
 Resumable::Resumable(Job& job, Identity identity, const ResumeOptions& options)
     : job_(job), identity_(std::move(identity)), options_(options) {
-    // A run that was resumed is recorded as the one that it completes.
-    std::erase_if(job_.configuration, [](const auto& option) { return option.first == "resume"; });
-    is_saved_ = is_there(checkpoint_path());
+    // Without an output, which a plan need not have, there is nothing beside it.
+    is_saved_ = !identity_.output.empty() && is_there(checkpoint_path());
     if (!is_saved_ || !options_.resume) return;
     from_ = io::read_checkpoint(checkpoint_path());
     require_same_run(*from_);
@@ -95,6 +109,12 @@ void Resumable::explain() {
 
 void Resumable::require_free() const {
     if (from_ || !is_saved_ || job_.overwrite == Overwrite::force) return;
+    if (is_locked(with_suffix(".partial"))) {
+        throw OutputError({.problem = fmt::format("cannot write '{}'", identity_.output.string()),
+                           .actual = "another run is writing it",
+                           .expected = {},
+                           .suggestion = "wait until it is done, or give another name"});
+    }
     throw OutputError(
         {.problem = fmt::format("'{}' exists: an interrupted run of '{}'",
                                 checkpoint_path().string(), identity_.output.string()),
@@ -149,6 +169,19 @@ std::string Resumable::interrupted(double done, double all, const std::string& u
 
 std::string Resumable::advice() const {
     return is_there(checkpoint_path()) ? "; option 'resume' goes on from there" : "";
+}
+
+std::string Resumable::cut_off(int signal) const {
+    abandon();
+    const char* name = signal == SIGINT ? "SIGINT" : "SIGTERM";
+    if (!is_there(checkpoint_path())) {
+        return fmt::format(
+            "error: interrupted by {} before anything could be saved; '{}' was not "
+            "written.",
+            name, identity_.output.string());
+    }
+    return fmt::format("warning: interrupted by {}; '{}' holds what was saved last{}", name,
+                       checkpoint_path().string(), advice());
 }
 
 void Resumable::finish() {

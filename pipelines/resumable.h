@@ -70,6 +70,9 @@ class Resumable {
                             const std::string& kept = "") const;
     /// "; option 'resume' goes on from there" if that is possible. Safe from any thread.
     std::string advice() const;
+    /// The last act (InterruptDeadline) of a job that a signal ends before it could save itself:
+    /// leaves nothing that is of no use, and says what is left. Safe from any thread.
+    std::string cut_off(int signal) const;
     /// The output is complete: removes checkpoint and log.
     void finish();
     /// The process ends at once: leaves nothing that is of no use. Safe from any thread.

@@ -39,7 +39,8 @@ void write_report(const std::vector<Results>& runs, const ReportOptions& options
     if (options.paper) tables.push_back(paper_table(runs, labels));
     for (const Table& table : additions.tables) tables.push_back(table);
     if (additions.tables.empty()) {
-        if (auto table = differences(runs, labels, identities)) tables.push_back(*std::move(table));
+        if (auto table = differences(runs, labels, identities, options.titles))
+            tables.push_back(*std::move(table));
     }
     for (const std::string& text : mismatches(runs, labels, identities)) plan.warn(text);
     std::vector<Figure> figures = additions.figures;
@@ -61,7 +62,7 @@ void write_report(const std::vector<Results>& runs, const ReportOptions& options
     }
     write_file(html, page_html({title, runs, labels, figures, maps,
                                 options.figures ? relative_folder(figures_dir, html) : "", files,
-                                plan, tables, options.observables}));
+                                plan, tables, options.observables, options.titles}));
 }
 
 }  // namespace grainfield::report

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/figure_hint.h"
+#include "core/quantity_titles.h"
 #include "core/results.h"
 #include "core/run_plan.h"
 #include "report/figures/figure.h"
@@ -19,6 +20,7 @@ struct ReportOptions {
     bool observables = true;          ///< figures and key numbers of what an analysis measures
     bool paper = false;               ///< begin with the table of the paper's values (paper_table)
     std::vector<FigureHint> hints{};  ///< how what was measured wants to be drawn
+    std::vector<ObservableTitles> titles{};  ///< and what it is called
 };
 
 /// What a command adds to a report of its own: tables before the key numbers, figures before those

@@ -120,4 +120,19 @@ std::vector<FigureHint> field_figures() {
              .place = 72}};
 }
 
+std::vector<ObservableTitles> field_titles() {
+    return {{"sk_order",
+             "Structure factor of the order field",
+             {{"order_s_lowest_k", "S of the order at the lowest k"},
+              {"order_s_raw_lowest_k", "S of the order at the lowest k, raw"},
+              {"order_lowest_k", "Lowest k"},
+              {"order_anisotropy_2", "Two-fold anisotropy of S of the order"},
+              {"order_anisotropy_4", "Four-fold anisotropy of S of the order"}}},
+            {"field",
+             "Means of the fields",
+             {{"order_squared", "Mean square of the order, ⟨ψ²⟩"},
+              {"mean_diffusivity", "Mean diffusivity ⟨D⟩"},
+              {"mean_density", "Mean density"}}}};
+}
+
 }  // namespace grainfield::analysis

@@ -9,6 +9,7 @@
 #include "analysis/spectra/structure_factor.h"
 #include "core/density_field.h"
 #include "core/figure_hint.h"
+#include "core/quantity_titles.h"
 #include "core/results.h"
 #include "core/support/checkpoint.h"
 
@@ -59,5 +60,7 @@ class FieldStatistics : public FieldSink {
 
 /// How the curves that only fields have want to be drawn.
 std::vector<FigureHint> field_figures();
+/// What the observables that only fields have are called.
+std::vector<ObservableTitles> field_titles();
 
 }  // namespace grainfield::analysis

@@ -35,6 +35,14 @@ std::vector<FigureHint> SyntheticObservable::figures() {
          .panel_by_origin = true}};
 }
 
+ObservableTitles SyntheticObservable::titles() {
+    return {name,
+            "Number variance of other boxes",
+            {
+                {"crossover_length", "Crossover length ℓ*"},
+            }};
+}
+
 ObservableResult SyntheticObservable::result(const Inputs& inputs) const {
     return synthetic_result(
         synthetic_input(inputs.of<SharedSpectrum>().sums(), inputs.result_of<FitObservable>()),

@@ -14,6 +14,7 @@ class SyntheticObservable final : public AccumulatorOf<SyntheticObservable, bool
     static std::optional<OptionTable> describe(AnalysisOptions& options);
     static void plan(const PlanSetup& setup, RunPlan& plan);
     static std::vector<FigureHint> figures();
+    static ObservableTitles titles();
 
     explicit SyntheticObservable(const RunSetup& setup)
         : options_(setup.options.of<SyntheticOptions>()) {}

@@ -1,11 +1,9 @@
 #include "analysis/density/synthetic_result.h"
 
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <optional>
-#include <sstream>
 #include <utility>
 #include <vector>
 
@@ -22,26 +20,16 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-double side_from(std::string text) {
-    text.erase(0, text.find_first_not_of(" \t"));
-    text.erase(text.find_last_not_of(" \t") + 1);
-    if (text == "inf") return infinite;
-    double value = 0;
-    const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
-    const bool whole = problem == std::errc() && end == text.data() + text.size();
-    if (whole && value > 0 && std::isfinite(value)) return value;
-    throw OptionError({.problem = "synthetic.sides holds something that is no side of a box",
-                       .actual = "'" + text + "'",
-                       .expected = "positive lengths in a, or inf, with commas between them",
-                       .suggestion = "for example 100,1000,inf"});
-}
-
 std::vector<double> sides_of(const SyntheticOptions& options, double own) {
-    if (options.sides.empty() || options.sides == "auto") return {own, 10 * own, infinite};
-    std::vector<double> sides;
-    std::istringstream entries(options.sides);
-    for (std::string entry; std::getline(entries, entry, ',');) sides.push_back(side_from(entry));
-    return sides;
+    if (!options.sides) return {own, 10 * own, infinite};
+    for (const double side : *options.sides) {
+        if (side > 0) continue;
+        throw OptionError({.problem = "synthetic.sides holds something that is no side of a box",
+                           .actual = fmt::format("{}", side),
+                           .expected = "positive lengths in a, or inf",
+                           .suggestion = {}});
+    }
+    return *options.sides;
 }
 
 std::optional<SpectrumModel::Line> line_of(const ObservableResult& fit) {
@@ -168,9 +156,8 @@ std::string add_side(Table& table, const SpectrumModel& model, const SyntheticIn
 
 OptionTable describe(SyntheticOptions& options) {
     OptionTable table("synthetic");
-    table.text(
-        "sides", options.sides,
-        "sides of the boxes in a, as 100,1000,inf; auto: the measured one, ten times it, inf");
+    table.numbers("sides", options.sides, "a", {.minimum = 1e-9, .may_be_infinite = true},
+                  "sides of the boxes, as 100,1000,inf; auto: the measured one, ten times it, inf");
     table.choice("spectrum", options.spectrum,
                  {{"measured", SpectrumSource::measured}, {"fit", SpectrumSource::fit}},
                  "S(k) as measured above the fit, or the fit continued to S = 1");

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "analysis/spectra/structure_factor.h"
 #include "analysis/statistics/fit.h"
@@ -16,7 +18,7 @@ enum class SpectrumSource {
 };
 
 struct SyntheticOptions {
-    std::string sides = "auto";  ///< sides of the boxes [a], inf among them; auto: see below
+    std::optional<std::vector<double>> sides{};  ///< of the boxes [a], inf among them; else: below
     SpectrumSource spectrum = SpectrumSource::measured;
     double largest = 10000;  ///< largest window in an infinite box [a]
 };
@@ -39,12 +41,12 @@ SyntheticInput synthetic_input(const StructureFactor& sk, const ObservableResult
 /// The observable "synthetic": number variance σ²(ℓ) of other boxes than the measured one, from its
 /// S(k) (analysis/density/synthetic_variance.h): curve `synthetic` with columns l, side (text: the
 /// number or "inf"), variance, err, mean, beyond. Boxes are periodic and always hold the same
-/// number of particles, so that σ² = 0 at ℓ = L. `auto`: the side of the measured box, ten times
-/// it, and inf. Below the lowest measured k there is the fit only: without one, no box is larger
-/// than the measured one; nor any box if the lowest shells have no error. Where the shells end S =
-/// 1 is taken (of a field: the last value); `beyond` is what of the variance comes from there. err:
-/// from the errors of S0, S1 and the shells, and the whole of `beyond`. Windows whose variance
-/// would be negative (S0 < 0) are left out, with a reason.
+/// number of particles, so that σ² = 0 at ℓ = L. Without `sides`: the side of the measured box, ten
+/// times it, and inf. Below the lowest measured k there is the fit only: without one, no box is
+/// larger than the measured one; nor any box if the lowest shells have no error. Where the shells
+/// end S = 1 is taken (of a field: the last value); `beyond` is what of the variance comes from
+/// there. err: from the errors of S0, S1 and the shells, and the whole of `beyond`. Windows whose
+/// variance would be negative (S0 < 0) are left out, with a reason.
 ///
 /// Measurement crossover_length: ℓ* = 2π a (S0/S1)^(−1/α), above which the S0 term rules
 /// (`castillo2019`), error of first order, by the errors of S0/S1 and of α without their

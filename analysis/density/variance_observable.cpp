@@ -48,4 +48,14 @@ std::vector<FigureHint> VarianceObservable::figures() {
          .place = 71}};
 }
 
+ObservableTitles VarianceObservable::titles() {
+    return {name,
+            "Number variance",
+            {
+                {"number_density", "Number density"},
+                {"relative_variance_10a", "σ²/⟨N⟩ at ℓ = 10 a"},
+                {"variance_per_volume", "Variance in the largest window, per volume"},
+            }};
+}
+
 }  // namespace grainfield::analysis

@@ -12,6 +12,7 @@ class VarianceObservable final : public AccumulatorOf<VarianceObservable, Number
     static std::optional<OptionTable> describe(AnalysisOptions& options);
     static void plan(const PlanSetup& setup, RunPlan& plan);
     static std::vector<FigureHint> figures();
+    static ObservableTitles titles();
 
     explicit VarianceObservable(const RunSetup& setup)
         : variance_(setup.options.of<NumberVarianceOptions>(), setup.box, setup.frames,

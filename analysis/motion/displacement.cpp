@@ -13,6 +13,7 @@
 #include "analysis/motion/van_hove.h"
 #include "analysis/recorded_options.h"
 #include "analysis/statistics/blocks.h"
+#include "core/errors.h"
 #include "core/support/parallel.h"
 
 namespace grainfield::analysis {
@@ -32,8 +33,8 @@ OptionTable describe(DisplacementOptions& options) {
                   "lag times a decade when spaced logarithmically");
     table.integer("longest", options.longest, "frames", {0, 1e12},
                   "longest lag time; 0: half the duration");
-    table.text("van-hove", options.van_hove,
-               "lags in frames of the van Hove function, as 1,10,100; empty: none");
+    table.integers("van-hove", options.van_hove, "frames", {1, 1e12},
+                   "lags of the van Hove function, as 1,10,100; empty: none");
     table.number("exposure", options.exposure, "time unit", {0, 1e12},
                  "exposure of a frame: the offset of the MSD then tells the localisation error");
     table.number("localisation", options.localisation, "a", {0, 1e3},
@@ -46,7 +47,13 @@ OptionTable describe(DisplacementOptions& options) {
 
 Displacement::Displacement(const DisplacementOptions& options, std::int64_t frames, int threads)
     : options_(options), expected_frames_(frames), threads_(threads) {
-    van_hove_lags(options_.van_hove);  // refuses what is no list of lags
+    for (const std::int64_t lag : options_.van_hove) {
+        if (lag >= 1) continue;
+        throw OptionError({.problem = "msd.van-hove holds something that is no lag",
+                           .actual = std::to_string(lag),
+                           .expected = "whole numbers of frames from 1 on",
+                           .suggestion = {}});
+    }
 }
 
 void Displacement::place(Track& track, std::size_t ordinal, Vec2 step) {

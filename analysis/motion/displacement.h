@@ -17,10 +17,10 @@ enum class LagSpacing { logarithmic, all };
 
 struct DisplacementOptions {
     LagSpacing lags = LagSpacing::logarithmic;
-    int per_decade = 8;        ///< lags a decade when logarithmic [-]
-    std::int64_t longest = 0;  ///< longest lag [frames]; 0: half the duration
-    double memory_mb = 1024;   ///< bound of the stored tracks [MB]
-    std::string van_hove{};    ///< lags of the van Hove function [frames], as "1,10"; empty: none
+    int per_decade = 8;                    ///< lags a decade when logarithmic [-]
+    std::int64_t longest = 0;              ///< longest lag [frames]; 0: half the duration
+    double memory_mb = 1024;               ///< bound of the stored tracks [MB]
+    std::vector<std::int64_t> van_hove{};  ///< lags of the van Hove function [frames]
     std::optional<double> exposure{};      ///< of a frame [time unit]
     std::optional<double> localisation{};  ///< error per axis of a position [a]
 };

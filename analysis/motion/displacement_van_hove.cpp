@@ -7,7 +7,7 @@
 namespace grainfield::analysis {
 
 void Displacement::add_van_hove(const Clock& clock, ObservableResult& result) const {
-    for (const std::int64_t frames : van_hove_lags(options_.van_hove)) {
+    for (const std::int64_t frames : options_.van_hove) {
         const auto lag = static_cast<std::size_t>(frames) * static_cast<std::size_t>(clock.parts);
         // First the root mean square, which sets the bins.
         double width = 0;

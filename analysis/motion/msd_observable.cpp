@@ -40,7 +40,7 @@ std::vector<FigureHint> MsdObservable::figures() {
          .title = "Mean squared displacement",
          .note = "",
          .x = {"t", "Lag time t", "time unit", Scale::log, false},
-         .y = {"msd", "MSD", "a²", Scale::log, false},
+         .y = {"msd", "MSD", "a^2", Scale::log, false},
          .series = {of("all"), of("liquid"), of("solid"), fit_of("all"), fit_of("liquid"),
                     fit_of("solid")},
          .place = 40,
@@ -61,6 +61,22 @@ std::vector<FigureHint> MsdObservable::figures() {
                      .by = "lag"}},
          .place = 79},
     };
+}
+
+ObservableTitles MsdObservable::titles() {
+    return {name,
+            "Displacement",
+            {
+                {"d_all", "Diffusion coefficient"},
+                {"d_liquid", "Diffusion coefficient, liquid"},
+                {"d_solid", "Diffusion coefficient, solid"},
+                {"offset_all", "Offset of the MSD, 4σ² of the localisation"},
+                {"offset_liquid", "Offset of the MSD, liquid"},
+                {"offset_solid", "Offset of the MSD, solid"},
+                {"exponent_all", "MSD exponent"},
+                {"exponent_liquid", "MSD exponent, liquid"},
+                {"exponent_solid", "MSD exponent, solid"},
+            }};
 }
 
 ObservableResult MsdObservable::result(const Inputs& inputs) const {

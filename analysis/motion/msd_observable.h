@@ -14,6 +14,7 @@ class MsdObservable final : public AccumulatorOf<MsdObservable, bool> {
     static std::optional<OptionTable> describe(AnalysisOptions& options);
     static void plan(const PlanSetup& setup, RunPlan& plan);
     static std::vector<FigureHint> figures();
+    static ObservableTitles titles();
 
     explicit MsdObservable(const RunSetup& setup)
         : displacement_(setup.options.of<DisplacementOptions>(), setup.frames, setup.threads) {}

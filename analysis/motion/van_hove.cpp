@@ -1,15 +1,12 @@
 #include "analysis/motion/van_hove.h"
 
-#include <charconv>
 #include <cmath>
 #include <limits>
-#include <sstream>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "analysis/statistics/blocks.h"
-#include "core/errors.h"
 
 namespace grainfield::analysis {
 namespace {
@@ -48,25 +45,6 @@ VanHoveGroup pooled(std::span<const VanHoveGroup> groups, std::size_t without) {
         sum.fourths += groups[g].fourths;
     }
     return sum;
-}
-
-std::vector<std::int64_t> van_hove_lags(const std::string& list) {
-    std::vector<std::int64_t> lags;
-    std::istringstream entries(list);
-    for (std::string entry; std::getline(entries, entry, ',');) {
-        entry.erase(0, entry.find_first_not_of(" \t"));
-        entry.erase(entry.find_last_not_of(" \t") + 1);
-        std::int64_t lag = 0;
-        const auto [end, problem] = std::from_chars(entry.data(), entry.data() + entry.size(), lag);
-        if (problem != std::errc() || end != entry.data() + entry.size() || lag < 1) {
-            throw OptionError({.problem = "msd.van-hove holds something that is no lag",
-                               .actual = "'" + entry + "'",
-                               .expected = "whole numbers of frames from 1 on, with commas",
-                               .suggestion = "for example 1,10,100"});
-        }
-        lags.push_back(lag);
-    }
-    return lags;
 }
 
 void VanHoveGroup::add(Vec2 d, double width) {

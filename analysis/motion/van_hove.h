@@ -11,9 +11,6 @@
 
 namespace grainfield::analysis {
 
-/// The lags [frames] of a list such as "1,10"; empty for an empty one. Throws OptionError.
-std::vector<std::int64_t> van_hove_lags(const std::string& list);
-
 /// Displacements of one group of particles at one lag, both axes.
 struct VanHoveGroup {
     std::vector<double> counts;  ///< by bin, of |Δx| and |Δy|

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "core/option_table.h"
 
 namespace grainfield::analysis {
@@ -18,6 +20,10 @@ enum class NeighbourRule {
 /// |Q4| from which a particle counts as solid, unless options say otherwise (`castillo2019`) [-].
 inline constexpr double solid_order = 0.7;
 
+/// Symmetries k of Q_k that can be asked for.
+inline constexpr int least_symmetry = 1;
+inline constexpr int most_symmetry = 24;
+
 struct BondOrderOptions {
     NeighbourRule rule = NeighbourRule::near_four;
     int symmetry = 4;     ///< k of Q_k [-]: 4 square, 6 hexagonal
@@ -27,6 +33,11 @@ struct BondOrderOptions {
 };
 
 OptionTable describe(BondOrderOptions& options);
+
+/// The measurement of Q_k that `what` says: "q4_mean".
+std::string order_name(int symmetry, const std::string& what);
+/// "|Q₄|"
+std::string order_symbol(int symmetry);
 
 /// Whether the rule needs the triangulation.
 bool needs_triangulation(NeighbourRule rule);

@@ -245,12 +245,7 @@ void BondStatistics::add_modes(ObservableResult& result) const {
     const HistogramModes modes = find_modes(histogram_, share);
     const auto mode = [&](const char* name, const std::optional<double>& value,
                           const std::optional<double>& error) {
-        Measurement m{fmt::format("q{}_{}", options_.symmetry, name),
-                      "-",
-                      value,
-                      error,
-                      defined_ * share,
-                      ""};
+        Measurement m{order_name(options_.symmetry, name), "-", value, error, defined_ * share, ""};
         if (!value) {
             m.samples = 0;
             m.reason = modes.reason;
@@ -274,7 +269,7 @@ void BondStatistics::add_measurements(ObservableResult& result) const {
         Measurement& m = result.measurements.back();
         if (m.value && !m.error && frames_ == 1) m.reason = "all the same: no error";
     };
-    say(mean_, fmt::format("q{}_mean", options_.symmetry), "-", single_spread_, single_count_);
+    say(mean_, order_name(options_.symmetry, "mean"), "-", single_spread_, single_count_);
     add_modes(result);
     say(nearest_, "nearest_distance", "a", single_nearest_, single_count_);
     if (spacing_.value.empty()) {

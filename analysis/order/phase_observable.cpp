@@ -73,6 +73,21 @@ std::vector<FigureHint> PhaseObservable::figures() {
     };
 }
 
+ObservableTitles PhaseObservable::titles() {
+    return {
+        name,
+        "Phases",
+        {
+            {"solid_fraction", "Solid fraction"},
+            {"liquid_fraction", "Liquid fraction"},
+            {"averaging_time", "Averaging time of the phase"},
+            {"q4_fluctuation", "Standard deviation of |Q₄| of a particle in the averaging time"},
+            {"largest_cluster", "Particles in the largest solid cluster"},
+            {"cluster_size", "Solid particles in the cluster of one of them, mean"},
+            {"cluster_lifetime", "Lifetime of solid clusters"},
+        }};
+}
+
 PhaseObservable::PhaseObservable(const RunSetup& setup)
     : options_(setup.options.of<PhaseOptions>()),
       clusters_(PhaseHistory(options_, setup.info, setup.frames).follows()),

@@ -21,6 +21,7 @@ class PhaseObservable final : public AccumulatorOf<PhaseObservable, bool> {
     static std::optional<OptionTable> describe(AnalysisOptions& options);
     static void plan(const PlanSetup& setup, RunPlan& plan);
     static std::vector<FigureHint> figures();
+    static ObservableTitles titles();
 
     explicit PhaseObservable(const RunSetup& setup);
     Sample measure(const Moment& /*moment*/) const { return true; }  // all of it is shared work

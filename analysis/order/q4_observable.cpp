@@ -54,6 +54,25 @@ std::vector<FigureHint> Q4Observable::figures() {
     };
 }
 
+ObservableTitles Q4Observable::titles() {
+    ObservableTitles titles{name, "Bond-orientational order"};
+    const auto add = [&](std::string quantity, std::string title) {
+        titles.quantities.push_back({std::move(quantity), std::move(title)});
+    };
+    for (int k = least_symmetry; k <= most_symmetry; ++k) {
+        const std::string order = order_symbol(k);
+        add(order_name(k, "mean"), "Mean " + order);
+        add(order_name(k, "low_mode"), order + " of the liquid peak");
+        add(order_name(k, "high_mode"), order + " of the solid peak");
+        add(order_name(k, "minimum"), order + " between the peaks");
+    }
+    add("nearest_distance", "Mean distance of the nearest neighbour");
+    add("lattice_spacing", "Lattice spacing of the solid, projected");
+    add("order_length", "Distance at which the order is correlated by 1/e");
+    add("order_time", "Time in which the correlation of the order falls to 1/e");
+    return titles;
+}
+
 Q4Observable::Q4Observable(const RunSetup& setup)
     : bonds_(setup.options.of<BondOrderOptions>(), setup.options.of<PhaseOptions>().solid_above),
       correlation_(setup.box, setup.whole > 0 ? setup.whole : setup.frames, setup.first) {}

@@ -15,6 +15,7 @@ class Q4Observable final : public AccumulatorOf<Q4Observable, OrderCorrelation::
     static std::optional<OptionTable> describe(AnalysisOptions& options);
     static void plan(const PlanSetup& setup, RunPlan& plan);
     static std::vector<FigureHint> figures();
+    static ObservableTitles titles();
 
     explicit Q4Observable(const RunSetup& setup);
     Sample measure(const Moment& moment) const;

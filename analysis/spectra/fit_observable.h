@@ -12,6 +12,7 @@ class FitObservable final : public AccumulatorOf<FitObservable, bool> {
     static std::vector<Observable> needs(const AnalysisOptions& options);
     static std::optional<OptionTable> describe(AnalysisOptions& options);
     static void plan(const PlanSetup& setup, RunPlan& plan);
+    static ObservableTitles titles();
 
     explicit FitObservable(const RunSetup& setup) : options_(setup.options.of<FitOptions>()) {}
     Sample measure(const Moment& /*moment*/) const { return true; }  // S(k) is all it takes

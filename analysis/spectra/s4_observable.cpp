@@ -35,6 +35,18 @@ std::vector<FigureHint> S4Observable::figures() {
              .title_of_curve = true}};
 }
 
+ObservableTitles S4Observable::titles() {
+    return {name,
+            "Structure factor of the order",
+            {
+                {"s4_zero", "S₄(0)"},
+                {"xi4", "Correlation length ξ₄ of the order"},
+                {"s4_lowest_k", "S₄ at the lowest k"},
+                {"lowest_k", "Lowest k"},
+                {"chi2_per_dof", "χ² per degree of freedom"},
+            }};
+}
+
 S4Observable::Sample S4Observable::measure(const Moment& moment) const {
     return sums_.measure(moment.pattern(), moment.sample_of<SharedBondOrder>()->q);
 }

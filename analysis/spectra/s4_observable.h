@@ -13,6 +13,7 @@ class S4Observable final : public AccumulatorOf<S4Observable, OrderStructureFact
     static std::optional<OptionTable> describe(AnalysisOptions& options);
     static void plan(const PlanSetup& setup, RunPlan& plan);
     static std::vector<FigureHint> figures();
+    static ObservableTitles titles();
 
     explicit S4Observable(const RunSetup& setup)
         : sums_(setup.options.of<OrderStructureFactorOptions>(), setup.box, setup.frames) {}

@@ -61,6 +61,19 @@ std::vector<FigureHint> SkObservable::figures() {
     };
 }
 
+ObservableTitles SkObservable::titles() {
+    return {name,
+            "Structure factor",
+            {
+                {"s_lowest_k", "S at the lowest k"},
+                {"s_raw_lowest_k", "S at the lowest k, raw"},
+                {"s_neumann_lowest_k", "S at the lowest k, modes of a walled box"},
+                {"lowest_k", "Lowest k"},
+                {"anisotropy_2", "Two-fold anisotropy of S(k)"},
+                {"anisotropy_4", "Four-fold anisotropy of S(k)"},
+            }};
+}
+
 SkObservable::SkObservable(const RunSetup& setup) {
     const auto& listed = setup.options.of<ListedWavevectors>().k;
     if (!listed.empty()) listed_.emplace(listed, setup.box, setup.frames);

@@ -42,6 +42,7 @@ class SkObservable final : public AccumulatorOf<SkObservable, ListedModes::Sampl
     static std::optional<OptionTable> describe(AnalysisOptions& options);
     static void plan(const PlanSetup& setup, RunPlan& plan);
     static std::vector<FigureHint> figures();
+    static ObservableTitles titles();
 
     explicit SkObservable(const RunSetup& setup);
     Sample measure(const Moment& moment) const;

@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
-#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -42,24 +41,16 @@ double affordable(const StructureFactorOptions& options, const Box& box, int blo
                     options.k_max * std::sqrt(most_bytes / bytes))});
 }
 
-// Throws OptionError unless the list ascends from zero or more.
-std::vector<double> edges_of(const std::string& list) {
-    std::vector<double> edges;
-    bool ascends = true;
-    for (const char* at = list.data(); at != list.data() + list.size() && ascends;) {
-        double edge = 0;
-        const auto [end, error] = std::from_chars(at, list.data() + list.size(), edge);
-        const bool is_last = end == list.data() + list.size();
-        ascends = error == std::errc() && std::isfinite(edge) && edge >= 0 &&
-                  (edges.empty() || edge > edges.back()) &&
-                  (is_last || (*end == ',' && end + 1 != list.data() + list.size()));
-        edges.push_back(edge);
-        at = is_last ? end : end + 1;
-    }
-    if (list.empty() || (ascends && edges.size() >= 2)) return edges;
-    throw OptionError(ErrorText{"the edges of the annuli of |k| are not usable", "'" + list + "'",
-                                "two or more numbers in 1/a that ascend from 0 or more",
-                                "for example 0.05,0.1,0.2,0.4"});
+// Throws OptionError unless there are none, or two or more that ascend from zero or more.
+const std::vector<double>& checked_edges(const StructureFactorOptions& options) {
+    const std::vector<double>& edges = options.edges;
+    const bool is_usable =
+        edges.size() != 1 && std::ranges::is_sorted(edges, std::less_equal{}) &&
+        std::ranges::all_of(edges, [](double edge) { return std::isfinite(edge) && edge >= 0; });
+    if (is_usable) return edges;
+    throw OptionError(ErrorText{
+        "the edges of the annuli of |k| are not usable", "'" + edges_text(options) + "'",
+        "two or more numbers in 1/a that ascend from 0 or more", "for example 0.05,0.1,0.2,0.4"});
 }
 
 bool same_length(double a, double b) {
@@ -77,9 +68,15 @@ OptionTable describe(StructureFactorOptions& options, const std::string& section
         "wavevectors 2 pi n/L or pi n/L; auto: by boundary");
     table.number("shell-width", options.shell_width, "1/a", {1e-12, 1e9},
                  "width of the isotropic average; auto: distinct |k| first, then the grid step");
-    table.text("edges", options.edges,
-               "edges of annuli of |k| in 1/a, as 0.05,0.1,0.2, to average over instead; or empty");
+    table.numbers("edges", options.edges, "1/a", {.minimum = 0},
+                  "edges of annuli of |k|, as 0.05,0.1,0.2, to average over instead; or empty",
+                  {.minimum = 2});
     return table;
+}
+
+std::string edges_text(const StructureFactorOptions& options) {
+    StructureFactorOptions copy = options;
+    return to_text(describe(copy).row_of(&copy.edges).get());
 }
 
 StructureFactor::StructureFactor(const StructureFactorOptions& options, const Box& box,
@@ -87,7 +84,7 @@ StructureFactor::StructureFactor(const StructureFactorOptions& options, const Bo
     : options_(options),
       box_(box),
       plan_(BlockPlan::of(frames)),
-      edges_(edges_of(options.edges)),
+      edges_(checked_edges(options)),
       grid_(spacing_of(options, box), affordable(options, box, plan_.blocks)),
       transform_(std::make_shared<DensityTransform>(grid_)) {
     const auto& modes = grid_.modes();

@@ -31,10 +31,12 @@ struct StructureFactorOptions {
     double k_max = 2;  ///< largest |k| [1/a]
     WaveGrid grid = WaveGrid::automatic;
     std::optional<double> shell_width{};  ///< width of the isotropic average [1/a]; auto: below
-    std::string edges{};  ///< of annuli of |k| [1/a], "0.05,0.1,0.2", in place of shells; or empty
+    std::vector<double> edges{};          ///< of annuli of |k| [1/a], in place of shells; or empty
 };
 
 OptionTable describe(StructureFactorOptions& options, const std::string& section = "sk");
+/// The edges as an option has them: "0.05,0.1,0.2".
+std::string edges_text(const StructureFactorOptions& options);
 
 /// The observable "sk": static structure factor at small wavevectors, from density modes ρ_k of
 /// particles or fields (`castillo2019`; docs/analysis/spectra.md).

@@ -378,7 +378,7 @@ ObservableResult StructureFactor::result() const {
     }
     if (shells(Estimator::raw).k.empty()) {
         result.reason =
-            fmt::format("no wavevector of the grid lies in the annuli {}", options_.edges);
+            fmt::format("no wavevector of the grid lies in the annuli {}", edges_text(options_));
         return result;
     }
     const bool connected = added_ >= 2 && !box_.is_periodic();

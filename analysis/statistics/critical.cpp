@@ -151,4 +151,16 @@ ObservableResult critical_result(std::span<const CriticalPoint> points, Critical
     return result;
 }
 
+ObservableTitles critical_titles() {
+    return {"critical",
+            "Critical point",
+            {{"critical_value", "Critical value of the control parameter"},
+             {"critical_low", "Critical value, lower end"},
+             {"critical_high", "Critical value, upper end"},
+             {"slope", "Slope of S₀/S₁"},
+             {"intercept", "Intercept of S₀/S₁"},
+             {"chi2_per_dof", "χ² per degree of freedom"},
+             {"alpha", "Exponent α"}}};
+}
+
 }  // namespace grainfield::analysis

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "analysis/statistics/fit.h"
+#include "core/quantity_titles.h"
 #include "core/results.h"
 
 namespace grainfield::analysis {
@@ -51,5 +52,8 @@ CriticalFit fit_critical(std::span<const CriticalPoint> points, CriticalLine lin
 ObservableResult critical_result(std::span<const CriticalPoint> points, CriticalLine line,
                                  const std::string& parameter,
                                  const std::optional<Measurement>& alpha);
+
+/// What its measurements are called.
+ObservableTitles critical_titles();
 
 }  // namespace grainfield::analysis

@@ -3,6 +3,9 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "analysis/order/bond_order_options.h"
 #include "analysis/statistics/blocks.h"
 
 namespace grainfield::analysis {
@@ -67,9 +70,36 @@ std::vector<FigureHint> run_series_figures() {
          .x = time,
          .y = {"value", "Mean |Q₄|, share of solid grains", "", Scale::linear, true},
          .series = {{.label = "mean |Q₄|", .from = {"series", "order", "t", "q4_mean", ""}},
-                    {.label = "|Q₄| ≥ 0.7", .from = {"series", "order", "t", "solid_share", ""}}},
+                    {.label = fmt::format("|Q₄| ≥ {}", solid_order),
+                     .from = {"series", "order", "t", "solid_share", ""}}},
          .place = 92},
     };
+}
+
+ObservableTitles run_series_titles() {
+    return {
+        "series",
+        "Time series of the run",
+        {{"energy_xy", "Horizontal kinetic energy per grain"},
+         {"energy_z", "Vertical kinetic energy per grain"},
+         {"energy_rotation", "Rotational energy per grain"},
+         {"energy_potential", "Potential energy per grain"},
+         {"pair", "Pair collisions per grain"},
+         {"low_plate", "Collisions with the low plate per grain"},
+         {"high_plate", "Collisions with the high plate per grain"},
+         {"wall", "Collisions with side walls per grain"},
+         {"sliding", "Share of collisions that slid"},
+         {"resting", "Rebounds from plates that the TC model raised to its least speed, per grain"},
+         {"contact_time", "Collisions that the TC model made elastic, per grain"},
+         {"work", "Energy put in by the plates, per grain and period"},
+         {"loss_pair", "Energy lost between grains, per grain and period"},
+         {"loss_plate", "Energy lost at plates and walls, per grain and period"},
+         {"impulse_low", "Mean force of the low plate per grain"},
+         {"impulse_high", "Mean force of the high plate per grain"},
+         {"pressure", "Pressure"},
+         {"q4_mean", "Mean |Q₄|"},
+         {"solid_share",
+          fmt::format("Share of solid grains, |Q₄| ≥ {} in a snapshot", solid_order)}}};
 }
 
 }  // namespace grainfield::analysis

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "core/figure_hint.h"
+#include "core/quantity_titles.h"
 #include "core/results.h"
 
 namespace grainfield::analysis {
@@ -17,5 +18,7 @@ ObservableResult run_series(std::vector<Curve> curves);
 
 /// How the time series of a simulation want to be drawn.
 std::vector<FigureHint> run_series_figures();
+/// What the means of its columns are called.
+ObservableTitles run_series_titles();
 
 }  // namespace grainfield::analysis

@@ -56,7 +56,7 @@ int main(int argc, char** argv) {
     info.frame_rate = 500;
     info.vibration_frequency = 80;
     info.source = "layer_video";
-    io::TrajectoryWriter writer(argv[1], info, io::Overwrite::force);
+    io::TrajectoryWriter writer(argv[1], info, Overwrite::force);
     for (int f = 0; f < frames; ++f) {
         RandomStream random(2, "layer video", static_cast<std::uint64_t>(f));
         Snapshot s;

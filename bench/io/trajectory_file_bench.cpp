@@ -54,7 +54,7 @@ Snapshot tracked(std::int64_t frame) {
 }
 
 void write_file(const fs::path& path) {
-    io::TrajectoryWriter writer(path, {}, io::Overwrite::force);
+    io::TrajectoryWriter writer(path, {}, Overwrite::force);
     for (int i = 0; i < frames; ++i) writer.write(tracked(i));
     writer.finish({});
 }
@@ -65,7 +65,7 @@ void write_trajectory(benchmark::State& state) {
     std::vector<Snapshot> snapshots;
     for (int i = 0; i < frames; ++i) snapshots.push_back(tracked(i));
     for (auto _ : state) {
-        io::TrajectoryWriter writer(file.path(), {}, io::Overwrite::force);
+        io::TrajectoryWriter writer(file.path(), {}, Overwrite::force);
         for (const Snapshot& snapshot : snapshots) writer.write(snapshot);
         writer.finish({});
     }
@@ -93,7 +93,7 @@ void export_points(benchmark::State& state) {
     const TemporaryPath table(".csv");
     write_file(file.path());
     io::TrajectoryFile trajectory(file.path());
-    for (auto _ : state) io::export_csv(trajectory, table.path(), io::Overwrite::force);
+    for (auto _ : state) io::export_csv(trajectory, table.path(), Overwrite::force);
     state.counters["per_frame"] =
         benchmark::Counter(static_cast<double>(state.iterations()) * frames,
                            benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
@@ -106,7 +106,7 @@ void read_points(benchmark::State& state) {
     const TemporaryPath table(".csv");
     write_file(file.path());
     io::TrajectoryFile trajectory(file.path());
-    io::export_csv(trajectory, table.path(), io::Overwrite::force);
+    io::export_csv(trajectory, table.path(), Overwrite::force);
     for (auto _ : state) {
         const auto points = io::open_points(table.path(), std::nullopt, {});
         for (std::int64_t i = 0; i < points->count(); ++i) {

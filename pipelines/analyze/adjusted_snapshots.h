@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/trajectory.h"
@@ -32,12 +33,19 @@ class AdjustedSnapshots : public SnapshotSource {
 
     /// Mean over the snapshots; reads those that were not read yet.
     double particles_mean();
+    /// What is strange in those read so far: points beside the box, times that do not grow.
+    std::vector<std::string> warnings() const;
 
  private:
     SnapshotSource& source_;
     Adjustment adjustment_;
     TrajectoryInfo info_;
+    void look_at(const Snapshot& snapshot, std::int64_t index);
+
     std::vector<std::int64_t> particles_;  ///< per snapshot, -1: not read yet
+    std::int64_t outside_ = 0;             ///< particles beside a walled box
+    Box box_;                              ///< that the first of them is beside
+    std::vector<double> time_;             ///< per snapshot, NaN: not read yet
 };
 
 }  // namespace grainfield::pipelines

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -75,7 +76,10 @@ void pass_warnings_on(const Input& input, const Adjustment& adjustment, RunPlan&
     for (const Warning& warning : input.trajectory->record().warnings) {
         const bool is_apparent =
             warning.code == WarningCode::apparent_diameter && !adjustment.particle_diameter;
-        if (is_apparent || warning.code == WarningCode::incomplete) plan.warn(warning);
+        if (is_apparent || warning.code == WarningCode::incomplete ||
+            warning.code == WarningCode::doubtful_heights) {
+            plan.warn(warning);
+        }
     }
 }
 
@@ -115,6 +119,7 @@ Results measure(const AnalyzeJobOptions& options, const fs::path& path, Job& job
     Results results = analysis::measure(
         snapshots, wanted, {.threads = job.threads, .plan = &job.plan, .progress = &progress});
     progress.finish();
+    for (const std::string& warning : snapshots.warnings()) job.plan.warn(warning);
     results.identity = identity_of(results.source);
     results.observables.insert(results.observables.begin(),
                                lengths_of(*input.file, results.source, options.adjustment));

@@ -57,4 +57,13 @@ ObservableResult lengths_of(const SnapshotSource& file, const TrajectoryInfo& in
     return result;
 }
 
+ObservableTitles lengths_titles() {
+    return {"lengths",
+            "Lengths",
+            {{"particle_diameter", "Particle diameter a, unit of all lengths"},
+             {"apparent_diameter", "Apparent diameter D of the discs"},
+             {"edge_width", "Edge width w of the discs"},
+             {"residual", "Residual of the image model (RMS, of the contrast)"}}};
+}
+
 }  // namespace grainfield::pipelines

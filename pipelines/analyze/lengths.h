@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/quantity_titles.h"
 #include "core/results.h"
 #include "pipelines/analyze/adjusted_snapshots.h"
 
@@ -13,5 +14,8 @@ Curve calibration_curve(double diameter, double edge_width, double residual);
 /// "given" or "apparent", and D, w and the residual where the file holds a calibration.
 ObservableResult lengths_of(const SnapshotSource& file, const TrajectoryInfo& info,
                             const Adjustment& adjustment);
+
+/// What they are called for people.
+ObservableTitles lengths_titles();
 
 }  // namespace grainfield::pipelines

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <numbers>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -15,7 +17,9 @@
 #include "core/support/progress.h"
 #include "io/h5/field_file.h"
 #include "io/h5/field_log.h"
+#include "pipelines/interrupt_deadline.h"
 #include "simulate/field/field_run.h"
+#include "simulate/field/field_size.h"
 #include "simulate/field/integrators/adjoint.h"
 #include "simulate/field/integrators/integrator_choice.h"
 
@@ -137,12 +141,35 @@ std::unique_ptr<Work> begin(const FieldJobOptions& options, const simulate::Fiel
 /// What a checkpoint of this run belongs to. An adjoint run stores no fields on its way.
 Resumable::Identity identity_of(const FieldJobOptions& options, const simulate::FieldPlan& plan) {
     const bool is_adjoint = !plan.waves.empty();
-    Configuration physics = simulate::physics_of(options.field);
+    simulate::FieldOptions field = options.field;
+    Configuration physics = physics_of(simulate::describe(field));
+    physics.emplace_back("seed", std::to_string(field.seed));
     physics.emplace_back("sk.k-max", fmt::format("{}", options.sk.k_max));
     return {.kind = is_adjoint ? "field adjoint" : "field",
             .output = options.output,
             .log = is_adjoint ? "" : ".fields",
             .configuration = std::move(physics)};
+}
+
+// Sixteen blocks of sums of two quantities for each mode, of the density and of the order.
+double bytes_of_spectra(const FieldJobOptions& options) {
+    constexpr double bytes_of_mode = 512;
+    const simulate::LatticeOptions& lattice = options.field.lattice;
+    const double rows = lattice.dimension == 1 ? 1 : lattice.ny == 0 ? lattice.nx : lattice.ny;
+    const auto below = [&](double cells) {
+        const double most = options.sk.k_max * cells * lattice.spacing / (2 * std::numbers::pi);
+        return std::min(1 + 2 * most, cells);
+    };
+    return bytes_of_mode * below(lattice.nx) * (lattice.dimension == 1 ? 1 : below(rows)) / 2;
+}
+
+void require_room(const FieldJobOptions& options, Job& job) {
+    JobSize size = simulate::size_of(options.field);
+    size.bytes += bytes_of_spectra(options);
+    require_room(size, available_memory(),
+                 "use a smaller lattice (lattice.nx, lattice.ny), fewer record.replicas or a "
+                 "shorter record.record",
+                 job.size_check, job.plan);
 }
 
 void save(Work& work, Resumable& resumable) {
@@ -173,14 +200,21 @@ int advance(Work& work, std::int64_t total, Resumable& resumable, Progress& prog
 }  // namespace
 
 void plan_field(const FieldJobOptions& options, Job& job) {
+    const DiscardDeadline deadline("the plan", options.output.string());
+    require_room(options, job);
     const simulate::FieldPlan plan = simulate::plan_field(options.field, job.plan);
     Resumable(job, identity_of(options, plan), options.resume).explain();
 }
 
 FieldJobResult run_field(const FieldJobOptions& options, Job& job) {
+    std::optional<DiscardDeadline> starting(std::in_place, "the simulation",
+                                            options.output.string());
+    require_room(options, job);
     const simulate::FieldPlan plan = simulate::plan_field(options.field, job.plan);
     Resumable resumable(job, identity_of(options, plan), options.resume);
     resumable.require_free();
+    starting.reset();
+    const InterruptDeadline deadline([&](int signal) { return resumable.cut_off(signal); });
     io::FieldWriter writer(options.output, resumable.overwrite());
     resumable.start();
     const std::unique_ptr<Work> work = begin(options, plan, resumable);

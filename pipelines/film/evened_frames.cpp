@@ -1,9 +1,11 @@
 #include "pipelines/film/evened_frames.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <utility>
 
 #include "core/support/interrupt.h"
+#include "core/support/parallel.h"
 
 namespace grainfield::pipelines {
 
@@ -27,14 +29,14 @@ EvenedFrames::EvenedFrames(std::unique_ptr<FrameSource> source, const Background
 
 EvenedFrames::EvenedFrames(std::unique_ptr<FrameSource> source, const Image& empty_cell,
                            const tracking::FilmLevels& levels,
-                           const tracking::VisiblePixels& visible)
-    : PassedFrames(std::move(source)), levels_(levels), visible_(visible) {
+                           const tracking::VisiblePixels& visible, int threads)
+    : PassedFrames(std::move(source)), levels_(levels), visible_(visible), threads_(threads) {
     // Noise of one picture; what is as dark as a core passes nothing.
     tracking::ClearLevels clear{empty_cell, Image(empty_cell.width(), empty_cell.height(),
                                                   static_cast<float>(levels.noise))};
     ClearLevelEstimator picture(empty_cell.width(), empty_cell.height());
     picture.add(empty_cell);
-    clear.level = picture.estimate(levels, 1).level;
+    clear.level = picture.estimate(levels, threads_).level;
     first_ = tracking::evening_of(clear, levels, visible_);
     before_ = {0, first_.gain};
 }
@@ -67,12 +69,12 @@ Frame EvenedFrames::read(std::int64_t index) {
     Frame frame = source().read(index);
     if (frame.status != FrameStatus::ok) return frame;
     if (half_window_ == 0) {
-        tracking::even_out(frame.image, before_.gain, levels_);
+        tracking::even_out(frame.image, before_.gain, levels_, threads_);
         return frame;
     }
     const std::int64_t first = first_of_repeats(index, frame.image);
     last_ = {index, first, frame.image};
-    tracking::even_out(frame.image, gain_of(first), levels_);
+    tracking::even_out(frame.image, gain_of(first), levels_, threads_);
     return frame;
 }
 
@@ -93,9 +95,12 @@ Image EvenedFrames::gain_of(std::int64_t index) {
         static_cast<float>(index - knot * half_window_) / static_cast<float>(half_window_);
     Image gain = gain_at(knot);
     const Image& next = gain_at(knot + 1);
-    std::transform(gain.pixels().begin(), gain.pixels().end(), next.pixels().begin(),
-                   gain.pixels().begin(),
-                   [share](float a, float b) { return a + share * (b - a); });
+    parallel_for(gain.height(), threads_, [&](std::int64_t row) {
+        const auto y = static_cast<int>(row);
+        for (int x = 0; x < gain.width(); ++x) {
+            gain(x, y) += share * (next(x, y) - gain(x, y));
+        }
+    });
     return gain;
 }
 

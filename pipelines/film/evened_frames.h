@@ -18,6 +18,9 @@ namespace grainfield::pipelines {
 /// than the window. A frame that repeats the one before, pixel by pixel, is evened as that one was,
 /// so that it still repeats it. All this is a function of the film and the position alone: a run
 /// that is taken up again sees the same. Bad frames pass as they are.
+///
+/// A read computes, on the threads of the team that the caller holds: it is not for the thread that
+/// reads ahead, which stands between this and the files.
 class EvenedFrames : public io::PassedFrames {
  public:
     EvenedFrames(std::unique_ptr<FrameSource> source, const BackgroundOptions& options,
@@ -25,7 +28,8 @@ class EvenedFrames : public io::PassedFrames {
                  int threads);
     /// Over a picture of the empty, lit cell.
     EvenedFrames(std::unique_ptr<FrameSource> source, const Image& empty_cell,
-                 const tracking::FilmLevels& levels, const tracking::VisiblePixels& visible);
+                 const tracking::FilmLevels& levels, const tracking::VisiblePixels& visible,
+                 int threads);
 
     Frame read(std::int64_t index) override;
     /// Whether the estimate changes along the film.

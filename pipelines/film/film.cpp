@@ -135,8 +135,8 @@ std::unique_ptr<FrameSource> evened(std::unique_ptr<FrameSource> frames, const F
     const auto levels = tracking::FilmLevels::of(first.model(), frames->width(), frames->height());
     std::unique_ptr<EvenedFrames> evened;
     if (!empty_cell.empty()) {
-        evened =
-            std::make_unique<EvenedFrames>(std::move(frames), empty_cell, levels, tracking.visible);
+        evened = std::make_unique<EvenedFrames>(std::move(frames), empty_cell, levels,
+                                                tracking.visible, job.threads);
     } else {
         evened = std::make_unique<EvenedFrames>(std::move(frames), background, levels,
                                                 tracking.visible, job.threads);
@@ -184,7 +184,9 @@ void describe(FilmOptions& options, OptionTable& table) {
     table.integer("background-window", options.background_window, "frames", {10, 1e9},
                   "running: what one estimate of the background sees");
     table.integer("max-pixels", options.max_pixels, "px", {1, 1e11}, "largest frame accepted");
+    table.affects(Effect::work);
     table.flag("strict", options.strict, "fail on the first bad frame instead of leaving it out");
+    table.affects(Effect::work);
 }
 
 Film open_film(Job& job, const FilmOptions& options, const tracking::TrackOptions& tracking) {
@@ -210,9 +212,10 @@ Film open_film(Job& job, const FilmOptions& options, const tracking::TrackOption
     if (region) frames = io::crop_frames(std::move(frames), *region);
     tracking::TrackOptions first = tracking;
     first.visible = film.visible;
-    frames = evened(std::move(frames), options, empty, first, job);
+    // The thread that reads ahead does not compute: what is evened out comes behind it.
+    frames = evened(io::read_ahead(std::move(frames)), options, empty, first, job);
     film.frames = std::make_unique<WatchedFrames>(
-        io::read_ahead(std::move(frames)), options.strict ? BadFrames::refuse : BadFrames::allow);
+        std::move(frames), options.strict ? BadFrames::refuse : BadFrames::allow);
     for (const std::string& warning : film.frames->warnings()) job.plan.warn(warning);
     return film;
 }

@@ -13,8 +13,10 @@
 #include "io/h5/snapshot_log.h"
 #include "io/h5/trajectory_file.h"
 #include "io/open_snapshots.h"
+#include "pipelines/interrupt_deadline.h"
 #include "pipelines/md/order_series.h"
 #include "simulate/md/md_simulation.h"
+#include "simulate/md/md_size.h"
 #include "simulate/md/state/initial_state.h"
 
 namespace grainfield::pipelines {
@@ -46,7 +48,7 @@ simulate::GrainState initial_state(const MdJobOptions& options, std::uint64_t se
 /// What a resumed run must have in common with the one before.
 Resumable::Identity identity_of(const MdJobOptions& options, std::uint64_t seed) {
     simulate::MdOptions md = options.md;
-    Configuration physics = recorded_options(simulate::describe(md), {"run.tiles"});
+    Configuration physics = physics_of(simulate::describe(md));
     physics.emplace_back("seed", std::to_string(seed));
     physics.emplace_back("start", options.start);
     physics.emplace_back("start-frame", std::to_string(options.start_frame));
@@ -54,6 +56,13 @@ Resumable::Identity identity_of(const MdJobOptions& options, std::uint64_t seed)
             .output = options.output,
             .log = ".snapshots",
             .configuration = std::move(physics)};
+}
+
+void require_room(const MdJobOptions& options, Job& job) {
+    require_room(simulate::size_of(options.md), available_memory(),
+                 "use fewer cell.grains, a smaller cell, fewer run.periods or a longer "
+                 "run.sample-every",
+                 job.size_check, job.plan);
 }
 
 void plan_snapshots(const MdJobOptions& options, RunPlan& plan) {
@@ -146,6 +155,8 @@ MdJobResult result_of(const MdSimulation& simulation, std::int64_t events, doubl
 }  // namespace
 
 void plan_md(const MdJobOptions& options, Job& job) {
+    const DiscardDeadline deadline("the plan", options.output.string());
+    require_room(options, job);
     plan_snapshots(options, job.plan);
     if (options.start.empty()) {
         job.plan.run("initial state", "made from [initial]");
@@ -162,8 +173,13 @@ void plan_md(const MdJobOptions& options, Job& job) {
 MdJobResult run_md(const MdJobOptions& options, Job& job) {
     plan_snapshots(options, job.plan);
     if (!options.start.empty()) job.inputs.emplace_back(options.start);
+    std::optional<DiscardDeadline> starting(std::in_place, "the simulation",
+                                            options.output.string());
+    require_room(options, job);
     Resumable resumable(job, identity_of(options, job.seed), options.resume);
     resumable.require_free();
+    starting.reset();
+    const InterruptDeadline deadline([&](int signal) { return resumable.cut_off(signal); });
     simulate::GrainState initial;
     if (resumable.from() == nullptr) initial = initial_state(options, job.seed);
     MdSimulation simulation(options.md, std::move(initial), job.threads, job.plan);

@@ -7,6 +7,7 @@
 
 #include "analysis/observables.h"
 #include "core/errors.h"
+#include "pipelines/analyze/lengths.h"
 
 namespace grainfield::pipelines {
 
@@ -42,7 +43,11 @@ FiguresFolder::~FiguresFolder() {
 ReportPage::ReportPage(fs::path html, report::ReportOptions options, const Job& job)
     : html_(std::move(html)), options_(std::move(options)), output_(html_, job.overwrite) {
     options_.threads = job.threads;
-    if (options_.observables) options_.hints = analysis::figure_hints();
+    if (options_.observables) {
+        options_.hints = analysis::figure_hints();
+        options_.titles = analysis::titles();
+        options_.titles.push_back(lengths_titles());
+    }
     if (options_.figures) figures_.emplace(figures_folder(html_), job.overwrite);
 }
 

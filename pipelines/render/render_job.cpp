@@ -168,6 +168,12 @@ void plan_rendering(const RenderJobOptions& options, Job& job) {
 }
 
 RenderJobResult render_frames(const RenderJobOptions& options, Job& job) {
+    if (!options.truth.empty() && options.truth == options.output) {
+        throw OptionError({.problem = "option 'truth' names the output of the frames",
+                           .actual = fmt::format("'{}'", options.truth),
+                           .expected = "two names",
+                           .suggestion = "give the positions a name of their own"});
+    }
     Scene scene = open_scene(options, job);
     const simulate::Renderer& renderer = *scene.renderer;
     const auto writer = io::make_frame_writer(options.output,

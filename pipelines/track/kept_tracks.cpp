@@ -7,7 +7,7 @@
 
 namespace grainfield::pipelines {
 
-KeptTracks::KeptTracks(io::OutputFile output, const TrajectoryInfo& info, Vec2 origin,
+KeptTracks::KeptTracks(OutputFile output, const TrajectoryInfo& info, Vec2 origin,
                        io::SnapshotLog* log)
     : writer_(std::move(output), info), origin_(origin), log_(log) {}
 

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "core/results.h"
+#include "core/support/output_file.h"
 #include "core/trajectory.h"
 #include "io/h5/snapshot_log.h"
 #include "io/h5/trajectory_file.h"
-#include "io/output_file.h"
 #include "pipelines/job.h"
 #include "pipelines/resumable.h"
 
@@ -21,8 +21,7 @@ class KeptTracks : public SnapshotSink {
  public:
     /// `origin`: where the frames begin in those of the source [px]; previews stay with their
     /// pictures. `log` gets every snapshot as it comes; null: none.
-    KeptTracks(io::OutputFile output, const TrajectoryInfo& info, Vec2 origin,
-               io::SnapshotLog* log);
+    KeptTracks(OutputFile output, const TrajectoryInfo& info, Vec2 origin, io::SnapshotLog* log);
 
     void write(const Snapshot& snapshot) override;
     /// Writes again what the log of an interrupted run holds.

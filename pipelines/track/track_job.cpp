@@ -42,7 +42,7 @@ Resumable::Identity identity_of(const TrackJobOptions& options, const Job& job) 
     std::vector<OptionTable> tables{OptionTable("")};
     describe(film, tables.front());
     for (OptionTable& table : tracking::describe(tracking)) tables.push_back(std::move(table));
-    Configuration compared = recorded_options(tables, {"strict", "max-pixels"});
+    Configuration compared = physics_of(tables);
     compared.emplace_back("previews", std::to_string(options.previews));
     compared.emplace_back("seed", std::to_string(job.seed));
     for (const std::string& picture : pictures_of(options.film)) {
@@ -83,6 +83,24 @@ void warn_of_unit(const TrackJobOptions& options, const Tracker& tracker, RunPla
               fmt::format("lengths are in apparent disc diameters D = {:.3f} px; steel spheres: D "
                           "is about 0.88 a; give track.sphere-diameter",
                           tracker.model().disc.diameter));
+}
+
+/// The optics that synthesis found, and how well rendering and image agree with them.
+Curve synthesis_curve(const tracking::SynthesisSummary& found) {
+    const tracking::MirrorOptics& optics = found.optics;
+    return {"synthesis",
+            "Mirror spheres as synthesis sees them",
+            {{"reflectivity", "-", "Reflectivity F0", {optics.reflectivity}},
+             {"blur", "a", "Blur (standard deviation)", {optics.blur}},
+             {"ambient", "-", "Radiance beside the panel", {optics.ambient}},
+             {"grazing", "-", "Sine of the least angle that meets the panel", {optics.grazing}},
+             {"camera_distance", "a", "Distance of the camera (0: telecentric)", {optics.distance}},
+             {"residual_before",
+              "-",
+              "Residual at the start (RMS, of the contrast)",
+              {found.mean_before()}},
+             {"residual", "-", "Residual (RMS, of the contrast)", {found.mean_after()}}},
+            {}};
 }
 
 /// Puts into the tracks what an interrupted run had, and hands the tracker what it goes on from.
@@ -196,6 +214,7 @@ TrackJobResult track_film(const TrackJobOptions& options, Job& job) {
         tracks->add_curve(calibration_curve(result.spheres->diameter, result.spheres->edge_width,
                                             summary.residual_rms));
     }
+    if (summary.synthesis.frames > 0) tracks->add_curve(synthesis_curve(summary.synthesis));
     tracks->finish(job.record());
     job.outputs.push_back(options.output);
     if (is_complete) resumable.finish();

@@ -103,16 +103,23 @@ Figure phase_figure(const Tuning& tuning) {
     return figure;
 }
 
+/// How many spheres have which value, as shares.
+Figure share_figure(const std::string& name, const std::string& title, const std::string& note,
+                    Axis value, const Histogram& h) {
+    Figure figure = figure_of(name, title, note, std::move(value),
+                              {"share", "Share of the spheres", "", Scale::linear, true});
+    add(figure, {"spheres", Mark::steps, true}, {0, 0, h.x, h.y, {}});
+    return figure;
+}
+
 Figure distance_figure(const Tuning& tuning) {
     const bool is_true = tuning.options.sphere_diameter.has_value();
-    Figure figure = figure_of(
+    Figure figure = share_figure(
         "nearest_neighbour", "Distance of the nearest neighbour",
         "What lies below the line that the height of the cell draws is false. Without a height a "
         "few pairs far below all others are suspect too.",
         {"distance", "Distance", is_true ? "a" : "D", Scale::linear, true},
-        {"share", "Share of the spheres", "", Scale::linear, true});
-    const Histogram h = histogram(distances(tuning), 0, 2.5, 100);
-    add(figure, {"spheres", Mark::steps, true}, {0, 0, h.x, h.y, {}});
+        histogram(distances(tuning), 0, 2.5, 100));
     const double forbidden = tuning.forbidden_distance() / tuning.diameter();
     if (forbidden > 0) add_mark(figure, "no room between the plates below", forbidden);
     add_mark(figure, "taken for one sphere below (detect.separation)",
@@ -121,14 +128,12 @@ Figure distance_figure(const Tuning& tuning) {
 }
 
 Figure evidence_figure(const Tuning& tuning) {
-    Figure figure = figure_of(
+    Figure figure = share_figure(
         "evidence", "What each sphere explains of the image",
         "One for spheres that stand alone; hidden ones explain less. The least follows from the "
         "fit of the model; detect.evidence sets it, in a gap between false and hidden spheres.",
         {"evidence", "Share of the misfit of an isolated sphere", "", Scale::linear, true},
-        {"share", "Share of the spheres", "", Scale::linear, true});
-    const Histogram h = histogram(evidence(tuning), 0, 1.3, 65);
-    add(figure, {"spheres", Mark::steps, true}, {0, 0, h.x, h.y, {}});
+        histogram(evidence(tuning), 0, 1.3, 65));
     double least = 0;
     for (const Survey& survey : tuning.surveys) least = std::max(least, survey.found.evidence);
     add_mark(figure, "least (detect.evidence)", least);
@@ -136,25 +141,22 @@ Figure evidence_figure(const Tuning& tuning) {
 }
 
 Figure residual_figure(const Tuning& tuning) {
-    Figure figure = figure_of(
+    return share_figure(
         "residual", "Misfit about each sphere",
         "RMS of image − model within reach. A tail to the right: false or wrongly placed spheres, "
         "or an image model that does not hold (meeting edges, a mirror rim).",
         {"residual", "RMS residual", "contrast", Scale::linear, true},
-        {"share", "Share of the spheres", "", Scale::linear, true});
-    const std::vector<double> values =
-        tuning.gathered([](const Survey& survey) { return survey.found.residual; });
-    const Histogram h = histogram(values, 0, 0.25, 100);
-    add(figure, {"spheres", Mark::steps, true}, {0, 0, h.x, h.y, {}});
-    return figure;
+        histogram(tuning.gathered([](const Survey& survey) { return survey.found.residual; }), 0,
+                  0.25, 100));
 }
 
 Figure profile_figure(const Tuning& tuning) {
     Figure figure = figure_of(
         "radial_profile", "Darkness about spheres that stand alone",
-        "Mean over pixels that only one sphere reaches. A core or rim off the tanh edge is what "
-        "the "
-        "sphere reflects; it moves spheres that overlap unless it is learned (calibrate.profile).",
+        fmt::format("Mean over pixels that only one sphere reaches. A core or rim off the {} edge "
+                    "is what the sphere reflects; it moves spheres that overlap unless it is "
+                    "learned (calibrate.profile).",
+                    tuning.model.disc.shape->name()),
         {"r", "Distance from the centre", "px", Scale::linear, true},
         {"darkness", "Darkness", "contrast", Scale::linear, false});
     constexpr double step = 0.25;
@@ -190,7 +192,7 @@ Figure profile_figure(const Tuning& tuning) {
         return figure;
     }
     add(figure, {"measured", Mark::line, true}, std::move(measured));
-    add(figure, {"tanh", Mark::curve, true}, std::move(model));
+    add(figure, {std::string(disc.shape->name()), Mark::curve, true}, std::move(model));
     if (!learned.x.empty()) add(figure, {"learned", Mark::curve, true}, std::move(learned));
     return figure;
 }
@@ -216,9 +218,9 @@ Table calibration_table(const Tuning& tuning) {
     row("Light", model.background.is_uniform() ? "even" : "uneven: a smooth surface is fitted");
     row("Meeting edges", model.overlap->words());
     row("Profile", model.correction.is_zero()
-                       ? std::string("tanh")
-                       : fmt::format("learned, up to {:.3f} of the contrast off tanh",
-                                     model.correction.largest()));
+                       ? std::string(model.disc.shape->name())
+                       : fmt::format("learned, up to {:.3f} of the contrast off {}",
+                                     model.correction.largest(), model.disc.shape->name()));
     double noise = 0;
     std::int64_t unsettled = 0;
     for (const Survey& survey : tuning.surveys) {

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "tracking/model/known_models.h"
+
 namespace grainfield::pipelines {
 
 namespace {
@@ -27,11 +29,15 @@ std::string toml_value(const OptionValue& value) {
     return std::holds_alternative<std::string>(value) ? quoted(text) : text;
 }
 
+/// Options of no section stand in that of `track` itself.
+constexpr const char* command_section = "track";
+
 /// Every option that is not what it is by default.
 void add_given(const std::vector<OptionTable>& given, const std::vector<OptionTable>& by_default,
                std::vector<Setting>& settings) {
     for (std::size_t t = 0; t < given.size(); ++t) {
-        const std::string section = given[t].section().empty() ? "track" : given[t].section();
+        const std::string section =
+            given[t].section().empty() ? command_section : given[t].section();
         for (std::size_t r = 0; r < given[t].rows().size(); ++r) {
             const OptionValue value = given[t].rows()[r].get();
             if (value == by_default[t].rows()[r].get()) continue;
@@ -40,15 +46,41 @@ void add_given(const std::vector<OptionTable>& given, const std::vector<OptionTa
     }
 }
 
-void put(std::vector<Setting>& settings, const char* section, const char* name, std::string value) {
+/// Sets the option that is bound to `field`.
+void put(std::vector<Setting>& settings, const OptionTable& table, const void* field,
+         std::string value) {
+    const std::string& name = table.row_of(field).name;
     const auto found = std::ranges::find_if(settings, [&](const Setting& setting) {
-        return setting.section == section && setting.name == name;
+        return setting.section == table.section() && setting.name == name;
     });
     if (found == settings.end()) {
-        settings.push_back({section, name, std::move(value)});
+        settings.push_back({table.section(), name, std::move(value)});
     } else {
         found->value = std::move(value);
     }
+}
+
+/// The text of an option that is a choice.
+std::string choice_text(const OptionTable& table, const void* field) {
+    return toml_value(table.row_of(field).get());
+}
+
+/// What was estimated, in place of what was given.
+void put_model(const tracking::ImageModel& model, std::vector<Setting>& settings) {
+    tracking::CalibrationOptions found;
+    found.polarity = model.polarity == Polarity::dark ? tracking::PolarityChoice::dark
+                                                      : tracking::PolarityChoice::bright;
+    found.meeting_edges = model.overlap;
+    found.profile = model.correction.is_zero()
+                        ? tracking::ProfileChoice{model.disc.shape, tracking::Learning::never}
+                        : tracking::ProfileChoice{tracking::profile_shapes().front(),
+                                                  tracking::Learning::always};
+    const OptionTable table = describe(found);
+    put(settings, table, &found.polarity, choice_text(table, &found.polarity));
+    put(settings, table, &found.diameter, fmt::format("{:.3f}", model.disc.diameter));
+    put(settings, table, &found.edge_width, fmt::format("{:.3f}", model.disc.edge_width));
+    put(settings, table, &found.meeting_edges, choice_text(table, &found.meeting_edges));
+    put(settings, table, &found.profile, choice_text(table, &found.profile));
 }
 
 }  // namespace
@@ -66,18 +98,13 @@ std::vector<Setting> suggested_settings(const Tuning& tuning, const FilmOptions&
     tracking::TrackOptions usual;
     add_given(tracking::describe(given), tracking::describe(usual), settings);
 
-    const auto& model = tuning.model;
-    put(settings, "calibrate", "polarity",
-        model.polarity == Polarity::dark ? "\"dark\"" : "\"bright\"");
-    put(settings, "calibrate", "disc-diameter", fmt::format("{:.3f}", model.disc.diameter));
-    put(settings, "calibrate", "edge-width", fmt::format("{:.3f}", model.disc.edge_width));
-    put(settings, "calibrate", "meeting-edges", fmt::format("\"{}\"", model.overlap->name()));
-    put(settings, "calibrate", "profile",
-        fmt::format("\"{}\"", model.correction.is_zero() ? model.disc.shape->name() : "learned"));
+    put_model(tuning.model, settings);
     // Steps far below the error buy nothing.
     const double tolerance = std::clamp(0.1 * tuning.median_error(), 0.003, 0.03);
     if (tolerance > 1.5 * tuning.options.refinement.tolerance) {
-        put(settings, "refine", "tolerance", fmt::format("{:.3f}", tolerance));
+        tracking::RefinementOptions refinement;
+        put(settings, describe(refinement), &refinement.tolerance,
+            fmt::format("{:.3f}", tolerance));
     }
     std::ranges::stable_sort(settings, std::ranges::greater{}, &Setting::section);
     return settings;

@@ -1,5 +1,6 @@
 #include "report/figures/figure_source.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace grainfield::report {
@@ -55,17 +56,15 @@ void add_kind(Figure& figure, const Runs& runs, Kind kind, const CurveColumns& s
     if (found) figure.kinds.push_back(std::move(kind));
 }
 
-std::string common_unit(const Runs& runs, const CurveColumns& source,
-                        const std::string& otherwise) {
-    std::string unit;
+std::vector<RunUnit> column_units(const Runs& runs, const CurveColumns& source) {
+    std::vector<RunUnit> units;
     for (const Results& run : runs) {
         const Curve* curve = find_curve(run, source);
         if (curve == nullptr) continue;
-        const std::string own = typeset_text(curve->find(source.x)->unit, run.source.time_unit);
-        if (!unit.empty() && own != unit) return unit.append(" or ").append(own);
-        unit = own;
+        const RunUnit own = run_unit(curve->find(source.x)->unit, run.source.time_unit);
+        if (std::ranges::find(units, own) == units.end()) units.push_back(own);
     }
-    return unit.empty() ? otherwise : unit;
+    return units;
 }
 
 }  // namespace grainfield::report

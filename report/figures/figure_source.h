@@ -43,7 +43,7 @@ std::optional<Series> take(const Curve& curve, const CurveColumns& source, const
 /// Adds the series of this kind of every run that has one.
 void add_kind(Figure& figure, const Runs& runs, Kind kind, const CurveColumns& source);
 
-/// The unit of a column, if the runs that have it agree: lengths are in a, those of fields in l.
-std::string common_unit(const Runs& runs, const CurveColumns& source, const std::string& otherwise);
+/// The units that the runs have in column x, each once: lengths are in a, those of fields in l.
+std::vector<RunUnit> column_units(const Runs& runs, const CurveColumns& source);
 
 }  // namespace grainfield::report

@@ -45,20 +45,15 @@ bool share_time(const Runs& runs, const CurveColumns& by_time, const std::string
            });
 }
 
-// The unit of the x axis as the runs have it: "1/a", or "1/a or 1/l" where they differ.
-std::string unit_of(const Runs& runs, const CurveColumns& from, const FigureHint& hint,
-                    const Axis& x) {
-    if (x.unit.empty()) return "";
-    const bool is_time = Unit(x.unit).power(BaseUnit::time) != 0;
-    if (is_time && hint.one_time_unit) return typeset_text(shared_time_unit(runs, from));
-    std::vector<std::string> units;
-    for (const Results& run : runs) {
-        const Curve* curve = find_curve(run, from);
-        if (curve == nullptr) continue;
-        add_to_list(units, typeset_text(curve->find(from.x)->unit, run.source.time_unit));
-    }
-    if (!units.empty()) return joined(units, " or ");
-    return is_time ? std::string(typeset_text(runs.front().source.time_unit)) : x.unit;
+// The units of the x axis as the runs have them; where none has the curve, that of the first run.
+std::vector<RunUnit> units_of(const Runs& runs, const CurveColumns& from, const FigureHint& hint,
+                              const Axis& x) {
+    if (x.unit.is_dimensionless()) return {};
+    const bool is_time = x.unit.power(BaseUnit::time) != 0;
+    if (is_time && hint.one_time_unit) return {run_unit(x.unit, shared_time_unit(runs, from))};
+    std::vector<RunUnit> units = column_units(runs, from);
+    if (units.empty()) units.push_back(run_unit(x.unit, runs.front().source.time_unit));
+    return units;
 }
 
 // The words that tell series apart, in the order in which the runs have them.
@@ -131,9 +126,10 @@ void note_absent(Figure& figure, const Runs& runs, const FigureHint& hint, const
         const TimeUnit own = runs[r].source.time_unit;
         const bool other_unit = hint.one_time_unit && own != shared_time_unit(runs, from) &&
                                 find_curve(runs[r], from) != nullptr;
-        figure.absent.push_back({r, other_unit ? std::string("its times are in ") +
-                                                     typeset_text(own) + ", not in " + figure.x.unit
-                                               : absence(runs[r], from)});
+        figure.absent.push_back({r, other_unit
+                                        ? std::string("its times are in ") + typeset_text(own) +
+                                              ", not in " + figure.x.unit_text()
+                                        : absence(runs[r], from)});
     }
 }
 
@@ -235,7 +231,7 @@ Figure hinted_figure(const Runs& runs, const std::vector<std::string>& labels,
         for (SeriesHint& kind : kinds) kind.from.x = x.name;
     }
     const CurveColumns from = kinds.front().from;
-    x.unit = unit_of(runs, from, hint, x);
+    x.units = units_of(runs, from, hint, x);
     Figure figure = empty_figure(labels, hint.name, hint.title, x, hint.y, hint.note);
     figure.may_be_linear = hint.may_be_linear;
     const TimeUnit time_unit = shared_time_unit(runs, from);

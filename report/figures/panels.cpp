@@ -18,13 +18,13 @@ std::string without_origin(const std::string& label, const std::string& origin) 
                                                                    : label;
 }
 
-// Of "1/a or 1/l" the one that this origin has.
-std::string own_unit(const std::string& unit, bool is_field) {
-    const std::size_t bar = unit.find(" or ");
-    if (bar == std::string::npos) return unit;
-    const std::string first = unit.substr(0, bar);
-    const std::string second = unit.substr(bar + 4);
-    return (first.find('l') != std::string::npos) == is_field ? first : second;
+// Of the units of the shared axis those in which fields, or particles, have their lengths.
+std::vector<RunUnit> own_units(std::vector<RunUnit> units, bool is_field) {
+    if (units.size() < 2) return units;
+    std::erase_if(units, [&](const RunUnit& own) {
+        return (own.unit.power(BaseUnit::lattice) != 0) != is_field;
+    });
+    return units;
 }
 
 // The guides of the shared figure, their exponents times `steeper`, through the lowest corner of
@@ -77,7 +77,7 @@ Figure panel_of(const Figure& figure, const std::vector<RunIdentity>& identities
         panel.series.push_back(series);
         panel.series.back().run = place[series.run];
     }
-    panel.x.unit = own_unit(figure.x.unit, is_field);
+    panel.x.units = own_units(figure.x.units, is_field);
     // On a line σ² ∝ ⟨N⟩^(β/2) is half as steep against ℓ as in the plane.
     add_guides(panel, figure, on_a_line && !all_on_a_line(identities) ? 0.5 : 1);
     return panel;

@@ -57,7 +57,7 @@ Figure scaled_spectrum(const std::vector<Results>& runs, const std::vector<std::
     const CurveColumns walls{"sk", "sk_neumann", "k", "s", "s_err"};
     Figure figure =
         empty_figure(labels, "sk_scaled", "Structure factor over S₁",
-                     {"k", "Wavevector k", common_unit(runs, plane, "1/a"), Scale::log, true},
+                     {"k", "Wavevector k", "1/a", Scale::log, true, column_units(runs, plane)},
                      {"s_over_s1", "S(k)/S₁", "", Scale::log, true});
     figure.kinds = {{"S(k)/S₁", Mark::line, true}, {"fit, S₀/S₁ + (ka)^α", Mark::curve, true}};
     figure.may_be_linear = true;

@@ -73,7 +73,7 @@ ParticleMap describe(const Results& run, std::size_t index, const Preview& previ
     map.run = index;
     map.frame = preview.snapshot.frame;
     map.name = fmt::format("map_run{}_frame{}", index + 1, map.frame);
-    const bool is_field = run.identity.is_field();
+    const bool is_field = map.is_field = run.identity.is_field();
     map.title = is_field ? field_title(preview)
                          : fmt::format("frame {}, {} particles", map.frame,
                                        count_text(static_cast<double>(preview.snapshot.size())));
@@ -185,6 +185,7 @@ std::string map_json(const ParticleMap& map) {
                                       {"y", {map.y[0], map.y[1]}},
                                       {"yDown", map.y_down},
                                       {"unit", map.unit},
+                                      {"is_field", map.is_field},
                                       {"diameter", map.diameter},
                                       {"imageSize", {map.image_size[0], map.image_size[1]}},
                                       {"image", image},

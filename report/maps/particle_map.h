@@ -18,7 +18,8 @@ struct ParticleMap {
     std::int64_t frame = 0;
     std::array<double, 2> x{}, y{};      ///< what is shown [length unit]
     bool y_down = true;                  ///< pixels: y grows downwards; simulations: upwards
-    std::string unit;                    ///< "px" or "a"
+    bool is_field = false;               ///< a picture of a field, without particles
+    std::string unit;                    ///< "px", "a" or "cells"
     double diameter = 1;                 ///< [length unit]
     std::vector<std::uint8_t> png;       ///< empty: the run has no image
     std::array<double, 2> image_size{};  ///< covered by the PNG [px], from the corner (-0.5, -0.5)

@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "report/page/key_numbers.h"
 #include "report/page/text.h"
 
 namespace grainfield::report {
@@ -79,6 +78,17 @@ bool has_any_error(const Results& run) {
     });
 }
 
+// Whether a number or a curve of the run has time in its unit.
+bool has_times(const Results& run) {
+    const auto is_timed = [](const Unit& unit) { return unit.power(BaseUnit::time) != 0; };
+    return std::ranges::any_of(run.observables, [&](const ObservableResult& observable) {
+        return std::ranges::any_of(observable.measurements, is_timed, &Measurement::unit) ||
+               std::ranges::any_of(observable.curves, [&](const Curve& curve) {
+                   return std::ranges::any_of(curve.columns, is_timed, &Column::unit);
+               });
+    });
+}
+
 const char* length_unit(const RunIdentity& identity) {
     if (identity.role == RunRole::critical_point) return "";
     return identity.is_field() ? "l" : "a";
@@ -114,7 +124,8 @@ std::vector<RunPair> pairs_of(const std::vector<Results>& runs,
 
 std::optional<Table> differences(const std::vector<Results>& runs,
                                  const std::vector<std::string>& labels,
-                                 const std::vector<RunIdentity>& identities) {
+                                 const std::vector<RunIdentity>& identities,
+                                 const std::vector<ObservableTitles>& titles) {
     std::vector<RunPair> pairs = pairs_of(runs, identities);
     if (pairs.size() > most_pairs) pairs.resize(most_pairs);
     Table table;
@@ -122,8 +133,7 @@ std::optional<Table> differences(const std::vector<Results>& runs,
     table.title = "Differences in units of their error";
     table.note =
         "First run less second, over the root of the sum of both squared errors, which are taken "
-        "as "
-        "independent: two analyses of the same frames share most of theirs. Beyond 3 it stands "
+        "as independent: two analyses of the same frames share most of theirs. Beyond 3 it stands "
         "out.";
     Rows rows;
     for (std::size_t p = 0; p < pairs.size(); ++p) {
@@ -135,7 +145,9 @@ std::optional<Table> differences(const std::vector<Results>& runs,
                 if (!is_known(m)) continue;
                 const Measurement* other = counterpart(runs[second], observable.name, m);
                 if (other == nullptr) continue;
-                const std::string name = quantity_title(observable.name, m.name);
+                const std::string name =
+                    clean_text(observable_title(titles, observable.name)) + ": " +
+                    clean_text(quantity_title(titles, observable.name, m.name));
                 rows.at(name, pairs.size()).cells[p] = difference_cell(m, *other);
             }
         }
@@ -157,8 +169,8 @@ std::vector<std::string> mismatches(const std::vector<Results>& runs,
                       length);
     }
     const auto time = groups(labels, [&](std::size_t r) {
-        const bool timed = runs[r].find("msd") != nullptr || runs[r].find("phase") != nullptr;
-        return timed ? std::string(typeset_text(runs[r].source.time_unit)) : std::string();
+        return has_times(runs[r]) ? std::string(typeset_text(runs[r].source.time_unit))
+                                  : std::string();
     });
     if (!time.empty()) out.push_back("times in different units: " + time);
     const auto dimension = groups(labels, [&](std::size_t r) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/quantity_titles.h"
 #include "core/results.h"
 #include "report/page/table.h"
 #include "report/run_labels.h"
@@ -31,7 +32,8 @@ std::vector<RunPair> pairs_of(const std::vector<Results>& runs,
 /// such quantity.
 std::optional<Table> differences(const std::vector<Results>& runs,
                                  const std::vector<std::string>& labels,
-                                 const std::vector<RunIdentity>& identities);
+                                 const std::vector<RunIdentity>& identities,
+                                 const std::vector<ObservableTitles>& titles);
 
 /// What stands in the way of comparing runs, one sentence each: versions of the program, units of
 /// length and time, dimensions, runs without any error.

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "core/quantity_titles.h"
 #include "core/results.h"
 
 namespace grainfield::report {
@@ -25,10 +26,8 @@ struct KeyNumberRow {
 
 /// All measurements of all runs in the order in which they first appear; frames and particles
 /// first. An observable without any measurement has one row with its reason.
-std::vector<KeyNumberRow> key_numbers(const std::vector<Results>& runs);
-
-/// A quantity in words, "Fit of S(k): S₀/S₁", from the names in the results file.
-std::string quantity_title(const std::string& observable, const std::string& measurement);
+std::vector<KeyNumberRow> key_numbers(const std::vector<Results>& runs,
+                                      const std::vector<ObservableTitles>& titles);
 
 /// The table as HTML. One run: samples and note in columns of their own; several: one column a run,
 /// notes numbered and listed once below.

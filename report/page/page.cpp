@@ -137,7 +137,7 @@ std::string colour_bar(const std::string& order) {
 
 // What the maps show: frames of a camera with what was found in them, else particles, else fields.
 const char* map_heading(const std::vector<ParticleMap>& maps) {
-    const auto is_field = [](const ParticleMap& map) { return map.unit == "cells"; };
+    const auto is_field = [](const ParticleMap& map) { return map.is_field; };
     const auto is_frame = [&](const ParticleMap& map) {
         return !is_field(map) && !map.png.empty();
     };
@@ -220,7 +220,8 @@ std::string tables_html(const PageContent& content) {
 // The wide table of many runs is folded: figures come first then.
 std::string numbers_html(const PageContent& content) {
     constexpr std::size_t most_open = 8;
-    const std::string table = key_numbers_html(key_numbers(content.runs), content.labels);
+    const std::string table =
+        key_numbers_html(key_numbers(content.runs, content.titles), content.labels);
     const bool folded = content.runs.size() > most_open;
     return fmt::format("<section><h2>Key numbers</h2>\n{}{}{}</section>\n",
                        folded ? "<details><summary>All numbers of all runs</summary>" : "", table,

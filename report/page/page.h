@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "core/quantity_titles.h"
 #include "core/results.h"
 #include "core/run_plan.h"
 #include "report/figures/figure.h"
@@ -18,11 +19,12 @@ struct PageContent {
     const std::vector<std::string>& labels;
     const std::vector<Figure>& figures;
     const std::vector<ParticleMap>& maps;
-    std::string files_folder;          ///< of the SVG and CSV files, relative to the page
-    std::vector<std::string> files;    ///< names of those that exist
-    const RunPlan& plan;               ///< of the command that writes the report
-    const std::vector<Table>& tables;  ///< before the key numbers; may be empty
-    bool key_numbers = true;           ///< a table of what an analysis measures
+    std::string files_folder;                ///< of the SVG and CSV files, relative to the page
+    std::vector<std::string> files;          ///< names of those that exist
+    const RunPlan& plan;                     ///< of the command that writes the report
+    const std::vector<Table>& tables;        ///< before the key numbers; may be empty
+    bool key_numbers = true;                 ///< a table of what an analysis measures
+    std::vector<ObservableTitles> titles{};  ///< what it is called
 };
 
 /// The whole HTML page, self-contained: styles, scripts (plotly.js with its licence) and data are

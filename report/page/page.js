@@ -208,21 +208,21 @@
     const seen = new Map();
     for (const map of maps) {
       const known = seen.get(map.run) || [];
-      if (known.length === 0 || (map.unit === "cells" && known.length < 2)) seen.set(map.run, [...known, map]);
+      if (known.length === 0 || (map.is_field && known.length < 2)) seen.set(map.run, [...known, map]);
     }
     for (const map of [...seen.values()].flat()) {
       const side = 230;
       const aspect = (map.y[1] - map.y[0]) / (map.x[1] - map.x[0]);
       const canvas = element("canvas", { width: 2 * side, height: Math.round(2 * side * Math.min(aspect, 2)) });
       const button = element("button", { type: "button", title: "Show large" }, canvas,
-        element("span", {}, labels[map.run] + (map.unit === "cells" ? ": " + map.title.split(" from ")[0] : ", " + map.title.split(",")[0])));
+        element("span", {}, labels[map.run] + (map.is_field ? ": " + map.title.split(" from ")[0] : ", " + map.title.split(",")[0])));
       button.addEventListener("click", () => pick(map.run));
       gallery.append(button);
       const draw = () => {
         unpack(map);
         const context = canvas.getContext("2d");
         const scale = canvas.width / (map.x[1] - map.x[0]);
-        if (map.loaded && (map.unit === "cells" || !map.px.length)) {
+        if (map.loaded && (map.is_field || !map.px.length)) {
           map.loaded.then(() => context.drawImage(map.picture, 0, 0,
             map.imageSize[0] * scale, map.imageSize[1] * scale));
           return;

@@ -70,6 +70,7 @@ OptionTable describe(RecordOptions& o) {
     OptionTable table("record");
     table.number("relax", o.relax, "t", {0, largest}, "time before recording");
     table.number("record", o.record, "t", {0, largest}, "time of recording");
+    table.affects(Effect::extent);
     table.number("sample", o.sample, "t", {1e-12, largest}, "time between samples of S(k)");
     table.number("store", o.store, "t", {0, largest},
                  "time between stored fields, 0: only the last");
@@ -82,20 +83,6 @@ OptionTable describe(RecordOptions& o) {
 std::vector<OptionTable> describe(FieldOptions& options) {
     return {describe(options.lattice), describe(options.model), describe(options.scheme),
             describe(options.record)};
-}
-
-std::vector<std::pair<std::string, std::string>> physics_of(const FieldOptions& options) {
-    FieldOptions copy = options;
-    std::vector<std::pair<std::string, std::string>> list;
-    for (const OptionTable& table : describe(copy)) {
-        for (const Option& row : table.rows()) {
-            const std::string name = table.section() + "." + row.name;
-            if (name == "record.record") continue;
-            list.emplace_back(name, to_text(row.get()));
-        }
-    }
-    list.emplace_back("seed", std::to_string(options.seed));
-    return list;
 }
 
 RunIdentity identity_of(const FieldOptions& options) {

@@ -76,8 +76,4 @@ std::vector<OptionTable> describe(FieldOptions& options);
 /// What a run of the model is: dimension, b and ν.
 RunIdentity identity_of(const FieldOptions& options);
 
-/// Everything that decides which numbers come out, as text, for the checkpoint. The length of the
-/// recording is not in it (a run may be made longer), nor is the number of threads.
-std::vector<std::pair<std::string, std::string>> physics_of(const FieldOptions& options);
-
 }  // namespace grainfield::simulate

@@ -177,6 +177,24 @@ FieldSchedule schedule_of(const RecordOptions& o, double dt) {
     return schedule;
 }
 
+void require_steps(const RecordOptions& o, double dt, const FieldSchedule& schedule,
+                   RunPlan& plan) {
+    const bool is_asked = o.relax > 0 || o.record > 0;
+    if (is_asked && schedule.total() == 0) {
+        throw OptionError({.problem = "no step fits into record.relax and record.record",
+                           .actual = fmt::format("times of {:g} and {:g} at scheme.dt = {:g}",
+                                                 o.relax, o.record, dt),
+                           .expected = "one step or more",
+                           .suggestion = "take a smaller scheme.dt or longer times"});
+    }
+    if (o.record > 0 && schedule.samples == 0) {
+        plan.warn(
+            fmt::format("no sample falls into record.record = {:g}: they come every {:g}; "
+                        "there will be no statistics",
+                        o.record, static_cast<double>(schedule.between_samples) * dt));
+    }
+}
+
 std::vector<LatticeWave> waves_of(const SchemeOptions& o, const Lattice& lattice) {
     std::vector<LatticeWave> waves;
     const bool along_y = lattice.dimension == 2 && lattice.nx == lattice.ny;
@@ -267,6 +285,7 @@ FieldPlan plan_field(const FieldOptions& options, RunPlan& plan) {
         setup.replicas = 1;
     }
     result.schedule = schedule_of(options.record, setup.dt);
+    require_steps(options.record, setup.dt, result.schedule, plan);
     choose_threads(options.threads, result, plan);
     warn(result, plan);
     return result;

@@ -75,6 +75,7 @@ OptionTable describe(RunOptions& o) {
               "events of one grain in a window that are taken for inelastic collapse");
     t.integer("tiles", o.tiles, "-", {0, 10000},
               "strips of the cell that are simulated at a time; 0: from the threads; same results");
+    t.affects(Effect::work);
     return t;
 }
 

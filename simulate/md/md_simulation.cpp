@@ -242,7 +242,7 @@ void MdSimulation::run_window(SnapshotSink& sink) {
         const auto sample_at = static_cast<double>(next_sample_ * run.sample_every);
         const double stop = std::min({snapshot_at(next_snapshot_), sample_at, slice, last});
         const double time = (stop - first) * period;
-        advance_to(time, first);
+        if (!advance_to(time, first)) return;
         // The border itself was the last slice of the window before.
         if (stop == slice) {
             if (stop > first) add_slice(time);
@@ -272,10 +272,14 @@ double MdSimulation::permitted_depth(double time) const {
     return std::max({1e-12, rounding, 2 * engine_->max_overlap()});
 }
 
-// The engine knows the time of its window only.
-void MdSimulation::advance_to(double time, double first) {
+// The engine knows the time of its window only. False if a signal came: the window stays
+// unfinished.
+bool MdSimulation::advance_to(double time, double first) {
     try {
         engine_->advance(time);
+        return true;
+    } catch (const Interrupted&) {
+        return false;
     } catch (const PhysicsError& error) {
         throw PhysicsError(fmt::format("{} The window began at period {:g}.", error.what(), first));
     }

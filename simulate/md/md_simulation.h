@@ -62,7 +62,7 @@ class MdSimulation {
     void sample(double time);
     void add_slice(double time);
     double permitted_depth(double time) const;
-    void advance_to(double time, double first);
+    bool advance_to(double time, double first);
     void settle();
     std::vector<double> present_sums() const;
 

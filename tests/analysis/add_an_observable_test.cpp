@@ -50,8 +50,11 @@ class CrowdObservable final : public AccumulatorOf<CrowdObservable, double> {
              .title = "Crowd",
              .note = "",
              .x = {"frame", "Frame", ""},
-             .y = {"density", "Density", "1/a²"},
+             .y = {"density", "Density", "1/a^2"},
              .series = {{.label = "crowd", .from = {"crowd", "crowd", "frame", "density", ""}}}}};
+    }
+    static ObservableTitles titles() {
+        return {name, "Crowd", {{"crowd_density", "Density of the crowd"}}};
     }
 
     explicit CrowdObservable(const RunSetup& setup) : options_(setup.options.of<CrowdOptions>()) {}
@@ -119,7 +122,7 @@ Trajectory lattice(int frames) {
 
 TEST(AddAnObservable, RunsBesideTheOthersAndIsFoundByItsName) {
     AnalysisOptions options;
-    options.observables = "crowd";
+    options.observables = {"crowd"};
     RunPlan plan;
     const Results results =
         measure(lattice(5), options, {.threads = 2, .plan = &plan}, with_crowd());
@@ -137,7 +140,7 @@ TEST(AddAnObservable, TakesItsOptionsFromTheTableOfItsOwn) {
     const std::vector<OptionTable> tables = describe(options, with_crowd());
     EXPECT_EQ(tables.back().section(), "crowd");
     tables.back().set("least", std::int64_t{5});
-    options.observables = "crowd,q4";
+    options.observables = {"crowd", "q4"};
     const Results results = measure(lattice(2), options, {.threads = 1}, with_crowd());
     EXPECT_EQ(*results.find("crowd")->find_measurement("crowd_density")->value, 0);
     EXPECT_EQ(results.find("crowd")->options.at(0).second, OptionValue(std::int64_t{5}));
@@ -148,11 +151,13 @@ TEST(AddAnObservable, IsDrawnByWhatItSays) {
     bool found = false;
     for (const FigureHint& hint : figure_hints(with_crowd())) found |= hint.name == "crowd";
     EXPECT_TRUE(found);
+    EXPECT_EQ(quantity_title(titles(with_crowd()), "crowd", "crowd_density"),
+              "Density of the crowd");
 }
 
 TEST(AddAnObservable, IsUnknownWhereItIsNotRegistered) {
     AnalysisOptions options;
-    options.observables = "crowd";
+    options.observables = {"crowd"};
     EXPECT_THROW(measure(lattice(1), options), OptionError);
 }
 

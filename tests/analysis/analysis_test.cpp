@@ -269,12 +269,12 @@ TEST(Analysis, WarnsOfABoxThatIsNotFilled) {
 TEST(Analysis, MeasuresOnlyWhatIsAskedFor) {
     MemorySource source = video(2);
     AnalysisOptions options;
-    options.observables = "sk,q4";
+    options.observables = {"sk", "q4"};
     const auto results = run(source, options);
     ASSERT_EQ(results.size(), 2U);
     EXPECT_EQ(results[0].name, "q4");
     EXPECT_EQ(results[1].name, "sk");
-    options.observables = "everything";
+    options.observables = {"everything"};
     EXPECT_THROW(run(source, options), OptionError);
 }
 

@@ -48,7 +48,9 @@ class SieveCommand : public Command {
     std::vector<OptionTable> options() override { return {describe(options_)}; }
     Summary run(Session& session) override {
         seen_ = {options_.mesh, session.configuration};
-        return {};
+        session.plan.run("sieve", "finer with a smaller sieve.mesh");
+        session.plan.warn("sieve.mesh is coarse; option 'force' takes it all the same");
+        return session.common.explain ? explanation(session.plan) : Summary{};
     }
 
  private:
@@ -117,6 +119,14 @@ TEST_F(AnOptionAddedToATable, IsRefusedOutsideItsRangeFromEitherPlace) {
 TEST_F(AnOptionAddedToATable, StandsInTheRecordOfTheRunGivenOrNot) {
     EXPECT_THAT(call({}).seen.configuration, Contains(Pair("sieve.mesh", "2")));
     EXPECT_THAT(call({"--mesh", "3"}).seen.configuration, Contains(Pair("sieve.mesh", "3")));
+}
+
+TEST_F(AnOptionAddedToATable, IsNamedByItsFlagWhereverAMessageOfALibraryGoes) {
+    const char* warning = "--mesh is coarse; --force takes it all the same";
+    EXPECT_EQ(call({}).err, std::string("warning: ") + warning + "\n");
+    EXPECT_THAT(call({"--json"}).out, HasSubstr(warning));
+    EXPECT_THAT(call({"--explain"}).out, HasSubstr("finer with a smaller --mesh"));
+    EXPECT_THAT(call({"--explain", "--json"}).out, HasSubstr("finer with a smaller --mesh"));
 }
 
 TEST_F(AnOptionAddedToATable, IsSuggestedWhenMisspelt) {

@@ -43,7 +43,7 @@ std::filesystem::path write_run(const std::filesystem::path& path, const std::st
                         {"s1", "-", 1.0, std::nullopt, 10, "no error"}};
     if (has_errors) fit.measurements[0].error = 0.01;
     run.observables = {sk, fit};
-    io::write_results(path, run, io::Overwrite::force);
+    io::write_results(path, run, Overwrite::force);
     return path;
 }
 

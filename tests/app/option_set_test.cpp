@@ -66,6 +66,18 @@ TEST_F(OptionSetOfThreeTables, ConfigurationShowsPresentValuesUnderTheirSection)
                                                  Pair("q4.range", "1"), Pair("sk.bins", "40")));
 }
 
+TEST(OptionSet, RecordsNothingThatConcernsOneCallOnly) {
+    bool resume = true;
+    bool strict = true;
+    OptionTable own("");
+    own.flag("resume", resume, "go on");
+    own.affects(Effect::call);
+    own.flag("strict", strict, "fail early");
+    own.affects(Effect::work);
+    const OptionSet set("track", {own});
+    EXPECT_THAT(set.configuration(), ElementsAre(Pair("strict", "true")));
+}
+
 TEST(OptionSet, FindsAnOptionByItsOtherNamesButRecordsItsName) {
     double disc = 9;
     OptionTable calibrate("calibrate");

@@ -268,6 +268,53 @@ TEST(SimulateMd, StopsWhileItMeltsTheLattice) {
     EXPECT_EQ(folder.entries(), 0U);
 }
 
+// Grains at rest hop millions of times in the first window.
+TEST(SimulateMd, StopsWithinAWindowThatLastsLong) {
+    const ScratchFolder folder;
+    const std::vector<std::string> run{"simulate",
+                                       "md",
+                                       "-o",
+                                       folder / "a.h5",
+                                       "--grains",
+                                       "300",
+                                       "--length-x",
+                                       "20",
+                                       "--length-y",
+                                       "20",
+                                       "--gravity",
+                                       "1e5",
+                                       "--contact-time",
+                                       "1e-5",
+                                       "--event-limit",
+                                       "4000000000",
+                                       "--periods",
+                                       "20"};
+    const Process process(program(run));
+    process.let_work(std::chrono::milliseconds(700), SIGTERM);
+    const auto start = std::chrono::steady_clock::now();
+    process.send(SIGTERM);
+    const Outcome outcome = process.wait();
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
+    EXPECT_EQ(outcome.code, 143) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("interrupted after 0 of 20 periods; --resume goes on"));
+    EXPECT_TRUE(std::filesystem::exists(folder / "a.h5.checkpoint"));
+}
+
+// Nothing is saved yet; making the places of six million grains takes seconds.
+TEST(SimulateMd, StopsWhileItStarts) {
+    const ScratchFolder folder;
+    const Process process(program({"simulate", "md", "-o", folder / "a.h5", "--grains", "6000000",
+                                   "--length-x", "2600", "--length-y", "2600", "--melt", "0"}));
+    process.let_work(std::chrono::milliseconds(300), SIGTERM);
+    const auto start = std::chrono::steady_clock::now();
+    process.send(SIGTERM);
+    const Outcome outcome = process.wait();
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
+    EXPECT_EQ(outcome.code, 143) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("a.h5' was not written"));
+    EXPECT_EQ(folder.entries(), 0U);
+}
+
 // The first checkpoint is made when the run is done; then its snapshots go to the output.
 TEST(SimulateMd, StopsWhileItWritesTheSnapshots) {
     const ScratchFolder folder;

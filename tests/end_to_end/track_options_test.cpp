@@ -385,5 +385,29 @@ TEST_F(TrackOptions, TheHeightIsOfNoUseWithoutTheDiameter) {
     EXPECT_THAT(outcome.err, HasSubstr("--sphere-diameter"));
 }
 
+TEST_F(TrackOptions, SynthesisGivesHeightsOpticsAndTheirErrors) {
+    const std::string frame = GRAINFIELD_SOURCE_DIR "/data-samples/traced-layer.png";
+    const Outcome unknown = track(frame, {"--synthesis"});
+    EXPECT_EQ(unknown.code, 2);
+    EXPECT_THAT(unknown.err, HasSubstr("give --sphere-diameter"));
+
+    const Outcome outcome =
+        track(frame, {"--synthesis", "--sphere-diameter", "10.09", "--height", "1.94", "--searches",
+                      "0", "--region", "120,120,100,100"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const json found = json::parse(outcome.out).at("synthesis");
+    EXPECT_LT(found.at("residual_rms").get<double>(), found.at("residual_before").get<double>());
+    EXPECT_GT(found.at("optics").at("reflectivity").get<double>(), 0.3);
+    EXPECT_GT(found.at("ms_per_frame").get<double>(), 0);
+    const auto table = rows();
+    EXPECT_GT(table.size(), 50U);
+    for (auto row : table) {
+        // The centre lies a/2 or more within the plates.
+        EXPECT_GE(std::stod(row["z"]), 0.5 * 10.09 - 1e-3);
+        EXPECT_LE(std::stod(row["z"]), 1.44 * 10.09 + 1e-3);
+        EXPECT_GT(std::stod(row["z_std"]), 0);
+    }
+}
+
 }  // namespace
 }  // namespace grainfield

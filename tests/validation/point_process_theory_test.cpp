@@ -220,7 +220,7 @@ TEST(PointProcessTheory, HoldsForTenMillionPointsStreamedThroughTheAnalysis) {
     };
     Stream source;
     AnalysisOptions options;
-    options.observables = "sk,variance";
+    options.observables = {"sk", "variance"};
     options.of<StructureFactorOptions>().k_max = 0.1;
     options.of<NumberVarianceOptions>() = {
         .smallest = 10, .largest = 20, .increment = 10, .step = 5};

@@ -131,7 +131,8 @@ TEST(SyntheticVarianceTheory, OfAClusterProcessIsTheVarianceThatIsCounted) {
     }
     ObservableResult none;
     none.reason = "not fitted";
-    const ObservableResult r = synthetic_result(synthetic_input(sk, none), {.sides = "30"});
+    const ObservableResult r =
+        synthetic_result(synthetic_input(sk, none), {.sides = std::vector{30.0}});
     ASSERT_EQ(r.curves.size(), 1U);
     const Curve& from_sk = r.curves.front();
     const ObservableResult v = counted.result();

@@ -13,7 +13,8 @@ struct EngineOptions {
     int threads = 1;
     int tiles = 0;             ///< strips of cell rows; 0: as the threads need
     double event_limit = 1e6;  ///< events of one grain that mean collapse, in a window in which no
-                               ///< grain can go far (1,000 a); grows in proportion to the way
+                               ///< grain can go far (1,000 a); grows in proportion to the way. A
+                               ///< pace that will exceed it is reported after 2 % of them
 };
 
 /// Energies and mean squares of all grains at one instant.
@@ -41,7 +42,8 @@ class Engine {
     virtual void load(const GrainState& state, double end) = 0;
 
     /// Executes all events up to `time` (of the window). Throws PhysicsError naming pair and time
-    /// if grains collide without end (inelastic collapse).
+    /// if grains collide without end (inelastic collapse), the same for any number of threads;
+    /// Interrupted, some 10 ms after a signal. Either way the window cannot go on.
     virtual void advance(double time) = 0;
 
     /// All grains flown to `time`, which no event may separate from the present; changes nothing.

@@ -43,6 +43,13 @@ struct Plan {
     std::int32_t id = 0;
 };
 
+/// Events of a grain in one tick of the clock that stalls (docs/md/engine.md), those alone that
+/// follow upon its last one within the resolution of the window.
+struct Burst {
+    std::uint32_t tick = 0;
+    std::uint32_t events = 0;
+};
+
 /// What a tile may rely on: everything is its own; or its rim is unknown (core of a strip); or all
 /// others are done (the seam between two cores).
 enum class TileKind { whole, core, seam };
@@ -89,14 +96,15 @@ class EventEngine final : public Engine {
     static constexpr bool has_spin = tangential != Tangential::smooth;
 
     void begin_window(Team& team);
-    void set_collapse_limit(Team& team);
+    void set_collapse_limits(Team& team);
     void fill_calendar(Tile& tile, double start, double end);
     void predict_all(Team& team);
     void start_whole(double start);
 
     // Strips (event_engine_strips.inl).
     int strip_count() const;
-    void advance_strips(double time, Team& team);
+    void advance_strips_or_whole(double time, Team& team);
+    bool advance_strips(double time, Team& team);
     double greatest_speed(double time, Team& team) const;
     void run_cores(double start, double end, int strips, Team& team);
     void run_core(Tile& tile, double start, double end);
@@ -134,11 +142,14 @@ class EventEngine final : public Engine {
     void for_each_row(const Tile& tile, std::int32_t i, F&& f) const;
     void link(std::int32_t i);
     void unlink(std::int32_t i);
-    void count_event(std::int32_t i, double time);
+    void count_event(std::int32_t i, std::int32_t partner, double time, double since);
+    void count_burst(std::int32_t i, std::int32_t partner, double time);
+    void require_pace(std::int32_t i, std::int32_t partner, double time) const;
     double restitution_of(const ContactLaw& law, Tile& tile, std::int32_t i, std::int32_t j,
                           double time);
     double overlap_of(std::size_t i) const;
-    [[noreturn]] void report_collapse(std::int32_t i, double time) const;
+    [[noreturn]] void report_collapse(std::int32_t i, std::int32_t partner,
+                                      const std::string& pace) const;
 
     MdSystem system_;
     EngineOptions options_;
@@ -161,8 +172,12 @@ class EventEngine final : public Engine {
     Ledger total_;
     double now_ = 0;
     double end_ = 0;
-    std::uint32_t collapse_limit_ = 0;  ///< events of one grain in this window
-    double rate_ = 0;                   ///< entries taken per grain and time in the last window
+    double collapse_limit_ = 0;         ///< events of one grain in this window
+    std::uint32_t unasked_events_ = 0;  ///< of one grain, before its pace is compared with that
+    double resolution_ = 0;             ///< of the clock: events closer than this are counted
+    HugeVector<Burst> burst_;
+    double pair_rebound_ = 0;  ///< least speed at which two grains in contact part (TC model)
+    double rate_ = 0;          ///< entries taken per grain and time in the last window
     double max_overlap_ = 0;
     bool fetch_ahead_ = false;
 };

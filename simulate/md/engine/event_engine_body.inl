@@ -1,11 +1,13 @@
 // The body of EventEngine, for the files that instantiate it: windows and the loop over events.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "core/support/interrupt.h"
 #include "simulate/md/engine/event_engine.h"
 #include "simulate/md/engine/event_engine_collisions.inl"
 #include "simulate/md/engine/event_engine_predictions.inl"
@@ -19,6 +21,14 @@ constexpr std::size_t cached_grains = 20000;
 // Way [a] in a window within which EngineOptions::event_limit is meant, and what a grain can count.
 constexpr double free_way = 1000;
 constexpr double most_events = 4e9;
+// The clock stalls where a grain has events closer than this part of the time in which the fastest
+// goes 1 a, again and again. Rounding of the times needs some more.
+constexpr double stalled = 1e-8;
+constexpr double roundings = 64;
+// Speed at which grains in contact part, as a share of the fastest.
+constexpr double parting = 1e-9;
+// A signal is asked for after so many entries of the calendar: some 10 ms.
+constexpr std::int64_t entries_unasked = 1 << 13;
 
 template <Tangential tangential, bool has_gravity, Plates plates>
 EventEngine<tangential, has_gravity, plates>::EventEngine(const MdSystem& system,
@@ -59,7 +69,8 @@ void EventEngine<tangential, has_gravity, plates>::begin_window(Team& team) {
     for (std::size_t i = 0; i < count; ++i) link(static_cast<std::int32_t>(i));
     fetch_ahead_ = count > cached_grains;
     now_ = 0;
-    set_collapse_limit(team);
+    set_collapse_limits(team);
+    burst_.assign(count, {});
     total_ = {};
     for (Tile& tile : tile_) {
         tile.ledger = {};
@@ -69,13 +80,18 @@ void EventEngine<tangential, has_gravity, plates>::begin_window(Team& team) {
 }
 
 // A grain that flies far meets many: the limit grows with the way that the fastest of this window
-// can go, so that no hot gas is taken for a collapse.
+// can go, so that no hot gas is taken for a collapse. No fall is deeper than the cell is high.
 template <Tangential tangential, bool has_gravity, Plates plates>
-void EventEngine<tangential, has_gravity, plates>::set_collapse_limit(Team& team) {
-    const double speed = greatest_speed(0, team) + plate_solver_.speed_bound;
-    const double way = (speed + (has_gravity ? system_.gravity * end_ : 0)) * end_;
-    collapse_limit_ = static_cast<std::uint32_t>(
-        std::min(options_.event_limit * (1 + way / free_way), most_events));
+void EventEngine<tangential, has_gravity, plates>::set_collapse_limits(Team& team) {
+    const double fall = has_gravity ? std::sqrt(2 * system_.gravity * system_.length.z) : 0;
+    const double speed = greatest_speed(0, team) + plate_solver_.speed_bound + fall;
+    const double way = speed * end_;
+    collapse_limit_ = std::min(options_.event_limit * (1 + way / free_way), most_events);
+    unasked_events_ = static_cast<std::uint32_t>(free_share * collapse_limit_);
+    const double rounding = roundings * std::numeric_limits<double>::epsilon() * end_;
+    // As off the low plate; without forces, enough for rounding not to bring them back.
+    pair_rebound_ = std::max(plate_solver_.least_rebound(false), parting * speed);
+    resolution_ = std::max(stalled / std::max(speed, 1e-300), rounding);
 }
 
 template <Tangential tangential, bool has_gravity, Plates plates>
@@ -137,7 +153,7 @@ void EventEngine<tangential, has_gravity, plates>::advance(double time) {
     if (is_whole_) {
         run(tile_.front(), time);
     } else {
-        on_team(options_.threads, [&](Team& team) { advance_strips(time, team); });
+        on_team(options_.threads, [&](Team& team) { advance_strips_or_whole(time, team); });
     }
     now_ = time;
     total_ = {};
@@ -163,7 +179,7 @@ void EventEngine<tangential, has_gravity, plates>::run(Tile& tile, double end) {
         const std::int32_t i = entry->grain;
         const double time = entry->time;
         tile.calendar.pop();
-        ++tile.taken;
+        if (++tile.taken % entries_unasked == 0) throw_if_interrupted("a window of the run");
         if (plan_[static_cast<std::size_t>(i)].key != time) continue;
         tile.ledger.backwards = std::max(tile.ledger.backwards, tile.now - time);
         tile.now = time;

@@ -1,6 +1,8 @@
 // Events of EventEngine that change grains.
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -8,6 +10,9 @@
 #include "simulate/md/engine/event_engine.h"
 
 namespace grainfield::simulate {
+
+// Share of the limit of events that a grain may use up at any pace.
+constexpr double free_share = 0.02;
 
 template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::collide_pair(Tile& tile, std::int32_t i) {
@@ -17,8 +22,10 @@ void EventEngine<tangential, has_gravity, plates>::collide_pair(Tile& tile, std:
     Grain& g1 = grain_[a];
     Grain& g2 = grain_[b];
     const double g = has_gravity ? system_.gravity : 0;
-    fly(g1.r, g1.v, time - g1.t, g);
-    fly(g2.r, g2.v, time - g2.t, g);
+    const double since1 = time - g1.t;
+    const double since2 = time - g2.t;
+    fly(g1.r, g1.v, since1, g);
+    fly(g2.r, g2.v, since2, g);
     g1.t = g2.t = time;
     Vec3 n = g1.r - g2.r;
     const auto nearest = [](double d, double length) {
@@ -34,8 +41,12 @@ void EventEngine<tangential, has_gravity, plates>::collide_pair(Tile& tile, std:
     n = (1 / std::sqrt(square)) * n;
     Vec3 u = g1.v - g2.v;
     if constexpr (has_spin) u = contact_velocity(g1.v, g2.v, spin_[a], spin_[b], n);
+    const std::int64_t contacts = tile.ledger.contact_time;
     const double e = restitution_of(system_.grain, tile, i, plan_[a].partner, time);
-    const Impulse impulse = impulse_of<tangential>(n, u, 0.5, e, system_.grain);
+    Impulse impulse = impulse_of<tangential>(n, u, 0.5, e, system_.grain);
+    if (tile.ledger.contact_time > contacts) {
+        tile.ledger.resting += raise_rebound(impulse, n, dot(n, u), 0.5, pair_rebound_);
+    }
     if (impulse.normal > 0) {
         g1.v += impulse.j;
         g2.v -= impulse.j;
@@ -50,8 +61,8 @@ void EventEngine<tangential, has_gravity, plates>::collide_pair(Tile& tile, std:
     }
     ++tile.ledger.pair;
     const auto j = static_cast<std::int32_t>(b);
-    count_event(i, time);
-    count_event(j, time);
+    count_event(i, j, time, since1);
+    count_event(j, i, time, since2);
     predict(i, time);
     schedule(tile, i);
     predict(j, time);
@@ -62,9 +73,11 @@ template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::collide_plate(Tile& tile, std::int32_t i) {
     const auto a = static_cast<std::size_t>(i);
     const double time = plan_[a].collision;
-    const bool is_high = plan_[a].partner == high_plate;
+    const std::int32_t partner = plan_[a].partner;
+    const bool is_high = partner == high_plate;
     Grain& grain = grain_[a];
-    fly(grain.r, grain.v, time - grain.t, has_gravity ? system_.gravity : 0);
+    const double since = time - grain.t;
+    fly(grain.r, grain.v, since, has_gravity ? system_.gravity : 0);
     grain.t = time;
     const Vec3 n{0, 0, is_high ? -1.0 : 1.0};
     Vec3 u = grain.v;
@@ -82,7 +95,7 @@ void EventEngine<tangential, has_gravity, plates>::collide_plate(Tile& tile, std
     Impulse impulse = impulse_of<tangential>(n, u, 1, e, system_.plate);
     if (!last_contact_.empty()) {
         const double least = plate_solver_.least_rebound(is_high);
-        tile.ledger.resting += raise_rebound(impulse, n, n.z * u.z, least);
+        tile.ledger.resting += raise_rebound(impulse, n, n.z * u.z, 1, least);
     }
     if (impulse.normal > 0) {
         grain.v += impulse.j;
@@ -93,7 +106,7 @@ void EventEngine<tangential, has_gravity, plates>::collide_plate(Tile& tile, std
         tile.ledger.sliding += impulse.slides;
     }
     ++(is_high ? tile.ledger.high_plate : tile.ledger.low_plate);
-    count_event(i, time);
+    count_event(i, partner, time, since);
     predict(i, time);
     schedule(tile, i);
 }
@@ -103,11 +116,13 @@ void EventEngine<tangential, has_gravity, plates>::collide_wall(Tile& tile, std:
     const auto a = static_cast<std::size_t>(i);
     const double time = plan_[a].collision;
     Grain& grain = grain_[a];
-    fly(grain.r, grain.v, time - grain.t, has_gravity ? system_.gravity : 0);
+    const double since = time - grain.t;
+    fly(grain.r, grain.v, since, has_gravity ? system_.gravity : 0);
     grain.t = time;
     Vec3 n{};
     double gap = 0;
-    switch (plan_[a].partner) {
+    const std::int32_t partner = plan_[a].partner;
+    switch (partner) {
         case wall_x_low:
             n.x = 1;
             gap = grain.r.x - 0.5;
@@ -141,7 +156,7 @@ void EventEngine<tangential, has_gravity, plates>::collide_wall(Tile& tile, std:
         tile.ledger.sliding += impulse.slides;
     }
     ++tile.ledger.wall;
-    count_event(i, time);
+    count_event(i, partner, time, since);
     predict(i, time);
     schedule(tile, i);
 }
@@ -170,13 +185,14 @@ void EventEngine<tangential, has_gravity, plates>::cross_cell(Tile& tile, std::i
     // because the position changes.
     Grain& grain = grain_[a];
     const double time = plan.crossing;
-    fly(grain.r, grain.v, time - grain.t, has_gravity ? system_.gravity : 0);
+    const double since = time - grain.t;
+    fly(grain.r, grain.v, since, has_gravity ? system_.gravity : 0);
     grain.t = time;
     double& x = axis == 0 ? grain.r.x : (axis == 1 ? grain.r.y : grain.r.z);
     x = plan.direction > 0 ? 0 : cells_.length[axis];
     plan.cell[axis] = static_cast<std::uint16_t>(plan.direction > 0 ? 0 : cells_.count[axis] - 1);
     link(i);
-    count_event(i, time);
+    count_event(i, nothing, time, since);
     predict(i, time);
     schedule(tile, i);
 }
@@ -194,10 +210,40 @@ void EventEngine<tangential, has_gravity, plates>::unlink(std::int32_t i) {
 }
 
 template <Tangential tangential, bool has_gravity, Plates plates>
-void EventEngine<tangential, has_gravity, plates>::count_event(std::int32_t i, double time) {
-    if (++grain_[static_cast<std::size_t>(i)].events > collapse_limit_) {
-        report_collapse(i, time);
-    }
+inline void EventEngine<tangential, has_gravity, plates>::count_event(std::int32_t i,
+                                                                      std::int32_t partner,
+                                                                      double time, double since) {
+    if (++grain_[static_cast<std::size_t>(i)].events > unasked_events_)
+        require_pace(i, partner, time);
+    if (since < resolution_) count_burst(i, partner, time);
+}
+
+// Events without end in finite time: of a pair or of grain and plate, whose spacing shrinks
+// geometrically. Whatever the ratio, it falls below the resolution of the clock and stays there.
+template <Tangential tangential, bool has_gravity, Plates plates>
+void EventEngine<tangential, has_gravity, plates>::count_burst(std::int32_t i, std::int32_t partner,
+                                                               double time) {
+    constexpr std::uint32_t most = 1000;
+    const double ticks = time / (most * resolution_);
+    const auto tick = static_cast<std::uint32_t>(std::fmod(ticks, 0x1p32));
+    Burst& burst = burst_[static_cast<std::size_t>(i)];
+    if (burst.tick != tick) burst = {.tick = tick, .events = 0};
+    if (++burst.events < most) return;
+    report_collapse(i, partner,
+                    fmt::format("{} events within {:.2g}, up to time {:.17g} of the window", most,
+                                most * resolution_, time));
+}
+
+// At the present pace, a grain would have more events than are permitted in the window.
+template <Tangential tangential, bool has_gravity, Plates plates>
+void EventEngine<tangential, has_gravity, plates>::require_pace(std::int32_t i,
+                                                                std::int32_t partner,
+                                                                double time) const {
+    const double share = free_share + (end_ > 0 ? 2 * time / end_ : 1);
+    const std::uint32_t events = grain_[static_cast<std::size_t>(i)].events;
+    if (events <= std::min(share, 1.0) * collapse_limit_) return;
+    report_collapse(i, partner,
+                    fmt::format("{} events by time {:.17g} of the window", events, time));
 }
 
 // The TC model: a collision soon after the last one of either partner is elastic.
@@ -217,19 +263,20 @@ double EventEngine<tangential, has_gravity, plates>::restitution_of(const Contac
 
 template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::report_collapse(std::int32_t i,
-                                                                   double time) const {
-    const Plan& plan = plan_[static_cast<std::size_t>(i)];
-    std::string partner = "a side wall";
-    if (plan.partner >= 0) {
-        partner = fmt::format("grain {}", plan_[static_cast<std::size_t>(plan.partner)].id);
-    } else if (plan.partner == low_plate || plan.partner == high_plate) {
-        partner = plan.partner == low_plate ? "the low plate" : "the high plate";
+                                                                   std::int32_t partner,
+                                                                   const std::string& pace) const {
+    std::string with = "a side wall";
+    if (partner >= 0) {
+        with = fmt::format("grain {}", plan_[static_cast<std::size_t>(partner)].id);
+    } else if (partner == low_plate || partner == high_plate) {
+        with = partner == low_plate ? "the low plate" : "the high plate";
+    } else if (partner == nothing) {
+        with = "its neighbours";
     }
     throw PhysicsError(
         {.problem = fmt::format("inelastic collapse: grain {} collides without end with {}",
-                                plan.id, partner),
-         .actual = fmt::format("more than {} events by time {:.17g} of the window", collapse_limit_,
-                               time),
+                                plan_[static_cast<std::size_t>(i)].id, with),
+         .actual = pace,
          .expected = {},
          .suggestion =
              system_.contact_time > 0

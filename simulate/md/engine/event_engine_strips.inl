@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/errors.h"
 #include "simulate/md/engine/event_engine.h"
 
 namespace grainfield::simulate {
@@ -55,8 +56,25 @@ double EventEngine<tangential, has_gravity, plates>::greatest_speed(double time,
     return std::sqrt(speed);
 }
 
+// Where strips do not get through, the window is done again with one queue: a grain was faster than
+// the front; or something failed, and which failure is the first does not depend on the strips.
 template <Tangential tangential, bool has_gravity, Plates plates>
-void EventEngine<tangential, has_gravity, plates>::advance_strips(double time, Team& team) {
+void EventEngine<tangential, has_gravity, plates>::advance_strips_or_whole(double time,
+                                                                           Team& team) {
+    try {
+        if (advance_strips(time, team)) return;
+    } catch (const PhysicsError&) {
+        // What is thrown comes from the one queue.
+    }
+    ++fallbacks_;
+    begin_window(team);
+    start_whole(0);
+    run(tile_.front(), time);
+}
+
+// Whether no grain was faster than the front.
+template <Tangential tangential, bool has_gravity, Plates plates>
+bool EventEngine<tangential, has_gravity, plates>::advance_strips(double time, Team& team) {
     const int strips = strip_count();
     tile_.resize(2 * static_cast<std::size_t>(strips));
     lost_at_.resize(grain_.size(), never);
@@ -73,16 +91,10 @@ void EventEngine<tangential, has_gravity, plates>::advance_strips(double time, T
         const double end = std::min(time, start + step);
         front_start_ = start;
         run_cores(start, end, strips, team);
-        if (!run_seams(start, end, strips, team)) {
-            // A grain was faster than the front: do the window again with one queue.
-            ++fallbacks_;
-            begin_window(team);
-            start_whole(0);
-            run(tile_.front(), time);
-            return;
-        }
+        if (!run_seams(start, end, strips, team)) return false;
         start = end;
     }
+    return true;
 }
 
 template <Tangential tangential, bool has_gravity, Plates plates>

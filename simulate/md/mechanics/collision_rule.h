@@ -58,16 +58,16 @@ inline Impulse impulse_of(const Vec3& n, const Vec3& u, double m_eff, double res
     return result;
 }
 
-/// Raises the speed at which body 1 leaves, u_n + J_n/m_eff with m_eff = 1, to `least`; the energy
-/// for it counts as negative loss. A receding body gets no other impulse. Whether it had to.
-inline bool raise_rebound(Impulse& impulse, const Vec3& n, double un, double least) {
+/// Raises the speed at which body 1 leaves body 2, u_n + J_n/m_eff, to `least`; the energy for it
+/// counts as negative loss. A receding body gets no other impulse. Whether it had to.
+inline bool raise_rebound(Impulse& impulse, const Vec3& n, double un, double m_eff, double least) {
     if (!(impulse.normal > 0)) impulse = {};
-    const double rebound = un + impulse.normal;
+    const double rebound = un + impulse.normal / m_eff;
     const double more = least - rebound;
     if (!(more > 0)) return false;
-    impulse.normal += more;
-    impulse.j += more * n;
-    impulse.loss -= more * (rebound + 0.5 * more);
+    impulse.normal += m_eff * more;
+    impulse.j += (m_eff * more) * n;
+    impulse.loss -= m_eff * more * (rebound + 0.5 * more);
     return true;
 }
 

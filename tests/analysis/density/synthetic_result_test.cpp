@@ -118,13 +118,18 @@ TEST(SyntheticResult, WithoutAFitKnowsNoLargerBoxThanTheMeasuredOne) {
 }
 
 TEST(SyntheticResult, RefusesSidesThatAreNone) {
+    SyntheticOptions options;
     for (const char* sides : {"100,x", "-3", "0", "nan", "100;200"}) {
-        EXPECT_THROW(synthetic_result(input(), {.sides = sides}), OptionError) << sides;
+        EXPECT_THROW(describe(options).set("sides", std::string(sides)), OptionError) << sides;
     }
-    const ObservableResult r = synthetic_result(input(), {.sides = " 80 ,inf"});
+    for (const double side : {-3.0, 0.0, std::nan("")}) {
+        EXPECT_THROW(synthetic_result(input(), {.sides = std::vector{100, side}}), OptionError);
+    }
+    describe(options).set("sides", std::string(" 80 ,inf"));
+    const ObservableResult r = synthetic_result(input(), options);
     EXPECT_FALSE(of_side(r.curves[0], "l", "80").empty());
     // Too many wavevectors: a reason, not an hour.
-    const ObservableResult huge = synthetic_result(input(), {.sides = "1e6"});
+    const ObservableResult huge = synthetic_result(input(), {.sides = std::vector{1e6}});
     EXPECT_THAT(huge.find_measurement("box_1e+06")->reason, HasSubstr("too long"));
 }
 

@@ -129,7 +129,7 @@ TEST(StructureFactor, OnAnnuliIsTheMeanOfTheModesInThem) {
     RandomStream random(4, "annuli");
     const Box box = square_box(20);
     StructureFactorOptions options;
-    options.edges = "0.5,0.9,1.0,1.7";
+    options.edges = {0.5, 0.9, 1.0, 1.7};
     StructureFactor annuli(options, box, 3), all({}, box, 3);
     for (int f = 0; f < 3; ++f) {
         const Pattern p = pattern(poisson_points(300, box, random), box, f);
@@ -181,13 +181,16 @@ TEST(ListedModes, GiveNoErrorToWhatChangesMoreSlowlyThanTheRunIsLong) {
 
 TEST(StructureFactor, RefusesEdgesThatDoNotAscendAndSaysWhereNoModeLies) {
     const Box box = square_box(20);
-    for (const char* edges : {"1", "1,0.5", "a,b", "1,2,", "1,,2", "-1,2", "1;2", "0.1,nan"}) {
-        StructureFactorOptions options;
-        options.edges = edges;
-        EXPECT_THROW(StructureFactor(options, box, 1), OptionError) << edges;
-    }
     StructureFactorOptions options;
-    options.edges = "0.01,0.02";
+    for (const char* edges : {"1", "a,b", "1,,2", "-1,2", "1;2", "0.1,nan"}) {
+        EXPECT_THROW(describe(options).set("edges", std::string(edges)), OptionError) << edges;
+    }
+    for (const std::vector<double>& edges :
+         std::vector<std::vector<double>>{{1}, {1, 0.5}, {1, 1}, {-1, 2}, {0.1, std::nan("")}}) {
+        options.edges = edges;
+        EXPECT_THROW(StructureFactor(options, box, 1), OptionError) << edges.size();
+    }
+    options.edges = {0.01, 0.02};
     StructureFactor sk(options, box, 1);
     RandomStream random(5, "none");
     sk.add(sk.measure(pattern(poisson_points(30, box, random), box)));

@@ -111,7 +111,7 @@ struct Halves {
 TEST(MergedHalves, GiveTheResultOfTheWholeForEveryObservable) {
     for (const Boundary boundary : {Boundary::periodic, Boundary::walls}) {
         Film film(boundary);
-        const DisplacementOptions msd{.van_hove = "1,10"};
+        const DisplacementOptions msd{.van_hove = {1, 10}};
         const StructureFactorOptions sk{.k_max = 1.5};
         const OrderStructureFactorOptions s4;
         const NumberVarianceOptions windows{.largest = 12};

@@ -1,5 +1,6 @@
 #include "pipelines/analyze/adjusted_snapshots.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/errors.h"
@@ -18,10 +19,11 @@ class TwoSnapshots : public SnapshotSource {
         s.frame = 10 + 2 * index;
         s.time = 77;
         s.box = {{-0.5, -0.5}, {20, 10}, {Boundary::walls, Boundary::walls}, 0};
-        s.position.resize(index == 0 ? 1 : 3);
+        s.position.resize(index == 0 ? 1 : 3, place);
         return s;
     }
     int reads = 0;
+    Vec2 place;
 
  private:
     TrajectoryInfo info_;
@@ -59,6 +61,30 @@ TEST(AdjustedSnapshots, BoxBoundaryAndDiameterReplaceThoseOfTheFile) {
     EXPECT_EQ(snapshots.info().diameter, 9);
     EXPECT_EQ(snapshots.info().diameter_origin, DiameterOrigin::given);
     EXPECT_EQ(legend_of(identity_of(snapshots.info())), "points, Γ = 4.5");
+}
+
+TEST(AdjustedSnapshots, SayPointsBesideTheBoxAndTimesThatStandStill) {
+    TwoSnapshots file;
+    AdjustedSnapshots as_they_are(file, {});
+    as_they_are.particles_mean();
+    ASSERT_EQ(as_they_are.warnings().size(), 1U) << "both at time 77";
+    EXPECT_THAT(as_they_are.warnings()[0], ::testing::HasSubstr("snapshot 1 is at 77"));
+    file.place = {12, 3};
+    Adjustment adjustment;
+    adjustment.box_length = Vec2{7, 8};
+    adjustment.frame_rate = 1;
+    AdjustedSnapshots snapshots(file, adjustment);
+    EXPECT_TRUE(snapshots.warnings().empty()) << "nothing read yet";
+    snapshots.read(1);
+    snapshots.read(1);
+    ASSERT_EQ(snapshots.warnings().size(), 1U);
+    EXPECT_THAT(
+        snapshots.warnings()[0],
+        ::testing::HasSubstr("3 of 3 points lie outside the box [-0.5, 6.5] × [-0.5, 7.5]"));
+    adjustment.boundary = Boundary::periodic;
+    AdjustedSnapshots folded(file, adjustment);
+    folded.read(1);
+    EXPECT_TRUE(folded.warnings().empty());
 }
 
 TEST(AdjustedSnapshots, MeanNumberOfParticlesReadsOnlyWhatWasNotRead) {

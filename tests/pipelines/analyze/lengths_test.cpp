@@ -19,7 +19,7 @@ TrajectoryInfo info_of(Origin origin) {
 /// The description of a trajectory and the record of its run, through a file.
 io::TrajectoryFile through_file(const testing::ScratchFolder& folder, const TrajectoryInfo& info,
                                 const RunRecord& record) {
-    io::TrajectoryWriter writer(folder / "t.h5", info, io::Overwrite::force);
+    io::TrajectoryWriter writer(folder / "t.h5", info, Overwrite::force);
     writer.add_curve(calibration_curve(9, 1.5, 0.01));
     writer.finish(record);
     return io::TrajectoryFile(folder / "t.h5");

@@ -33,7 +33,7 @@ std::filesystem::path write_run(const std::filesystem::path& path, double nu, bo
     }
     run.observables = {fit};
     run.record.configuration = {{"field.nu", std::to_string(nu)}};
-    io::write_results(path, run, io::Overwrite::force);
+    io::write_results(path, run, Overwrite::force);
     return path;
 }
 

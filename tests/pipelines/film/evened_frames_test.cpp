@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/memory_frames.h"
 #include "core/support/random.h"
-#include "tests/support/memory_frames.h"
 
 namespace grainfield::pipelines {
 namespace {
@@ -38,7 +38,7 @@ std::unique_ptr<FrameSource> film() {
         }
         images.push_back(std::move(image));
     }
-    return std::make_unique<testing::MemoryFrames>(images);
+    return std::make_unique<MemoryFrames>(images);
 }
 
 EvenedFrames evened(std::int64_t window, const tracking::VisiblePixels& visible = {}) {

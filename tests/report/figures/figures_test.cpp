@@ -72,7 +72,7 @@ TEST(Figures, SplitTheDisplacementByPhase) {
     EXPECT_EQ(msd.kinds[1].label, "liquid");
     EXPECT_EQ(msd.kinds[3].mark, Mark::guide);
     for (std::size_t s = 0; s < 3; ++s) EXPECT_EQ(msd.series[s].x.size(), 20U);
-    EXPECT_EQ(msd.x.unit, "s");
+    EXPECT_EQ(msd.x.unit_text(), "s");
 }
 
 TEST(Figures, GuidesOfTheVarianceStartTogetherWithSlopesOneAndTwo) {

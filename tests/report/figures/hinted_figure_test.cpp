@@ -45,7 +45,7 @@ TEST(HintedFigure, DrawsASeriesForEachWord) {
     EXPECT_EQ(figure.kinds[0].label, "L = 100");
     EXPECT_EQ(figure.kinds[1].label, "L = inf");
     EXPECT_THAT(figure.series[0].x, ElementsAre(1, 10, 100));
-    EXPECT_EQ(figure.x.unit, "a");
+    EXPECT_EQ(figure.x.unit_text(), "a");
     EXPECT_TRUE(figure.absent.empty());
 }
 

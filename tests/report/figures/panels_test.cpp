@@ -11,7 +11,7 @@ Figure shared_figure() {
     Figure figure;
     figure.name = "variance";
     figure.title = "Number variance";
-    figure.x = {"l", "Window", "a or l", Scale::log, false};
+    figure.x = {"l", "Window", "a", Scale::log, false, {{"a"}, {"l"}}};
     figure.y.scale = Scale::log;
     figure.runs = {"MD, Γ = 2", "field, 2D, ν = 1", "MD, Γ = 3"};
     figure.kinds = {{"σ²", Mark::line, true}};
@@ -32,8 +32,8 @@ TEST(Panels, HoldTheRunsOfOneOriginEach) {
     EXPECT_EQ(panels[0].name, "variance_panel1");
     EXPECT_EQ(panels[0].title, "Number variance: MD");
     EXPECT_EQ(panels[0].runs, (std::vector<std::string>{"Γ = 2", "Γ = 3"}));
-    EXPECT_EQ(panels[0].x.unit, "a");
-    EXPECT_EQ(panels[1].x.unit, "l");
+    EXPECT_EQ(panels[0].x.title(), "Window [a]");
+    EXPECT_EQ(panels[1].x.title(), "Window [l]");
     ASSERT_EQ(panels[0].series.size(), 3U) << "two runs and the guide";
     EXPECT_EQ(panels[0].series[1].run, 1U);
     EXPECT_EQ(panels[0].series[1].y, (std::vector<double>{2, 40}));

@@ -26,7 +26,8 @@ Results run_of(Origin origin, double s0, double error, double gamma = 4.5) {
 TEST(Differences, AreInUnitsOfBothErrorsTogether) {
     const std::vector<Results> runs{run_of(Origin::video, 0.5, 0.03),
                                     run_of(Origin::rendered, 0.3, 0.04)};
-    const auto table = differences(runs, {"tracked", "true"}, identities_of(runs));
+    const auto table = differences(runs, {"tracked", "true"}, identities_of(runs),
+                                   {{"fit", "Fit of S(k)", {{"s0", "S₀"}}}});
     ASSERT_TRUE(table.has_value());
     ASSERT_EQ(table->rows.size(), 1U) << "k_fit has no error";
     EXPECT_EQ(table->rows[0].name, "Fit of S(k): S₀");
@@ -72,7 +73,7 @@ TEST(Differences, DoNotPairFieldsOfOtherModels) {
 
 TEST(Differences, AreNotThereWithoutCommonNumbers) {
     const std::vector<Results> runs{run_of(Origin::video, 0.5, 0), run_of(Origin::md, 0.3, 0.1)};
-    EXPECT_FALSE(differences(runs, {"A", "B"}, identities_of(runs)).has_value());
+    EXPECT_FALSE(differences(runs, {"A", "B"}, identities_of(runs), {}).has_value());
 }
 
 TEST(Mismatches, NameVersionsUnitsDimensionsAndMissingErrors) {
@@ -82,7 +83,10 @@ TEST(Mismatches, NameVersionsUnitsDimensionsAndMissingErrors) {
     runs[2].identity = {.origin = Origin::field, .dimension = 1};
     runs[0].source.time_unit = TimeUnit::second;
     runs[1].source.time_unit = TimeUnit::sqrt_a_over_g;
-    for (int r : {0, 1}) runs[static_cast<std::size_t>(r)].observables.emplace_back().name = "msd";
+    for (const std::size_t r : {0U, 1U}) {
+        runs[r].observables.emplace_back().measurements = {
+            {"d", "a^2/time unit", 1, std::nullopt, 1, ""}};
+    }
     const auto texts = mismatches(runs, {"A", "B", "C"}, identities_of(runs));
     EXPECT_THAT(texts,
                 Contains(HasSubstr("versions of the program: 0.1.0 (A and 1 more), 0.2.0 (B)")));
@@ -91,6 +95,19 @@ TEST(Mismatches, NameVersionsUnitsDimensionsAndMissingErrors) {
     EXPECT_THAT(texts, Contains(HasSubstr("1 dimension (C), 2 dimensions (A and 1 more)")));
     EXPECT_THAT(texts,
                 Contains(HasSubstr("without any error, so that differences cannot be judged: B")));
+}
+
+TEST(Mismatches, OfTimesMatterOnlyWhereAUnitHasTimeInIt) {
+    std::vector<Results> runs{run_of(Origin::video, 1, 1), run_of(Origin::rendered, 1, 1)};
+    runs[0].source.time_unit = TimeUnit::second;
+    runs[1].source.time_unit = TimeUnit::sqrt_a_over_g;
+    EXPECT_TRUE(mismatches(runs, {"A", "B"}, identities_of(runs)).empty());
+    for (Results& run : runs) {
+        run.observables.emplace_back().curves = {
+            {"own", "", {{"when", "time unit", "Time", {}}}, {}}};
+    }
+    EXPECT_THAT(mismatches(runs, {"A", "B"}, identities_of(runs)),
+                Contains(HasSubstr("times in different units: s (A), √(a/g) (B)")));
 }
 
 TEST(Mismatches, AreNoneBetweenLikeRuns) {

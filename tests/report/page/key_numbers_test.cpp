@@ -23,13 +23,16 @@ Results run_with(std::vector<Measurement> measurements) {
     return run;
 }
 
+const std::vector<ObservableTitles> titles{
+    {"msd", "Displacement", {{"d_liquid", "Diffusion coefficient, liquid"}}}};
+
 const KeyNumberRow& row(const std::vector<KeyNumberRow>& rows, const std::string& name) {
     return *std::ranges::find(rows, name, &KeyNumberRow::name);
 }
 
 TEST(KeyNumbers, ShowValueErrorUnitAndSamples) {
     const auto rows =
-        key_numbers({run_with({{"d_liquid", "a^2/time unit", 0.0125, 0.0002, 1e6, ""}})});
+        key_numbers({run_with({{"d_liquid", "a^2/time unit", 0.0125, 0.0002, 1e6, ""}})}, titles);
     const KeyNumberRow& d = row(rows, "d_liquid");
     EXPECT_EQ(d.quantity, "Diffusion coefficient, liquid");
     EXPECT_EQ(d.unit, "a²/s");
@@ -39,10 +42,17 @@ TEST(KeyNumbers, ShowValueErrorUnitAndSamples) {
     EXPECT_EQ(row(rows, "Particles per frame").numbers[0].value, "10,456");
 }
 
+TEST(KeyNumbers, WithoutATitleAreCalledByTheirNameWithSpaces) {
+    const auto rows = key_numbers({run_with({{"my_own_number", "-", 1, 0.1, 1, ""}})}, titles);
+    EXPECT_EQ(row(rows, "my_own_number").quantity, "my own number");
+    EXPECT_EQ(row(rows, "my_own_number").observable, "Displacement");
+}
+
 TEST(KeyNumbers, GiveTheReasonWhereThereIsNoValue) {
     const auto rows = key_numbers(
         {run_with({{"d_all", "a^2/s", std::nullopt, std::nullopt, 0, "fewer than three lags"},
-                   {"odd", "-", std::nan(""), 0.1, 5, ""}})});
+                   {"odd", "-", std::nan(""), 0.1, 5, ""}})},
+        titles);
     EXPECT_EQ(row(rows, "d_all").numbers[0].value, "");
     EXPECT_EQ(row(rows, "d_all").numbers[0].note, "fewer than three lags");
     EXPECT_EQ(row(rows, "odd").numbers[0].note, "no value");
@@ -52,7 +62,7 @@ TEST(KeyNumbers, GiveTheReasonWhereThereIsNoValue) {
 TEST(KeyNumbers, NameAnObservableThatCouldNotBeMeasured) {
     Results run = run_with({});
     run.observables[0].reason = "one frame only";
-    const auto rows = key_numbers({run});
+    const auto rows = key_numbers({run}, titles);
     EXPECT_EQ(rows.back().observable, "Displacement");
     EXPECT_EQ(rows.back().numbers[0].note, "one frame only");
 }
@@ -60,7 +70,8 @@ TEST(KeyNumbers, NameAnObservableThatCouldNotBeMeasured) {
 TEST(KeyNumbers, StandSideBySideInOneOrder) {
     const auto rows =
         key_numbers({run_with({{"a", "-", 1, 0.1, 1, ""}, {"c", "-", 1, 0.1, 1, ""}}),
-                     run_with({{"b", "-", 2, 0.1, 1, ""}, {"c", "-", 3, 0.1, 1, ""}})});
+                     run_with({{"b", "-", 2, 0.1, 1, ""}, {"c", "-", 3, 0.1, 1, ""}})},
+                    titles);
     std::vector<std::string> names;
     for (const KeyNumberRow& r : rows) names.push_back(r.name);
     EXPECT_THAT(names, testing::ElementsAre("Frames", "Particles per frame", "a", "c", "b"));
@@ -71,7 +82,8 @@ TEST(KeyNumbers, StandSideBySideInOneOrder) {
 TEST(KeyNumbers, OfAnotherUnitCarryIt) {
     Results other = run_with({{"d", "a^2/time unit", 2, 0.1, 1, ""}});
     other.source.time_unit = TimeUnit::frame;
-    const auto rows = key_numbers({run_with({{"d", "a^2/time unit", 1, 0.1, 1, ""}}), other});
+    const auto rows =
+        key_numbers({run_with({{"d", "a^2/time unit", 1, 0.1, 1, ""}}), other}, titles);
     EXPECT_EQ(row(rows, "d").unit, "a²/s");
     EXPECT_EQ(row(rows, "d").numbers[1].value, "2.00 ± 0.10 a²/frame");
 }
@@ -79,7 +91,7 @@ TEST(KeyNumbers, OfAnotherUnitCarryIt) {
 TEST(KeyNumbersHtml, NumbersEachNoteOnce) {
     const Results run = run_with(
         {{"a", "-", 1, std::nullopt, 1, "no error"}, {"b", "-", 1, std::nullopt, 1, "no error"}});
-    const std::string html = key_numbers_html(key_numbers({run, run}), {"A", "B"});
+    const std::string html = key_numbers_html(key_numbers({run, run}, titles), {"A", "B"});
     EXPECT_EQ(html.find("<li>no error</li>"), html.rfind("<li>no error</li>"));
     EXPECT_THAT(html, HasSubstr("<sup>1</sup>"));
     EXPECT_THAT(html, Not(HasSubstr("<sup>2</sup>")));
@@ -89,9 +101,9 @@ TEST(KeyNumbersHtml, EscapesEverything) {
     const std::string hostile = "<script>alert(1)</script>";
     Results run = run_with({{hostile, hostile, 1, 0.1, 1, hostile}});
     run.observables[0].name = hostile;
-    const auto rows = key_numbers({run});
+    const auto rows = key_numbers({run}, titles);
     EXPECT_THAT(key_numbers_html(rows, {hostile}), Not(HasSubstr("<script")));
-    EXPECT_THAT(key_numbers_html(key_numbers({run, run}), {hostile, hostile}),
+    EXPECT_THAT(key_numbers_html(key_numbers({run, run}, titles), {hostile, hostile}),
                 Not(HasSubstr("<script")));
 }
 

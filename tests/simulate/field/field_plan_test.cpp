@@ -144,14 +144,5 @@ TEST(FieldPlan, WarnsWhereThereIsNoStationaryState) {
     EXPECT_THAT(plan.warnings()[1].text, HasSubstr("d0 = 0"));
 }
 
-TEST(FieldPlan, TheLengthOfTheRecordingMayGrowInAResume) {
-    FieldOptions a, b;
-    b.record.record = 77;
-    b.threads = 8;
-    EXPECT_EQ(physics_of(a), physics_of(b));
-    b.model.nu = 0.5;
-    EXPECT_NE(physics_of(a), physics_of(b));
-}
-
 }  // namespace
 }  // namespace grainfield::simulate

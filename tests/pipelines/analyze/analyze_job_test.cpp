@@ -1,0 +1,103 @@
+#include "pipelines/analyze/analyze_job.h"
+
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/errors.h"
+#include "io/h5/results_file.h"
+#include "io/h5/trajectory_file.h"
+#include "tests/support/scratch_folder.h"
+
+namespace grainfield::pipelines {
+namespace {
+
+constexpr int kSide = 20;  // particles of a row, a apart
+
+/// A square lattice in two frames.
+std::string write_lattice(const testing::ScratchFolder& folder) {
+    std::string path = folder / "lattice.csv";
+    std::ofstream table(path);
+    table << "frame,particle,x,y\n";
+    for (int f = 0; f < 2; ++f) {
+        for (int i = 0; i < kSide * kSide; ++i) {
+            table << f << ',' << i << ',' << i % kSide << ',' << i / kSide << '\n';
+        }
+    }
+    return path;
+}
+
+AnalyzeJobOptions periodic(const std::string& output) {
+    AnalyzeJobOptions options;
+    options.output = output;
+    options.adjustment.box_length = Vec2{kSide, kSide};
+    options.adjustment.boundary = Boundary::periodic;
+    options.analysis.observables = {"q4", "variance"};
+    return options;
+}
+
+TEST(AnalyzeJob, MeasuresATableOfPointsAndWritesWhatItReturns) {
+    const testing::ScratchFolder folder;
+    Job job;
+    job.inputs = {write_lattice(folder)};
+    const AnalyzeJobOptions options = periodic(folder / "r.h5");
+    const Results results = run_analysis(options, job);
+    EXPECT_EQ(results.frames, 2);
+    EXPECT_EQ(results.particles_mean, 400);
+    EXPECT_NEAR(*results.find("q4")->find_measurement("q4_mean")->value, 1, 1e-12);
+    EXPECT_EQ(results.find("sk"), nullptr) << "not asked for";
+    EXPECT_EQ(results.label, "lattice") << "nothing else is known of it";
+    ASSERT_EQ(results.previews.size(), 1U);
+    EXPECT_EQ(results.previews[0].snapshot.frame, 1) << "the last, for want of pictures";
+    EXPECT_EQ(results.previews[0].abs_q4.size(), 400U);
+    const Results file = io::read_results(options.output);
+    EXPECT_EQ(file.find("q4")->find_measurement("q4_mean")->value,
+              results.find("q4")->find_measurement("q4_mean")->value);
+    EXPECT_EQ(job.outputs, std::vector<std::filesystem::path>{options.output});
+}
+
+TEST(AnalyzeJob, NeedsThePeriodsOfAPeriodicTable) {
+    const testing::ScratchFolder folder;
+    Job job;
+    job.inputs = {write_lattice(folder)};
+    AnalyzeJobOptions options = periodic(folder / "r.h5");
+    options.adjustment.box_length.reset();
+    EXPECT_THROW(plan_analysis(options, job), OptionError);
+    EXPECT_THROW(run_analysis(options, job), OptionError);
+    EXPECT_EQ(folder.entries(), 1U) << "no output is begun";
+}
+
+TEST(AnalyzeJob, RepeatsTheWarningsOfATrackThatStillHold) {
+    const testing::ScratchFolder folder;
+    TrajectoryInfo info;
+    info.length_unit = LengthUnit::pixel;
+    info.diameter = 8;
+    io::TrajectoryWriter writer(folder / "t.h5", info, Overwrite::force);
+    Snapshot snapshot;
+    snapshot.box.length = {100, 100};
+    snapshot.position = {{10, 10}, {30, 40}};
+    writer.write(snapshot);
+    RunRecord record;
+    record.command = "track";
+    record.warnings = {{WarningCode::apparent_diameter, "lengths are in D"},
+                       {WarningCode::other, "frame 3 is corrupt"}};
+    writer.finish(record);
+    const auto warnings_with = [&](std::optional<double> diameter) {
+        Job job;
+        job.inputs = {folder / "t.h5"};
+        AnalyzeJobOptions options;
+        options.output = folder / "r.h5";
+        options.adjustment.particle_diameter = diameter;
+        plan_analysis(options, job);
+        return job.plan.warnings();
+    };
+    const Warning apparent{WarningCode::apparent_diameter, "lengths are in D"};
+    const Warning corrupt{WarningCode::other, "frame 3 is corrupt"};
+    EXPECT_THAT(warnings_with(std::nullopt), ::testing::Contains(apparent));
+    EXPECT_THAT(warnings_with(9.0), ::testing::Not(::testing::Contains(apparent)));
+    EXPECT_THAT(warnings_with(std::nullopt), ::testing::Not(::testing::Contains(corrupt)));
+}
+
+}  // namespace
+}  // namespace grainfield::pipelines

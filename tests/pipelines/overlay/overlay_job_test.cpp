@@ -1,0 +1,89 @@
+#include "pipelines/overlay/overlay_job.h"
+
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/errors.h"
+#include "io/frame_files.h"
+#include "tests/support/disc_sequence.h"
+#include "tests/support/scratch_folder.h"
+
+namespace grainfield::pipelines {
+namespace {
+
+/// The particles of the small film, with a statement that they come from one.
+std::string write_points(const testing::ScratchFolder& folder, int frames) {
+    std::string path = folder / "points.csv";
+    std::ofstream table(path);
+    table << "frame,particle,x,y\n";
+    for (int f = 0; f < frames; ++f) {
+        int id = 0;
+        for (const Vec2 p : testing::few_discs().position) {
+            table << f << ',' << id++ << ',' << p.x + 0.3 * f << ',' << p.y - 0.2 * f << '\n';
+        }
+    }
+    return path;
+}
+
+OverlayJobOptions to(const std::string& output) {
+    OverlayJobOptions options;
+    options.output = output;
+    return options;
+}
+
+TEST(OverlayJob, WithoutAFilmDrawsEverySnapshotOnWhite) {
+    const testing::ScratchFolder folder;
+    Job job;
+    job.inputs = {write_points(folder, 3)};
+    OverlayJobOptions options = to(folder / "o.mkv");
+    options.fps = 10;
+    const OverlayJobResult result = draw_overlay(options, job);
+    EXPECT_EQ(result.frames, 3);
+    EXPECT_FALSE(result.has_film);
+    EXPECT_EQ(std::max(result.width, result.height), 1080);
+    const auto video = io::open_frames({folder / "o.mkv"}, {});
+    EXPECT_EQ(video->count(), 3);
+    EXPECT_EQ(video->width(), result.width);
+    EXPECT_EQ(video->frame_rate(), 10.0);
+}
+
+TEST(OverlayJob, DrawsOverTheFilmThatItIsGiven) {
+    const testing::ScratchFolder folder;
+    const testing::ScratchFolder film;
+    testing::write_disc_sequence(film, 3);
+    Job job;
+    job.inputs = {write_points(folder, 3)};
+    OverlayJobOptions options = to(folder / "o.mkv");
+    options.film = film.path();
+    const OverlayJobResult result = draw_overlay(options, job);
+    EXPECT_TRUE(result.has_film);
+    EXPECT_EQ(result.width, testing::kPictureSize);
+    EXPECT_EQ(result.height, testing::kPictureSize);
+    // Spheres stay darker than what lies between them, contrast 170 of 255; on white they would
+    // not.
+    const Image drawn = io::open_frames({folder / "o.mkv"}, {})->read(0).image;
+    const Image filmed = testing::disc_frame(testing::few_discs(), 0);
+    double bright = 0, dark = 0, brights = 0, darks = 0;
+    for (int y = 0; y < drawn.height(); ++y) {
+        for (int x = 0; x < drawn.width(); ++x) {
+            const bool is_clear = filmed(x, y) > 180;
+            (is_clear ? bright : dark) += static_cast<double>(drawn(x, y));
+            (is_clear ? brights : darks) += 1;
+        }
+    }
+    EXPECT_GT(bright / brights, dark / darks + 170.0 / 3);
+}
+
+TEST(OverlayJob, RefusesATrajectoryWithoutFrames) {
+    const testing::ScratchFolder folder;
+    std::ofstream(folder / "none.csv") << "frame,x,y\n";
+    Job job;
+    job.inputs = {folder / "none.csv"};
+    EXPECT_THROW(draw_overlay(to(folder / "o.mkv"), job), InputError);
+    EXPECT_EQ(folder.entries(), 1U);
+}
+
+}  // namespace
+}  // namespace grainfield::pipelines
