@@ -80,11 +80,7 @@ std::optional<FrameRegion> region_within(std::span<const int> sides, int width, 
 }
 
 Image cropped(const Image& image, const FrameRegion& region) {
-    Image part(region.width, region.height);
-    for (int y = 0; y < region.height; ++y) {
-        std::copy_n(image.row(region.y + y) + region.x, region.width, part.row(y));
-    }
-    return part;
+    return part_of(image, region.x, region.y, region.width, region.height);
 }
 
 std::unique_ptr<FrameSource> crop_frames(std::unique_ptr<FrameSource> source,

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -22,16 +21,16 @@ constexpr double kSpotRange = 1.1;  // [a]
 constexpr std::size_t kSpots = 3;
 constexpr std::size_t kNearest = 4;    // spheres that are lifted, moved or left out
 constexpr float kOtherHeight = 0.3F;   // [a]
+constexpr double kOverlap = 0.9;       // [a²] nearer in the picture: one lies above the other
 constexpr float kHalfSplit = 0.3F;     // [a]
 constexpr float kFarSplit = 0.45F;     // [a]
-constexpr double kSolved = 1.5;        // a window with so many usual misfits is right
-constexpr double kAbout = 0.6;         // [a] radius of the misfit about one sphere
 constexpr double kUnusual = 2.5;       // medians
 constexpr double kOverlapPrice = 400;  // [contrast²/a²]
 constexpr double kUsualMisfits = 6;    // a change must gain this many times the usual misfit m² A
 
 constexpr int kRoughly = 2;             // rounds of a trial
-constexpr int kWell = 3;                // … of the best ones
+constexpr double kFewRays = 12;         // … along a diameter
+constexpr int kWell = 4;                // rounds of the best trials, with all rays
 constexpr double kLongTrialStep = 0.2;  // [a]
 constexpr std::size_t kFinalists = 3;
 
@@ -51,14 +50,6 @@ struct Window {
     FrameLight light;
     Image residual;
 };
-
-Image part_of(const Image& image, int x0, int y0, int width, int height) {
-    Image part(width, height);
-    for (int y = 0; y < height; ++y) {
-        std::copy_n(image.row(y0 + y) + x0, width, part.row(y));
-    }
-    return part;
-}
 
 double squared_in_plane(const Point3& a, const Point3& b) {
     const auto x = static_cast<double>(a.x - b.x);
@@ -99,6 +90,44 @@ Window cut_out(const Image& brightness, const Image& ceiling, const SynthesisFit
     return w;
 }
 
+/// Heights as the overlaps in the picture demand: of two discs nearer than kOverlap one is high and
+/// one low. Begins at the first sphere; of groups that do not overlap each keeps the sense nearer to
+/// its present heights. One that has high and low neighbours alike lies in the middle.
+void lay_in_turns(std::vector<Point3>& spheres, std::size_t free, float low, float high) {
+    const float middle = 0.5F * (low + high);
+    std::vector<int> side(free, 0);
+    for (std::size_t first = 0; first < free; ++first) {
+        if (side[first] != 0) continue;
+        std::vector<std::size_t> group{first};
+        side[first] = spheres[first].z > middle ? 1 : -1;
+        for (std::size_t k = 0; k < group.size(); ++k) {
+            const std::size_t i = group[k];
+            for (std::size_t j = 0; j < free; ++j) {
+                if (side[j] != 0 || squared_in_plane(spheres[i], spheres[j]) > kOverlap) continue;
+                side[j] = -side[i];
+                group.push_back(j);
+            }
+        }
+        double agrees = 0;
+        for (const std::size_t i : group) {
+            agrees += side[i] * static_cast<double>(spheres[i].z - middle);
+        }
+        if (agrees < 0) {
+            for (const std::size_t i : group) side[i] = -side[i];
+        }
+    }
+    for (std::size_t i = 0; i < free; ++i) {
+        const bool is_between = std::any_of(
+            spheres.begin(), spheres.begin() + static_cast<std::ptrdiff_t>(free),
+            [&](const Point3& other) {
+                const auto j = static_cast<std::size_t>(&other - spheres.data());
+                return j != i && side[j] == side[i] &&
+                       squared_in_plane(spheres[i], other) < kOverlap;
+            });
+        spheres[i].z = is_between ? middle : side[i] > 0 ? high : low;
+    }
+}
+
 /// Where image is darkest beside the rendering, within kSpotRange of the place: at most kSpots
 /// local minima of the smoothed residual, darkest first.
 std::vector<Point3> dark_spots(const Window& w, double scale, Point3 place) {
@@ -134,8 +163,9 @@ Point3 towards(const Point3& a, const Point3& b, float far, float z) {
     return {a.x + share * (b.x - a.x), a.y + share * (b.y - a.y), z};
 }
 
-/// Other arrangements, the likelier first.
-std::vector<Candidate> candidates(const Window& w, double scale, Point3 place, double top) {
+/// Other arrangements, the likelier first. `discs`: the start, in the window's coordinates.
+std::vector<Candidate> candidates(const Window& w, const std::vector<Point3>& discs, double scale,
+                                  Point3 place, double top) {
     std::vector<Candidate> all;
     const auto low = static_cast<float>(0.05 * top);
     const auto high = static_cast<float>(0.95 * top);
@@ -160,6 +190,20 @@ std::vector<Candidate> candidates(const Window& w, double scale, Point3 place, d
         spheres.insert(spheres.begin(), p);
         return spheres;
     };
+    // Heights by the overlaps, from the discs of the start and from the spheres of now.
+    for (const bool from_discs : {true, false}) {
+        std::vector<Point3> spheres = present;
+        if (from_discs) {
+            spheres.erase(spheres.begin(), spheres.begin() + static_cast<std::ptrdiff_t>(w.free));
+            spheres.insert(spheres.begin(), discs.begin(), discs.end());
+        }
+        const std::size_t free = from_discs ? discs.size() : w.free;
+        const int added = static_cast<int>(free) - static_cast<int>(w.free);
+        lay_in_turns(spheres, free, low, high);
+        put(spheres, added);
+        for (std::size_t i = 0; i < free; ++i) spheres[i].z = low + high - spheres[i].z;
+        put(std::move(spheres), added);
+    }
     // One at another height; two that overlap change places.
     for (const std::size_t i : near) {
         for (const float z : {low, high}) {
@@ -217,8 +261,8 @@ double price(const SynthesisFit& fit) {
 }
 
 Outcome fitted(const Window& w, double scale, const std::vector<Point3>& spheres, std::size_t free,
-               const SynthesisLimits& limits, int rounds) {
-    SynthesisFit fit(w.brightness, w.ceiling, scale, 1);
+               const SynthesisLimits& limits, int rounds, double rays) {
+    SynthesisFit fit(w.brightness, w.ceiling, scale, 1, rays);
     std::vector<char> is_fixed(spheres.size(), 1);
     std::fill_n(is_fixed.begin(), free, 0);
     fit.start(spheres, w.optics, std::move(is_fixed), w.light);
@@ -232,31 +276,16 @@ Outcome fitted(const Window& w, double scale, const std::vector<Point3>& spheres
 }  // namespace
 
 ArrangementChanges improve_arrangement(const Image& brightness, const Image& ceiling,
-                                       const SynthesisFit& fit, double scale,
-                                       const SynthesisLimits& limits, int threads,
+                                       const SynthesisFit& fit, const std::vector<Point3>& discs,
+                                       double scale, const SynthesisLimits& limits, int threads,
                                        std::vector<Point3>& spheres) {
     spheres = fit.spheres();
     ArrangementChanges changes;
     if (spheres.empty()) return changes;
-    // The misfit about each sphere.
-    const Image& residual = fit.residual();
-    const double gain = fit.light().gain;
-    const int radius = static_cast<int>(kAbout * scale);
     std::vector<double> about(spheres.size());
     parallel_for(static_cast<std::int64_t>(spheres.size()), threads, [&](std::int64_t index) {
-        const Point3& p = spheres[static_cast<std::size_t>(index)];
-        const int cx = static_cast<int>(std::lround(static_cast<double>(p.x) * scale));
-        const int cy = static_cast<int>(std::lround(static_cast<double>(p.y) * scale));
-        double sum = 0;
-        for (int y = std::max(0, cy - radius); y <= std::min(residual.height() - 1, cy + radius);
-             ++y) {
-            for (int x = std::max(0, cx - radius); x <= std::min(residual.width() - 1, cx + radius);
-                 ++x) {
-                if ((x - cx) * (x - cx) + (y - cy) * (y - cy) > radius * radius) continue;
-                sum += static_cast<double>(residual(x, y)) * static_cast<double>(residual(x, y));
-            }
-        }
-        about[static_cast<std::size_t>(index)] = sum / (gain * gain);
+        const auto i = static_cast<std::size_t>(index);
+        about[i] = fit.misfit_about(i).sum;
     });
     std::vector<double> sorted = about;
     const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
@@ -277,7 +306,6 @@ ArrangementChanges improve_arrangement(const Image& brightness, const Image& cei
     }
     changes.places = static_cast<int>(places.size());
     const double enough = kUsualMisfits * median;
-    const double usual = median / (std::numbers::pi * radius * radius);  // a pixel
     struct Better {
         std::vector<std::int32_t> member;  ///< spheres that it replaces
         std::vector<Point3> spheres;
@@ -290,46 +318,47 @@ ArrangementChanges improve_arrangement(const Image& brightness, const Image& cei
         const Point3 centre = spheres[places[k]];
         const Window w = cut_out(brightness, ceiling, fit, scale, centre);
         const Point3 place{centre.x - w.origin.x, centre.y - w.origin.y, 0};
-        // As it is, settled.
-        const Outcome now = fitted(w, scale, w.spheres, w.free, limits, kRoughly);
-        const double solved = kSolved * usual * (2 * kWindow) * (2 * kWindow) * scale * scale;
+        std::vector<Point3> start;
+        for (const Point3& p : discs) {
+            if (squared_in_plane(p, centre) < kFree * kFree) {
+                start.push_back({p.x - w.origin.x, p.y - w.origin.y, p.z});
+            }
+        }
+        // With few rays all trials, with all rays the best of them and what there is.
         struct Trial {
             int added;
             std::size_t free;
             Outcome outcome;
         };
         std::vector<Trial> tried;
-        const auto accept = [&](const Trial& t) {
-            Better found;
-            found.member.assign(w.member.begin(),
-                                w.member.begin() + static_cast<std::ptrdiff_t>(w.free));
-            found.added = t.added;
+        for (const Candidate& c : candidates(w, start, scale, place, limits.height - 1)) {
+            const auto free =
+                static_cast<std::size_t>(static_cast<std::ptrdiff_t>(w.free) + c.added);
+            tried.push_back(
+                {c.added, free, fitted(w, scale, c.spheres, free, limits, kRoughly, kFewRays)});
+        }
+        trials[k] = static_cast<int>(tried.size());
+        std::sort(tried.begin(), tried.end(), [](const Trial& a, const Trial& b) {
+            return a.outcome.misfit < b.outcome.misfit;
+        });
+        if (tried.size() > kFinalists) tried.resize(kFinalists);
+        double least =
+            fitted(w, scale, w.spheres, w.free, limits, kRoughly, kRaysPerDiameter).misfit -
+            enough;
+        for (Trial& t : tried) {
+            t.outcome =
+                fitted(w, scale, t.outcome.spheres, t.free, limits, kWell, kRaysPerDiameter);
+            if (!(t.outcome.misfit < least)) continue;
+            least = t.outcome.misfit;
+            Better found{.member = {w.member.begin(),
+                                    w.member.begin() + static_cast<std::ptrdiff_t>(w.free)},
+                         .spheres = {},
+                         .added = t.added};
             for (std::size_t i = 0; i < t.free; ++i) {
                 const Point3& p = t.outcome.spheres[i];
                 found.spheres.push_back({p.x + w.origin.x, p.y + w.origin.y, p.z});
             }
             better[k] = std::move(found);
-        };
-        for (const Candidate& c : candidates(w, scale, place, limits.height - 1)) {
-            const auto free =
-                static_cast<std::size_t>(static_cast<std::ptrdiff_t>(w.free) + c.added);
-            tried.push_back({c.added, free, fitted(w, scale, c.spheres, free, limits, kRoughly)});
-            ++trials[k];
-            if (tried.back().outcome.misfit < std::min(now.misfit - enough, solved)) {
-                accept(tried.back());
-                return;
-            }
-        }
-        std::sort(tried.begin(), tried.end(), [](const Trial& a, const Trial& b) {
-            return a.outcome.misfit < b.outcome.misfit;
-        });
-        double least = now.misfit - enough;
-        for (std::size_t t = 0; t < std::min(kFinalists, tried.size()); ++t) {
-            tried[t].outcome =
-                fitted(w, scale, tried[t].outcome.spheres, tried[t].free, limits, kWell);
-            if (!(tried[t].outcome.misfit < least)) continue;
-            least = tried[t].outcome.misfit;
-            accept(tried[t]);
         }
     });
     std::vector<char> keep(spheres.size(), 1);

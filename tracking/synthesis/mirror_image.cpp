@@ -9,7 +9,6 @@
 namespace grainfield::tracking {
 namespace {
 
-constexpr double kRaysPerDiameter = 28;
 constexpr int kMostSamples = 4;
 constexpr double kWidestPatch = 1.6;  // [a] from the sphere: what is mirrored farther away is weak
 constexpr double kBlurReach = 3.5;    // [σ]
@@ -65,12 +64,12 @@ Image gaussian_blurred(const Image& image, double sigma, int threads) {
     return result;
 }
 
-MirrorImage::MirrorImage(int width, int height, double scale, int threads)
+MirrorImage::MirrorImage(int width, int height, double scale, int threads, double rays)
     : width_(width),
       height_(height),
       scale_(scale),
       threads_(threads),
-      samples_(std::clamp(static_cast<int>(std::ceil(kRaysPerDiameter / scale)), 1, kMostSamples)),
+      samples_(std::clamp(static_cast<int>(std::ceil(rays / scale)), 1, kMostSamples)),
       image_(width, height) {}
 
 /// Where a ray crosses the plane z = 0 [a].

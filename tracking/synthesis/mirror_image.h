@@ -19,6 +19,8 @@ struct ImagePatch {
     }
 };
 
+constexpr double kRaysPerDiameter = 28;
+
 /// The image of mirror-like spheres, with what is needed to tell how it changes when one moves.
 ///
 /// Each pixel is the mean of samples() × samples() rays on a regular grid, the same in every image
@@ -27,10 +29,10 @@ struct ImagePatch {
 /// 250 MB at 1600² pixels and 2 × 2 rays. Same bits for any number of threads.
 class MirrorImage {
  public:
-    /// `scale`: pixels a diameter.
-    MirrorImage(int width, int height, double scale, int threads);
+    /// `scale`: pixels a diameter. `rays`: wanted along a diameter.
+    MirrorImage(int width, int height, double scale, int threads, double rays = kRaysPerDiameter);
 
-    /// The rays a pixel and axis: as many as make 28 to a diameter, 1 to 4.
+    /// The rays a pixel and axis: as many as make `rays` to a diameter, 1 to 4.
     int samples() const { return samples_; }
     double scale() const { return scale_; }
 

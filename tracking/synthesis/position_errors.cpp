@@ -12,25 +12,7 @@ namespace grainfield::tracking {
 namespace {
 
 constexpr float kNeighbours = 1.35F;  // [a]
-constexpr double kAbout = 0.6;        // [a]
 constexpr int kLags = 3;
-
-double rms_about(const Image& residual, Point3 p, double scale) {
-    const int radius = static_cast<int>(kAbout * scale);
-    const int cx = static_cast<int>(std::lround(static_cast<double>(p.x) * scale));
-    const int cy = static_cast<int>(std::lround(static_cast<double>(p.y) * scale));
-    double sum = 0;
-    double n = 0;
-    for (int y = std::max(0, cy - radius); y <= std::min(residual.height() - 1, cy + radius); ++y) {
-        for (int x = std::max(0, cx - radius); x <= std::min(residual.width() - 1, cx + radius);
-             ++x) {
-            if ((x - cx) * (x - cx) + (y - cy) * (y - cy) > radius * radius) continue;
-            sum += static_cast<double>(residual(x, y)) * static_cast<double>(residual(x, y));
-            n += 1;
-        }
-    }
-    return n > 0 ? std::sqrt(sum / n) : 0;
-}
 
 }  // namespace
 
@@ -55,8 +37,8 @@ double correlated_pixels(const Image& residual) {
     return own > 0 ? std::max(1.0, all / own) : 1;
 }
 
-std::vector<SphereError> position_errors(SynthesisFit& fit, double scale,
-                                         const SynthesisLimits& limits, int threads) {
+std::vector<SphereError> position_errors(SynthesisFit& fit, const SynthesisLimits& limits,
+                                         int threads) {
     const std::size_t n = fit.spheres().size();
     std::vector<SphereError> errors(n);
     if (n == 0) return errors;
@@ -64,7 +46,8 @@ std::vector<SphereError> position_errors(SynthesisFit& fit, double scale,
     const double gain = fit.light().gain;
     std::vector<double> sorted(n);
     for (std::size_t i = 0; i < n; ++i) {
-        errors[i].residual = rms_about(fit.residual(), fit.spheres()[i], scale) / gain;
+        const SynthesisFit::LocalMisfit about = fit.misfit_about(i);
+        errors[i].residual = about.pixels > 0 ? std::sqrt(about.sum / about.pixels) : 0;
         sorted[i] = errors[i].residual;
     }
     const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(n / 2);

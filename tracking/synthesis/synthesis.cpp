@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/support/parallel.h"
+#include "tracking/point_grid.h"
 #include "tracking/synthesis/arrangement_search.h"
 #include "tracking/synthesis/position_errors.h"
 #include "tracking/synthesis/synthesis_fit.h"
@@ -18,6 +19,21 @@ constexpr double kBlurOfEdge = 0.7;  // [w]
 constexpr int kRoundsBetween = 2;
 constexpr int kLastRounds = 4;
 constexpr int kOpticsSearches = 3;
+constexpr double kUnusual = 2;       // medians of the residual: a sphere is in doubt
+constexpr double kSameSphere = 0.3;  // [a]
+
+/// Moves a sphere in doubt back to the disc that it began as; the way back enters its error.
+void stand_back(const PointGrid& discs, double range, Vec2& position, Vec2& error) {
+    const Vec2 fitted = position;
+    double nearest = range * range;
+    discs.near(fitted, range, [&](std::uint32_t, Vec2 disc) {
+        const double squared = squared_norm(disc - fitted);
+        if (squared >= nearest) return;
+        nearest = squared;
+        position = disc;
+    });
+    error = {std::hypot(error.x, position.x - fitted.x), std::hypot(error.y, position.y - fitted.y)};
+}
 
 }  // namespace
 
@@ -41,7 +57,7 @@ Synthesis synthesise(const Image& counts, const ImageModel& model, double diamet
         }
     }
     const double top = options.height - 1;
-    std::vector<Point3> spheres;
+    std::vector<Point3> spheres;  // as they begin
     for (std::size_t i = 0; i < start.position.size(); ++i) {
         const double z = start.z.empty() ? 0.5 * top : start.z[i];
         spheres.push_back({static_cast<float>(start.position[i].x / diameter),
@@ -55,7 +71,7 @@ Synthesis synthesise(const Image& counts, const ImageModel& model, double diamet
 
     Synthesis result;
     SynthesisFit fit(brightness, ceiling, diameter, threads);
-    fit.start(std::move(spheres), optics);
+    fit.start(spheres, optics);
     result.residual_before = fit.rms();
     SynthesisLimits limits{.height = options.height, .most_rounds = kRoundsBetween};
     const auto refine = [&](int rounds, bool with_optics) {
@@ -68,7 +84,7 @@ Synthesis synthesise(const Image& counts, const ImageModel& model, double diamet
     for (int search = 0; search < options.searches; ++search) {
         std::vector<Point3> better;
         const ArrangementChanges changes =
-            improve_arrangement(brightness, ceiling, fit, diameter, limits, threads, better);
+            improve_arrangement(brightness, ceiling, fit, spheres, diameter, limits, threads, better);
         result.trials += changes.trials;
         if (changes.lifted + changes.added + changes.removed == 0) break;
         result.added += changes.added;
@@ -83,7 +99,7 @@ Synthesis synthesise(const Image& counts, const ImageModel& model, double diamet
     result.optics = fit.optics();
     result.residual_rms = fit.rms();
     result.residual_map = fit.residual();
-    const std::vector<SphereError> errors = position_errors(fit, diameter, limits, threads);
+    const std::vector<SphereError> errors = position_errors(fit, limits, threads);
     std::vector<double> sorted;
     for (const SphereError& e : errors) sorted.push_back(e.residual);
     if (!sorted.empty()) {
@@ -91,6 +107,7 @@ Synthesis synthesise(const Image& counts, const ImageModel& model, double diamet
         std::nth_element(sorted.begin(), middle, sorted.end());
     }
     const double usual = sorted.empty() ? 0 : sorted[sorted.size() / 2];
+    const PointGrid discs(start.position, kSameSphere * diameter);
     for (std::size_t i = 0; i < fit.spheres().size(); ++i) {
         const Point3& p = fit.spheres()[i];
         result.position.push_back(
@@ -99,7 +116,10 @@ Synthesis synthesise(const Image& counts, const ImageModel& model, double diamet
         result.error.push_back({errors[i].x * diameter, errors[i].y * diameter});
         result.z_error.push_back(errors[i].z);
         result.residual.push_back(errors[i].residual);
-        result.doubtful += errors[i].residual > 2 * usual ? 1 : 0;
+        if (!(errors[i].residual > kUnusual * usual)) continue;
+        ++result.doubtful;
+        stand_back(discs, kSameSphere * diameter, result.position.back(), result.error.back());
+        result.z_error.back() = std::max(result.z_error.back(), top / std::sqrt(12.0));
     }
     return result;
 }

@@ -37,7 +37,8 @@ struct Synthesis {
     int rounds = 0;              ///< Gauss–Newton rounds
     int trials = 0;              ///< other arrangements tried
     int added = 0, removed = 0, lifted = 0;
-    int doubtful = 0;    ///< spheres about which image and rendering still differ unusually
+    int doubtful = 0;    ///< spheres about which image and rendering still differ unusually: they
+                         ///< stand where their disc did, their heights count as unknown
     Image residual_map;  ///< image − rendering [contrast]
 };
 

@@ -20,6 +20,7 @@ constexpr double kPlaneRange = 0.1;
 constexpr double kHeightRange = 0.3;
 constexpr double kLongestInHeight = 0.25;
 constexpr double kContact = 0.01;  // [a] how far two spheres may overlap
+constexpr double kAbout = 0.6;     // [a] radius of the misfit about one sphere
 constexpr int kSolverSweeps = 60;
 constexpr double kLeastNoise = 0.005;  // [contrast]
 constexpr double kFirstDamping = 0.02;
@@ -63,12 +64,13 @@ double product(const ImagePatch& a, const Image& image) {
 
 }  // namespace
 
-SynthesisFit::SynthesisFit(const Image& brightness, const Image& ceiling, double scale, int threads)
+SynthesisFit::SynthesisFit(const Image& brightness, const Image& ceiling, double scale, int threads,
+                           double rays)
     : brightness_(brightness),
       ceiling_(ceiling),
       scale_(scale),
       threads_(threads),
-      image_(brightness.width(), brightness.height(), scale, threads) {}
+      image_(brightness.width(), brightness.height(), scale, threads, rays) {}
 
 void SynthesisFit::start(std::vector<Point3> spheres, const MirrorOptics& optics) {
     spheres_ = std::move(spheres);
@@ -95,6 +97,25 @@ double SynthesisFit::misfit() const {
     const double rms = inner_rms(residual_, border) / light_.gain;
     return rms * rms * std::max(0, residual_.width() - 2 * border) *
            std::max(0, residual_.height() - 2 * border);
+}
+
+SynthesisFit::LocalMisfit SynthesisFit::misfit_about(std::size_t sphere) const {
+    const int radius = static_cast<int>(kAbout * scale_);
+    const int cx = static_cast<int>(std::lround(static_cast<double>(spheres_[sphere].x) * scale_));
+    const int cy = static_cast<int>(std::lround(static_cast<double>(spheres_[sphere].y) * scale_));
+    LocalMisfit misfit;
+    for (int y = std::max(0, cy - radius); y <= std::min(residual_.height() - 1, cy + radius);
+         ++y) {
+        for (int x = std::max(0, cx - radius); x <= std::min(residual_.width() - 1, cx + radius);
+             ++x) {
+            if ((x - cx) * (x - cx) + (y - cy) * (y - cy) > radius * radius) continue;
+            const auto value = static_cast<double>(residual_(x, y));
+            misfit.sum += value * value;
+            misfit.pixels += 1;
+        }
+    }
+    misfit.sum /= light_.gain * light_.gain;
+    return misfit;
 }
 
 double SynthesisFit::overlap() const {
@@ -308,14 +329,6 @@ constexpr double kOpticsMost[kOpticsTerms] = {0.98, 0.4, 0.6, 0.7};
 constexpr int kOpticsRounds = 3;
 constexpr double kOpticsSquare = 24;   // [a]
 constexpr double kUnexplained = 0.15;  // [contrast] belongs to a wrong arrangement
-
-Image part_of(const Image& image, int x0, int y0, int width, int height) {
-    Image part(width, height);
-    for (int y = 0; y < height; ++y) {
-        std::copy_n(image.row(y0 + y) + x0, width, part.row(y));
-    }
-    return part;
-}
 
 }  // namespace
 

@@ -30,8 +30,10 @@ struct SynthesisLimits {
 class SynthesisFit {
  public:
     /// `brightness`: 0 in the core of a sphere, 1 on the panel, as a calibrated model says;
-    /// `ceiling`: the same of the brightest count of the camera. Outlives the fit.
-    SynthesisFit(const Image& brightness, const Image& ceiling, double scale, int threads);
+    /// `ceiling`: the same of the brightest count of the camera. Both outlive the fit. `rays`: see
+    /// MirrorImage.
+    SynthesisFit(const Image& brightness, const Image& ceiling, double scale, int threads,
+                 double rays = kRaysPerDiameter);
 
     /// Begins with these spheres [a].
     void start(std::vector<Point3> spheres, const MirrorOptics& optics);
@@ -51,6 +53,12 @@ class SynthesisFit {
     double rms() const { return rms_; }  ///< of image − rendering [contrast]
     /// Σ (image − rendering)² but for the border that the blur reaches [contrast²].
     double misfit() const;
+    /// Σ (image − rendering)² within 0.6 a of a sphere, where the frame shows it [contrast²].
+    struct LocalMisfit {
+        double sum = 0;
+        int pixels = 0;
+    };
+    LocalMisfit misfit_about(std::size_t sphere) const;
     /// By how much spheres overlap in space, Σ (1 − distance)² over all pairs [a²].
     double overlap() const;
     const Image& residual() const { return residual_; }

@@ -51,7 +51,7 @@ TEST(PositionErrors, PullsOfOneStepOnFramesOfTheModelAreOneBeforeTheyAreWidened)
         fit.start(layer.spheres, layer.optics);
         const SynthesisLimits limits{.height = layer.height, .most_rounds = 1};
         fit.refine(limits);
-        const std::vector<SphereError> errors = position_errors(fit, kScale, limits, 2);
+        const std::vector<SphereError> errors = position_errors(fit, limits, 2);
         const double wide = std::sqrt(correlated_pixels(fit.residual()));
         for (std::size_t i = 0; i < errors.size(); ++i) {
             const Point3& p = layer.spheres[i];

@@ -118,7 +118,7 @@ TEST(Synthesis, OfATracedLayerIsNearerToTheTruthThanDiscsAndKnowsTheHeights) {
     const Errors spheres = errors_of(tracked(traced, true), traced);
     report("discs", discs);
     report("synthesis", spheres);
-    // Measured: .0108 → .0062 RMS, .0072 → .0038 median; heights .082 RMS, .061 median.
+    // Measured: .0108 → .0056 RMS, .0072 → .0034 median; heights .083 RMS, .061 median.
     EXPECT_GT(spheres.spheres, 60);
     EXPECT_LE(spheres.missed + spheres.spurious, 1);
     EXPECT_LT(spheres.rms, 0.7 * discs.rms);
@@ -145,8 +145,8 @@ TEST_P(SharedTracedFrame, IsNearerToTheTruthWithSynthesis) {
     report("discs", discs);
     report("synthesis", spheres);
     EXPECT_GT(spheres.spheres, 25);
-    // Measured, far: .0248 → .0136 RMS, .0102 → .0044 median, heights .049 median;
-    // near: .0496 → .0462, .0152 → .0074, .066.
+    // Measured, far: .0271 → .0143 RMS, .0102 → .0050 median, heights .046 median;
+    // near: .0196 → .0137, .0127 → .0054, .046.
     EXPECT_LE(spheres.missed, discs.missed);
     EXPECT_LT(spheres.rms, discs.rms);
     EXPECT_LT(spheres.median, 0.6 * discs.median);
