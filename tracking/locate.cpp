@@ -8,6 +8,7 @@
 
 #include "tracking/detect/distance_transform.h"
 #include "tracking/model/product_image.h"
+#include "tracking/refine/misfit_correlation.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -29,19 +30,15 @@ constexpr double kPendingErrors = 8;
 // The product image is made for the positions of the fit before; in crystals the first one moves
 // some spheres far.
 constexpr int kProductImages = 2;
-/// The core of a mirror-like sphere is dark wherever no other lies above it. It is a disc of
-/// diameter a/√2: rays that meet the sphere within go up again. D is 0.85 to 0.9 a.
-/// Edges are taken sharper than they are, so that
-/// cores that touch stay apart.
-struct OtherDisc {
-    double diameter;    ///< [D]
-    double edge_width;  ///< [w]
-};
-constexpr OtherDisc kOtherDiscs[] = {{0.82, 0.45}};
+// The core of a mirror-like sphere is dark wherever no other lies above it. It is a disc of
+// diameter a/√2: rays that meet the sphere within go up again. D is 0.85 to 0.9 a. Edges are taken
+// sharper than they are, so that cores that touch stay apart.
+constexpr double kCoreDiameter = 0.82;  // [D]
+constexpr double kCoreEdge = 0.45;      // [w]
 /// Where every sphere need only explain this share the model describes the frame, and what the
 /// search ends with is right.
 constexpr double kWellDescribed = 0.05;
-constexpr double kMostUnlike = 0.1;  // of all discs, where two searches differ
+constexpr double kMostUnlike = 0.1;  // of all discs: neither search knows what the frame shows
 
 }  // namespace
 
@@ -85,7 +82,7 @@ void Locator::set_threads(int threads) {
     threads_ = threads;
     fit_.set_threads(threads);
     if (coarse_) coarse_->set_threads(threads);
-    for (const auto& other : others_) other->set_threads(threads);
+    if (cores_) cores_->set_threads(threads);
 }
 
 void Locator::set_visible(const VisiblePixels& visible) {
@@ -95,7 +92,7 @@ void Locator::set_visible(const VisiblePixels& visible) {
     clearance_ = visible.are_all() ? Image() : squared_distance_transform(visible.mask());
     if (coarse_) coarse_->set_visible(visible);
     visible_ = visible;
-    others_.clear();
+    cores_.reset();
 }
 
 Image Locator::residual() {
@@ -241,28 +238,26 @@ void Locator::search(Frame& frame) {
     if (!frame.is_settled) sweep_to_rest(frame);
 }
 
-/// Where a search for another disc finds other places, the better arrangement stays. Whether any
-/// was tried.
-bool Locator::take_better(Frame& frame, Locator& other, const Image& darkness) {
+/// Where a search for cores finds other places, the better arrangement stays. Whether any was
+/// tried.
+bool Locator::take_better(Frame& frame) {
+    const Image darkness = fit_.darkness().inner();
     DetectionOptions detection = frame.detection;
-    detection.separation *= model_.disc.diameter / other.model_.disc.diameter;
+    detection.separation *= model_.disc.diameter / cores_->model_.disc.diameter;
     detection.cores = CoreSearch::never;
     const RefinementOptions sweeps = sweeps_of(frame.refinement);
     const Located found =
-        other.locate(darkness, detection, other.rough_sweeps_of(frame.refinement));
-    std::vector<ArrangementDifference> differences = arrangement_differences(
+        cores_->locate(darkness, detection, cores_->rough_sweeps_of(frame.refinement));
+    OtherArrangement other = compare_arrangements(
         fit_.positions(), found.fitted, model_.disc.diameter, darkness.width(), darkness.height());
+    std::vector<ArrangementDifference>& differences = other.differences;
     frame.found.arrangements += static_cast<int>(differences.size());
-    auto unlike = std::abs(static_cast<double>(found.fitted.size()) -
-                           static_cast<double>(fit_.positions().size()));
-    for (const ArrangementDifference& d : differences) {
-        unlike += static_cast<double>(d.ours.size() + d.theirs.size());
-    }
-    frame.is_doubtful = unlike > kMostUnlike * static_cast<double>(fit_.positions().size());
-    if (differences.empty()) return false;
+    const double most = kMostUnlike * static_cast<double>(fit_.positions().size());
+    frame.is_doubtful = static_cast<double>(other.unlike) > most;
+    if (differences.empty() || static_cast<double>(other.unlike_in_large) > most) return false;
     // Either disc is wrong in its own way: each arrangement is judged with both.
     std::vector<ArrangementDifference> as_other = differences;
-    frame.found.steps += try_differences(other.fit_, as_other, true, sweeps);
+    frame.found.steps += try_differences(cores_->fit_, as_other, true, sweeps);
     frame.found.steps += try_differences(fit_, differences, false, sweeps);
     std::vector<ArrangementDifference> better;
     for (std::size_t k = 0; k < differences.size(); ++k) {
@@ -282,19 +277,14 @@ void Locator::compare_with_cores(Frame& frame) {
         return;
     }
     const auto begin = Clock::now();
-    if (others_.empty()) {
-        for (const OtherDisc& other : kOtherDiscs) {
-            const DiscProfile disc{other.diameter * model_.disc.diameter,
-                                   other.edge_width * model_.disc.edge_width, model_.disc.shape};
-            others_.push_back(std::make_unique<Locator>(
-                fit_.darkness().width(), fit_.darkness().height(), DiscModel(disc), threads_));
-            others_.back()->set_visible(visible_);
-        }
+    if (!cores_) {
+        const DiscProfile core{kCoreDiameter * model_.disc.diameter,
+                               kCoreEdge * model_.disc.edge_width, model_.disc.shape};
+        cores_ = std::make_unique<Locator>(fit_.darkness().width(), fit_.darkness().height(),
+                                           DiscModel(core), threads_);
+        cores_->set_visible(visible_);
     }
-    const Image darkness = fit_.darkness().inner();
-    bool any = false;
-    for (const std::unique_ptr<Locator>& other : others_)
-        any |= take_better(frame, *other, darkness);
+    const bool any = take_better(frame);
     frame.found.detect_seconds += seconds_since(begin);
     if (!any) return;
     frame.search.forget_judgement();
@@ -340,6 +330,7 @@ Located Locator::report(Frame& frame) {
     const double border = frame.detection.border * model_.disc.diameter;
     const double tolerance = frame.refinement.tolerance;
     const std::vector<double> residuals = fit_.residuals(frame.gain);
+    found.correlation = misfit_correlation(fit_.scene());
     const std::vector<double>& explained = fit_.explained();
     const std::vector<PositionCovariance> covariances = solver_.covariance(threads_);
     for (std::size_t j = 0; j < residuals.size(); ++j) {

@@ -26,7 +26,8 @@ struct Located {
     std::vector<double> residual;   ///< local RMS of image − model [contrast]
     std::vector<double> explained;  ///< misfit that each one explains (JointFit) [contrast² px]
     double residual_rms = 0;
-    double noise = 0;  ///< robust RMS where the model is flat [contrast]
+    double correlation = 1;  ///< κ of the misfit (misfit_correlation.h) [-]
+    double noise = 0;        ///< robust RMS where the model is flat [contrast]
     int passes = 0;
     std::int64_t added = 0, removed = 0;
     std::int64_t coarse_steps = 0, steps = 0;  ///< disc updates done on blocks, on pixels
@@ -98,7 +99,7 @@ class Locator {
     bool settle(Frame& frame, bool draw_all);
     void settle_and_judge(Frame& frame, bool draw_all);
     void compare_with_cores(Frame& frame);
-    bool take_better(Frame& frame, Locator& other, const Image& darkness);
+    bool take_better(Frame& frame);
     void sweep_to_rest(Frame& frame);
     void fit_overlaps(Frame& frame);
     Located report(Frame& frame);
@@ -114,7 +115,7 @@ class Locator {
     JointFit fit_;
     JointSolver solver_;
     std::optional<CoarseSearch> coarse_;
-    std::vector<std::unique_ptr<Locator>> others_;  ///< of other discs; made when first needed
+    std::unique_ptr<Locator> cores_;  ///< for smaller and sharper discs; made when first needed
     VisiblePixels visible_;
     Image clearance_;  ///< squared distance to what is not visible [px²]; empty: all is
 };

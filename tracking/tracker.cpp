@@ -60,16 +60,12 @@ std::vector<OptionTable> describe(TrackOptions& options) {
                  "true diameter a of a sphere, the unit of the analysis; auto: the apparent one");
     track.flag("synthesis", options.synthesis,
                "positions and heights of mirror-like spheres by rendering the frame");
-    // The height of the cell is that of the layers: no second option for it.
-    OptionTable synthesis("synthesis");
-    synthesis.integer("searches", options.synthesis_options.searches, "-", {0, 100},
-                      "most rounds of the search for other arrangements");
     return {describe(options.calibration),
             describe(options.detection),
             describe(options.refinement),
             describe(options.link),
             describe(options.layers),
-            synthesis,
+            describe(options.synthesis_options),
             track};
 }
 
@@ -323,8 +319,10 @@ void Tracker::report(const Job& job, Snapshot& snapshot, TrackSummary& summary) 
     snapshot.quality = found.residual;
     snapshot.position_error = found.error;
     for (std::size_t j = 0; j < found.error.size(); ++j) {
-        // Where the image model is wrong, its misfit limits the position, not the camera's noise.
-        snapshot.position_error[j] *= std::max(found.noise, found.residual[j]);
+        // Where the image model is wrong, its misfit limits the position, not the camera's noise,
+        // and it is alike in neighbouring pixels.
+        snapshot.position_error[j] *=
+            std::sqrt(found.correlation) * std::max(found.noise, found.residual[j]);
     }
 
     if (bilayer_) bilayer_->admit(snapshot, found.explained);

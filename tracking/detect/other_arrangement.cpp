@@ -22,8 +22,6 @@ constexpr double kZone = 2.5;  // [D]
 constexpr double kJudged = 1.75;  // [D]
 /// Clusters that hold more discs than this are another search, not another arrangement.
 constexpr std::size_t kLargest = 40;
-/// Where more than this share of all discs lies in such clusters, nothing is compared.
-constexpr double kMostUnlike = 0.1;
 constexpr int kRounds = 6;
 constexpr int kSweeps = 20;
 
@@ -110,9 +108,9 @@ void exchange(JointFit& fit, const std::vector<Vec2>& added, Gone&& gone) {
 
 }  // namespace
 
-std::vector<ArrangementDifference> arrangement_differences(const std::vector<Vec2>& ours,
-                                                           const std::vector<Vec2>& theirs,
-                                                           double diameter, int width, int height) {
+OtherArrangement compare_arrangements(const std::vector<Vec2>& ours,
+                                      const std::vector<Vec2>& theirs, double diameter, int width,
+                                      int height) {
     const std::vector<char> we_alone = alone(ours, theirs, width, height, kSame * diameter);
     const std::vector<char> they_alone = alone(theirs, ours, width, height, kSame * diameter);
     std::vector<std::pair<Vec2, bool>> loose;
@@ -125,8 +123,7 @@ std::vector<ArrangementDifference> arrangement_differences(const std::vector<Vec
     PointGrid grid(width, height, kTogether * diameter);
     for (std::uint32_t i = 0; i < loose.size(); ++i) grid.add(loose[i].first, i);
     std::vector<char> is_done(loose.size(), 0);
-    std::vector<Cluster> clusters;
-    std::size_t in_large = 0;
+    OtherArrangement other;
     for (std::uint32_t first = 0; first < loose.size(); ++first) {
         if (is_done[first] != 0) continue;
         Cluster cluster{{}, {}, loose[first].first, loose[first].first, 0};
@@ -147,15 +144,14 @@ std::vector<ArrangementDifference> arrangement_differences(const std::vector<Vec
         // With nothing in exchange it is a search for false discs, which has been made.
         if (cluster.theirs.empty()) continue;
         const std::size_t size = cluster.ours.size() + cluster.theirs.size();
+        other.unlike += size;
         if (size > kLargest) {
-            in_large += size;
-            continue;
+            other.unlike_in_large += size;
+        } else {
+            other.differences.push_back(std::move(cluster));
         }
-        clusters.push_back(std::move(cluster));
     }
-    // Neither search knows what this frame shows.
-    if (static_cast<double>(in_large) > kMostUnlike * static_cast<double>(ours.size())) return {};
-    return clusters;
+    return other;
 }
 
 std::int64_t try_differences(JointFit& fit, std::vector<ArrangementDifference>& differences,

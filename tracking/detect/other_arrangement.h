@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -19,12 +20,19 @@ struct ArrangementDifference {
     double change = 0;  ///< of Σ (I − M)² about them when theirs take the place of ours [contrast²]
 };
 
-/// Where `other` has discs without a partner within D/4 in the fit, or the fit in it: clusters of
-/// such discs, 1.2 D from one to the next, in an order that depends on the positions only. D:
+/// How two arrangements of one frame differ.
+struct OtherArrangement {
+    std::vector<ArrangementDifference> differences;
+    std::size_t unlike = 0;           ///< discs of both in clusters that hold any of theirs
+    std::size_t unlike_in_large = 0;  ///< … in clusters of more than 40, which are no differences
+};
+
+/// Where `theirs` has discs without a partner within D/4 in `ours`, or ours in it: clusters of such
+/// discs, 1.2 D from one to the next, in an order that depends on the positions only. D:
 /// `diameter`.
-std::vector<ArrangementDifference> arrangement_differences(const std::vector<Vec2>& ours,
-                                                           const std::vector<Vec2>& theirs,
-                                                           double diameter, int width, int height);
+OtherArrangement compare_arrangements(const std::vector<Vec2>& ours,
+                                      const std::vector<Vec2>& theirs, double diameter, int width,
+                                      int height);
 
 /// Tries each difference, clusters 5 D apart at once: its discs are exchanged, they and their
 /// neighbours take a few sweeps, Σ (I − M)² about them is compared, and all go back. Fills

@@ -91,8 +91,8 @@ Window cut_out(const Image& brightness, const Image& ceiling, const SynthesisFit
 }
 
 /// Heights as the overlaps in the picture demand: of two discs nearer than kOverlap one is high and
-/// one low. Begins at the first sphere; of groups that do not overlap each keeps the sense nearer to
-/// its present heights. One that has high and low neighbours alike lies in the middle.
+/// one low. Begins at the first sphere; of groups that do not overlap each keeps the sense nearer
+/// to its present heights. One that has high and low neighbours alike lies in the middle.
 void lay_in_turns(std::vector<Point3>& spheres, std::size_t free, float low, float high) {
     const float middle = 0.5F * (low + high);
     std::vector<int> side(free, 0);
@@ -117,13 +117,13 @@ void lay_in_turns(std::vector<Point3>& spheres, std::size_t free, float low, flo
         }
     }
     for (std::size_t i = 0; i < free; ++i) {
-        const bool is_between = std::any_of(
-            spheres.begin(), spheres.begin() + static_cast<std::ptrdiff_t>(free),
-            [&](const Point3& other) {
-                const auto j = static_cast<std::size_t>(&other - spheres.data());
-                return j != i && side[j] == side[i] &&
-                       squared_in_plane(spheres[i], other) < kOverlap;
-            });
+        const bool is_between =
+            std::any_of(spheres.begin(), spheres.begin() + static_cast<std::ptrdiff_t>(free),
+                        [&](const Point3& other) {
+                            const auto j = static_cast<std::size_t>(&other - spheres.data());
+                            return j != i && side[j] == side[i] &&
+                                   squared_in_plane(spheres[i], other) < kOverlap;
+                        });
         spheres[i].z = is_between ? middle : side[i] > 0 ? high : low;
     }
 }
@@ -343,8 +343,7 @@ ArrangementChanges improve_arrangement(const Image& brightness, const Image& cei
         });
         if (tried.size() > kFinalists) tried.resize(kFinalists);
         double least =
-            fitted(w, scale, w.spheres, w.free, limits, kRoughly, kRaysPerDiameter).misfit -
-            enough;
+            fitted(w, scale, w.spheres, w.free, limits, kRoughly, kRaysPerDiameter).misfit - enough;
         for (Trial& t : tried) {
             t.outcome =
                 fitted(w, scale, t.outcome.spheres, t.free, limits, kWell, kRaysPerDiameter);

@@ -32,14 +32,14 @@ void stand_back(const PointGrid& discs, double range, Vec2& position, Vec2& erro
         nearest = squared;
         position = disc;
     });
-    error = {std::hypot(error.x, position.x - fitted.x), std::hypot(error.y, position.y - fitted.y)};
+    error = {std::hypot(error.x, position.x - fitted.x),
+             std::hypot(error.y, position.y - fitted.y)};
 }
 
 }  // namespace
 
 OptionTable describe(SynthesisOptions& options) {
     OptionTable table("synthesis");
-    table.number("cell-height", options.height, "a", {1, 3}, "distance of the plates");
     table.integer("searches", options.searches, "-", {0, 100},
                   "most rounds of the search for other arrangements");
     return table;
@@ -83,8 +83,8 @@ Synthesis synthesise(const Image& counts, const ImageModel& model, double diamet
     refine(kRoundsBetween, true);
     for (int search = 0; search < options.searches; ++search) {
         std::vector<Point3> better;
-        const ArrangementChanges changes =
-            improve_arrangement(brightness, ceiling, fit, spheres, diameter, limits, threads, better);
+        const ArrangementChanges changes = improve_arrangement(brightness, ceiling, fit, spheres,
+                                                               diameter, limits, threads, better);
         result.trials += changes.trials;
         if (changes.lifted + changes.added + changes.removed == 0) break;
         result.added += changes.added;

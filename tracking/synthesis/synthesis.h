@@ -15,6 +15,7 @@ struct SynthesisOptions {
     int searches = 8;      ///< most rounds of the search for other arrangements, 0: none
 };
 
+/// Without the height, which is an option of the layers.
 OptionTable describe(SynthesisOptions& options);
 
 /// Spheres in space and how they are lit. z is 0 where a centre touches bottom.

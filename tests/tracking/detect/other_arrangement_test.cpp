@@ -33,20 +33,29 @@ std::vector<Vec2> with_far(std::vector<Vec2> discs) {
 }
 
 TEST(OtherArrangement, DiscsThatBothFoundAreNoDifference) {
-    EXPECT_TRUE(arrangement_differences(kThree, kThree, 16, kSide, kSide).empty());
+    EXPECT_TRUE(compare_arrangements(kThree, kThree, 16, kSide, kSide).differences.empty());
     std::vector<Vec2> near = kThree;
     for (Vec2& p : near) p.x += 2;
-    EXPECT_TRUE(arrangement_differences(kThree, near, 16, kSide, kSide).empty());
+    EXPECT_TRUE(compare_arrangements(kThree, near, 16, kSide, kSide).differences.empty());
 }
 
 TEST(OtherArrangement, DiscsWithoutPartnersOfOnePlaceAreOneDifference) {
     const auto differences =
-        arrangement_differences(with_far(kTwo), with_far(kThree), 16, kSide, kSide);
+        compare_arrangements(with_far(kTwo), with_far(kThree), 16, kSide, kSide).differences;
     ASSERT_EQ(differences.size(), 1U);
     // (38, 48) and (36, 48), (54, 48) and (57, 48) are the same spheres.
     EXPECT_TRUE(differences[0].ours.empty());
     ASSERT_EQ(differences[0].theirs.size(), 1U);
     EXPECT_EQ(differences[0].theirs[0], kThree[1]);
+}
+
+TEST(OtherArrangement, AClusterOfMoreThanFortyIsCountedButIsNoDifference) {
+    std::vector<Vec2> row;
+    for (int i = 0; i < 45; ++i) row.push_back({10.0 + 15 * i, 48});
+    const OtherArrangement other = compare_arrangements({}, row, 16, 700, kSide);
+    EXPECT_TRUE(other.differences.empty());
+    EXPECT_EQ(other.unlike, 45U);
+    EXPECT_EQ(other.unlike_in_large, 45U);
 }
 
 TEST(OtherArrangement, ThreeFoundAsTwoAreMendedAndTheTrialLeavesNoTrace) {
@@ -57,7 +66,7 @@ TEST(OtherArrangement, ThreeFoundAsTwoAreMendedAndTheTrialLeavesNoTrace) {
     fit.refine(refinement);
     const double before = fit.residual_rms();
     std::vector<ArrangementDifference> differences =
-        arrangement_differences(fit.positions(), with_far(kThree), 16, kSide, kSide);
+        compare_arrangements(fit.positions(), with_far(kThree), 16, kSide, kSide).differences;
     ASSERT_EQ(differences.size(), 1U);
     try_differences(fit, differences, false, refinement);
     EXPECT_LT(differences[0].change, 0);
@@ -79,7 +88,7 @@ TEST(OtherArrangement, AWrongArrangementRaisesTheMisfitFromEitherSide) {
     // Two discs between the three, where none has a partner.
     const std::vector<Vec2> wrong = with_far({{41, 48}, {51.5, 48}});
     std::vector<ArrangementDifference> differences =
-        arrangement_differences(right.positions(), wrong, 16, kSide, kSide);
+        compare_arrangements(right.positions(), wrong, 16, kSide, kSide).differences;
     ASSERT_FALSE(differences.empty());
     try_differences(right, differences, false, refinement);
     EXPECT_GT(differences[0].change, 0);
@@ -87,7 +96,7 @@ TEST(OtherArrangement, AWrongArrangementRaisesTheMisfitFromEitherSide) {
     JointFit theirs(darkness, kDisc, 1);
     theirs.add_all(wrong);
     std::vector<ArrangementDifference> reversed =
-        arrangement_differences(kThree, wrong, 16, kSide, kSide);
+        compare_arrangements(kThree, wrong, 16, kSide, kSide).differences;
     ASSERT_FALSE(reversed.empty());
     try_differences(theirs, reversed, true, refinement);
     EXPECT_LT(reversed[0].change, 0);

@@ -54,7 +54,8 @@ std::vector<Point3> improved(const RenderedLayer& layer, const std::vector<Point
     fit.start(start, layer.optics);
     fit.refine(limits);
     std::vector<Point3> spheres;
-    changes = improve_arrangement(layer.brightness, layer.ceiling, fit, start, kScale, limits, 2, spheres);
+    changes = improve_arrangement(layer.brightness, layer.ceiling, fit, start, kScale, limits, 2,
+                                  spheres);
     fit.start(spheres, layer.optics);
     fit.refine(limits);
     return fit.spheres();
@@ -125,8 +126,9 @@ TEST(ArrangementSearch, NothingChangesWhereRenderingAndImageAgree) {
     SynthesisFit fit(layer.brightness, layer.ceiling, kScale, 2);
     fit.start(layer.spheres, layer.optics);
     std::vector<Point3> spheres;
-    const ArrangementChanges changes = improve_arrangement(
-        layer.brightness, layer.ceiling, fit, layer.spheres, kScale, {.height = layer.height}, 2, spheres);
+    const ArrangementChanges changes =
+        improve_arrangement(layer.brightness, layer.ceiling, fit, layer.spheres, kScale,
+                            {.height = layer.height}, 2, spheres);
     EXPECT_EQ(changes.added + changes.removed + changes.lifted, 0);
     EXPECT_EQ(spheres.size(), layer.spheres.size());
 }

@@ -49,7 +49,7 @@ std::vector<Disc> near_pixel(RandomStream& random, int count, double radius) {
     return discs;
 }
 
-// What docs/render.md says of pixels where circles cross.
+// What docs/render/optics.md says of pixels where circles cross.
 TEST(UnionArea, IsOffByLessThan2e4From4PixelsAndBy1e3At1And1HalfPixels) {
     RandomStream random(5, "union error");
     for (const auto& [radius, limit] :
