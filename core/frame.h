@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -44,15 +43,6 @@ class Image {
     int height_ = 0;
     std::vector<float> pixels_;
 };
-
-/// The width × height pixels of `image` that begin at (x, y), all inside it.
-inline Image part_of(const Image& image, int x, int y, int width, int height) {
-    Image part(width, height);
-    for (int row = 0; row < height; ++row) {
-        std::copy_n(image.row(y + row) + x, width, part.row(row));
-    }
-    return part;
-}
 
 enum class FrameStatus { ok, corrupt, missing };
 

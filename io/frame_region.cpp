@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "core/image_part.h"
 #include "io/passed_frames.h"
 
 namespace grainfield::io {

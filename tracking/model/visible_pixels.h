@@ -35,7 +35,11 @@ class VisiblePixels {
     /// Those of the part that begins at (x, y).
     VisiblePixels part(int x, int y, int width, int height) const {
         if (mask_.empty()) return {};
-        return VisiblePixels(part_of(mask_, x, y, width, height));
+        Image part(width, height);
+        for (int row = 0; row < height; ++row) {
+            std::copy_n(mask_.row(y + row) + x, width, part.row(row));
+        }
+        return VisiblePixels(std::move(part));
     }
 
     /// Whole blocks of factor × factor pixels, visible where each of their pixels is.

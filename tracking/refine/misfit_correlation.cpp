@@ -11,6 +11,8 @@ namespace {
 
 /// Products of two pixels that are summed: C(Δ) is known to a part in a hundred of C(0) or better.
 constexpr double kMostProducts = 1.2e7;
+constexpr double kMostExplained = 0.7;  // beyond it the first order says nothing
+constexpr std::size_t kMostDiscs = 400;
 
 /// a(Δ) of ∂P/∂x and ∂P/∂y together, for −lags ≤ Δx ≤ lags and 0 ≤ Δy ≤ lags, row by row.
 std::vector<double> derivative_correlation(const DiscProfile& disc, int lags) {
@@ -55,7 +57,40 @@ void residual_row(const DiscScene& scene, int y, std::vector<float>& row) {
 
 }  // namespace
 
-double misfit_correlation(const DiscScene& scene) {
+double misfit_at_edges(const JointFit& fit) {
+    const DiscScene& scene = fit.scene();
+    const int reach = static_cast<int>(std::ceil(scene.disc().reach()));
+    const std::vector<Vec2>& discs = fit.positions();
+    const std::size_t stride = std::max<std::size_t>(1, discs.size() / kMostDiscs);
+    double at_edges = 0;
+    double weights = 0;
+    double squares = 0;
+    double pixels = 0;
+    for (std::size_t i = 0; i < discs.size(); i += stride) {
+        const int cx = static_cast<int>(std::lround(discs[i].x));
+        const int cy = static_cast<int>(std::lround(discs[i].y));
+        const int x1 = std::min(scene.darkness().width() - 1, cx + reach);
+        for (int y = std::max(0, cy - reach);
+             y <= std::min(scene.darkness().height() - 1, cy + reach); ++y) {
+            for (int x = std::max(0, cx - reach); x <= x1; ++x) {
+                const double r = std::hypot(x - discs[i].x, y - discs[i].y);
+                if (r > scene.disc().reach()) continue;
+                const auto left = static_cast<double>(scene.darkness().row(y)[x] - 1.0F +
+                                                      scene.transmission().row(y)[x]);
+                const double slope = scene.disc().slope(r);
+                at_edges += slope * slope * left * left;
+                weights += slope * slope;
+                squares += left * left;
+                pixels += 1;
+            }
+        }
+    }
+    return squares > 0 ? at_edges * pixels / (weights * squares) : 1;
+}
+
+double misfit_correlation(const JointFit& fit) {
+    const DiscScene& scene = fit.scene();
+    const std::size_t discs = fit.positions().size();
     const int width = scene.darkness().width();
     const int height = scene.darkness().height();
     const int lags = static_cast<int>(std::ceil(scene.disc().diameter));
@@ -64,6 +99,7 @@ double misfit_correlation(const DiscScene& scene) {
     const double rows_wanted =
         kMostProducts / (static_cast<double>(weight.size()) * (width - 2 * lags));
     const int rows = std::clamp(static_cast<int>(rows_wanted), 1, height - lags);
+    const double edges = misfit_at_edges(fit);
     std::vector<std::vector<float>> band(static_cast<std::size_t>(lags) + 1,
                                          std::vector<float>(static_cast<std::size_t>(width)));
     double own = 0;
@@ -89,7 +125,19 @@ double misfit_correlation(const DiscScene& scene) {
             }
         }
     }
-    return own > 0 ? std::max(1.0, all / own) : 1;
+    if (!(all > own)) return std::max(1.0, edges);
+    double squares = 0;
+    std::size_t term = 0;
+    for (int dy = 0; dy <= lags; ++dy) {
+        for (int dx = -lags; dx <= lags; ++dx, ++term) {
+            squares += (dy == 0 ? 1 : 2) * weight[term] * weight[term];
+        }
+    }
+    const double own_weight = weight[static_cast<std::size_t>(lags)];
+    const double explained = 2 * static_cast<double>(discs) /
+                             (static_cast<double>(width) * height) * squares /
+                             (own_weight * own_weight);
+    return std::max(1.0, edges * (1 + (all / own - 1) / (1 - std::min(explained, kMostExplained))));
 }
 
 }  // namespace grainfield::tracking

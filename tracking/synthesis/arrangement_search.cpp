@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/image_part.h"
 #include "core/support/parallel.h"
 
 namespace grainfield::tracking {

@@ -6,6 +6,7 @@
 
 #include <Eigen/Dense>
 
+#include "core/image_part.h"
 #include "core/support/parallel.h"
 
 namespace grainfield::tracking {

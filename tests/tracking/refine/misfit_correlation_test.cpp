@@ -31,7 +31,7 @@ Image noise(int width, int height, int side, std::uint64_t seed) {
 }
 
 double correlation_of(const Image& image) {
-    return misfit_correlation(JointFit(image, kDisc, 1).scene());
+    return misfit_correlation(JointFit(image, kDisc, 1));
 }
 
 TEST(MisfitCorrelation, OfWhiteNoiseIsOneToTwoPercent) {
@@ -65,6 +65,42 @@ TEST(MisfitCorrelation, IsTheRatioOfTheVariancesOfTheScore) {
         // Of 1,600 squares the mean is known to 3.5 %.
         EXPECT_NEAR(correlation_of(image) / (squares / expected), 1, 0.1) << side;
     }
+}
+
+/// A fit of discs on a square lattice, darkness drawn by another profile, with some noise.
+JointFit fitted(const DiscProfile& drawn, double sigma) {
+    constexpr int kSide = 600;
+    Image image = noise(kSide, kSide, 1, 9);
+    for (float& v : image.pixels()) v *= static_cast<float>(sigma / 0.05);
+    std::vector<Vec2> centres;
+    for (int row = 0; row < 22; ++row) {
+        for (int column = 0; column < 22; ++column) {
+            centres.push_back({40.3 + 24 * column + 0.37 * row, 40.1 + 24 * row});
+        }
+    }
+    for (const Vec2 c : centres) {
+        const int x0 = static_cast<int>(c.x);
+        const int y0 = static_cast<int>(c.y);
+        for (int y = y0 - 18; y <= y0 + 18; ++y) {
+            for (int x = x0 - 18; x <= x0 + 18; ++x) {
+                image(x, y) += static_cast<float>(drawn.darkness(std::hypot(x - c.x, y - c.y)));
+            }
+        }
+    }
+    JointFit fit(image, kDisc, 1);
+    fit.add_all(centres);
+    fit.refine({});
+    return fit;
+}
+
+TEST(MisfitCorrelation, OfDiscsOfTheRightProfileIsOne) {
+    EXPECT_NEAR(misfit_correlation(fitted(kDisc, 0.02)), 1, 0.03);
+}
+
+TEST(MisfitCorrelation, OfDiscsOfAWrongSizeLiesAtTheEdges) {
+    const JointFit fit = fitted({.diameter = 13, .edge_width = 2}, 0.005);
+    EXPECT_GT(misfit_at_edges(fit), 1.2);
+    EXPECT_GT(misfit_correlation(fit), 2);
 }
 
 TEST(MisfitCorrelation, OfAFrameTooSmallToTellIsOne) {
