@@ -29,9 +29,9 @@ T restored(const std::vector<double>& numbers) {
 TEST(TrackState, EveryMemberOfWhatWasLocatedSurvives) {
     Located before;
     {
-        auto& [position, error, residual, explained, residual_rms, noise, passes, added, removed,
-               coarse_steps, steps, warm, approached, maps_skipped, maps_in_part, trials,
-               arrangements, arrangements_taken, evidence, fitted, unsettled, rejected,
+        auto& [position, error, residual, explained, residual_rms, correlation, noise, passes,
+               added, removed, coarse_steps, steps, warm, approached, maps_skipped, maps_in_part,
+               trials, arrangements, arrangements_taken, evidence, fitted, unsettled, rejected,
                settled_detection, detect_seconds, refine_seconds] = before;
         position = {{1, 2}};
         error = {{3, 4}};
@@ -39,6 +39,7 @@ TEST(TrackState, EveryMemberOfWhatWasLocatedSurvives) {
         explained = {6, 7};
         std::tie(residual_rms, noise, evidence, detect_seconds, refine_seconds) =
             std::tuple{0.1, 0.2, 0.3, 0.4, 0.5};
+        correlation = 24;
         std::tie(passes, maps_skipped, maps_in_part) = std::tuple{8, 9, 10};
         std::tie(arrangements, arrangements_taken) = std::tuple{22, 23};
         std::tie(added, removed, coarse_steps, steps, trials, unsettled, rejected) =
@@ -52,6 +53,7 @@ TEST(TrackState, EveryMemberOfWhatWasLocatedSurvives) {
     EXPECT_EQ(after.trials, 15);
     EXPECT_EQ(after.arrangements_taken, 23);
     EXPECT_EQ(after.evidence, 0.3);
+    EXPECT_EQ(after.correlation, 24);
     EXPECT_EQ(after.fitted, before.fitted);
     EXPECT_FALSE(after.settled_detection);
     EXPECT_EQ(after.refine_seconds, 0.5);
