@@ -9,6 +9,14 @@
 
 namespace grainfield {
 
+/// Frames in a row, by their positions in a source; `end` is excluded.
+struct FrameSpan {
+    std::int64_t begin = 0, end = 0;
+
+    std::int64_t size() const { return end - begin; }
+    friend bool operator==(const FrameSpan&, const FrameSpan&) = default;
+};
+
 /// Where frames come from: files, a video, a renderer, a test.
 ///
 /// `read` may be called with any index in any order; sources are not thread-safe.

@@ -92,6 +92,8 @@ void Tracker::transfer(NumberArchive& archive, Run& run) {
     archive(previous_.synthesised);
     archive(previous_.step_rms);
     light_.transfer(archive);
+    first_light_.transfer(archive);
+    archive(first_optics_);
     if (bilayer_) bilayer_->transfer(archive);
 }
 
@@ -117,7 +119,7 @@ Checkpoint Tracker::checkpoint(Run& run) {
     checkpoint.kind = kTrackStateKind;
     checkpoint.reals["state"] = archive.take_numbers();
     checkpoint.reals["calibration"] = calibration_numbers();
-    checkpoint.integers["frames"] = {run.next, source_.count()};
+    checkpoint.integers["frames"] = {run.next, source_.count(), span().begin, span().end};
     for (const Warning& warning : plan_.warnings()) {
         checkpoint.texts["warnings"].push_back(warning.text);
         checkpoint.integers["warning codes"].push_back(static_cast<std::int64_t>(warning.code));
@@ -133,9 +135,13 @@ void Tracker::restore(Run& run, const Checkpoint& checkpoint) {
         refuse("another image model was calibrated on it", "the same film, options and program");
     }
     const std::vector<std::int64_t>& frames = stored(checkpoint.integers, "frames");
-    if (frames.size() != 2 || frames[1] != source_.count()) {
-        refuse(fmt::format("{} frames were selected", frames.empty() ? 0 : frames.back()),
-               fmt::format("{}", source_.count()));
+    const FrameSpan wanted = span();
+    if (frames.size() != 4 || frames[1] != source_.count() || frames[2] != wanted.begin ||
+        frames[3] != wanted.end) {
+        refuse(frames.size() == 4 ? fmt::format("frames {} to {} of {} were selected", frames[2],
+                                                frames[3], frames[1])
+                                  : "it does not say which frames were selected",
+               fmt::format("{} to {} of {}", wanted.begin, wanted.end, source_.count()));
     }
     NumberArchive archive(stored(checkpoint.reals, "state"));
     transfer(archive, run);

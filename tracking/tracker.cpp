@@ -10,6 +10,7 @@
 #include "core/support/interrupt.h"
 #include "core/support/parallel.h"
 #include "core/support/team.h"
+#include "tracking/point_grid.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -30,6 +31,33 @@ constexpr double kBadResidual = 0.25;
 using Clock = std::chrono::steady_clock;
 double milliseconds_since(Clock::time_point start) {
     return 1e3 * std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Enough discs for their RMS step to within a few percent.
+constexpr std::size_t kStepSample = 1000;
+
+/// RMS distance of discs from the nearest of the frame before, the start of a warm search [px]. If
+/// most have none within D/2, D. Identities play no part: they may be given later. O(discs).
+double step_between(const std::vector<Vec2>& before, const std::vector<Vec2>& now,
+                    double diameter) {
+    if (before.empty() || now.empty()) return 0;
+    const double range = 0.5 * diameter;
+    const PointGrid grid(before, range);
+    const std::size_t stride = (now.size() - 1) / kStepSample + 1;
+    double squares = 0;
+    std::size_t near = 0;
+    std::size_t all = 0;
+    for (std::size_t i = 0; i < now.size(); i += stride) {
+        double nearest = range * range;
+        grid.near(now[i], range, [&](std::uint32_t, Vec2 p) {
+            nearest = std::min(nearest, squared_norm(p - now[i]));
+        });
+        ++all;
+        if (nearest >= range * range) continue;
+        squares += nearest;
+        ++near;
+    }
+    return 2 * near < all ? diameter : std::sqrt(squares / static_cast<double>(near));
 }
 
 /// Throws OptionError where an option needs another one.
@@ -60,6 +88,9 @@ std::vector<OptionTable> describe(TrackOptions& options) {
                  "true diameter a of a sphere, the unit of the analysis; auto: the apparent one");
     track.flag("synthesis", options.synthesis,
                "positions and heights of mirror-like spheres by rendering the frame");
+    track.integer("stretch", options.stretch, "frames", {2, 1e9},
+                  "frames that start from one another; then the search begins afresh, so that "
+                  "parts of a film give what the whole film gives");
     return {describe(options.calibration),
             describe(options.detection),
             describe(options.refinement),
@@ -113,7 +144,11 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
     if (count < 2) {
         plan.skip("link", "one frame", "identities");
     } else {
-        plan.run("link", "least squared steps, optimal where spheres compete");
+        if (options.part) {
+            plan.skip("link", "a part of the film: 'grainfield link' joins parts", "identities");
+        } else {
+            plan.run("link", "least squared steps, optimal where spheres compete");
+        }
         plan.run("warm start",
                  fmt::format("frames begin, two at a time, with the spheres of the frame before "
                              "them while these move less than {:.2g} D",
@@ -161,8 +196,10 @@ TrajectoryInfo Tracker::info() const {
 std::vector<Tracker::Job> Tracker::read(Run& run) {
     const auto begin = Clock::now();
     const std::int64_t first = run.next;
-    const std::int64_t end =
-        std::min(source_.count(), first + (light_.has_reference ? kSideBySide : 1));
+    const std::int64_t in_stretch = first % options_.stretch;
+    const bool is_alone = in_stretch == 0 || !light_.has_reference;
+    const std::int64_t end = std::min(
+        {span().end, first - in_stretch + options_.stretch, first + (is_alone ? 1 : kSideBySide)});
     std::vector<Job> jobs;
     for (; run.next < end; ++run.next) {
         Job& job = jobs.emplace_back();
@@ -205,6 +242,7 @@ void Tracker::fit(std::vector<Job>& jobs) {
         on_team(own, [&](Team&) { fit(jobs[fitted[lane]], lanes_[lane]); });
     });
     if (!fitted.empty()) light_ = lanes_[fitted.size() - 1].illumination.state();
+    if (!first_light_.has_reference) first_light_ = light_;
     for (std::size_t k = 0; k < jobs.size(); ++k) {
         if (jobs[k].is_repeated) jobs[k].found = k == 0 ? previous_.found : jobs[k - 1].found;
     }
@@ -212,7 +250,7 @@ void Tracker::fit(std::vector<Job>& jobs) {
 }
 
 /// One after the other, each on all threads: a frame starts from the one before it.
-void Tracker::synthesise(std::vector<Job>& jobs) const {
+void Tracker::synthesise(std::vector<Job>& jobs) {
     const SynthesisedFrame* earlier = previous_.synthesised ? &*previous_.synthesised : nullptr;
     for (Job& job : jobs) {
         if (!job.is_usable()) continue;
@@ -222,7 +260,39 @@ void Tracker::synthesise(std::vector<Job>& jobs) const {
                                                              earlier, threads_);
         job.ms.synthesis += milliseconds_since(begin);
         earlier = &*job.synthesised;
+        if (!first_optics_ && earlier->residual_rms > 0) {
+            first_optics_.emplace();
+            first_optics_->optics = earlier->optics;
+            first_optics_->residual_rms = earlier->residual_rms;
+        }
     }
+}
+
+FrameSpan Tracker::span() const {
+    return options_.part.value_or(FrameSpan{0, source_.count()});
+}
+
+FrameSpan Tracker::frames_to_fit() const {
+    const FrameSpan wanted = span();
+    return {wanted.begin - wanted.begin % options_.stretch, wanted.end};
+}
+
+/// The light, and the optics, that the first usable frame before the part leaves to all others.
+void Tracker::find_first_light() {
+    const std::int64_t end = frames_to_fit().begin;
+    for (std::int64_t position = 0; position < end && !first_light_.has_reference; ++position) {
+        std::vector<Job> jobs(1);
+        jobs[0].frame = source_.read(position);
+        jobs[0].position = position;
+        if (caught_signal() != 0) return;
+        fit(jobs);
+    }
+}
+
+void Tracker::begin_stretch() {
+    previous_ = {};
+    previous_.synthesised = first_optics_;
+    light_ = first_light_;
 }
 
 std::vector<Vec2> Tracker::start_for(const Job& job) const {
@@ -301,7 +371,8 @@ Snapshot Tracker::snapshot_of(const Job& job, Run& run) {
     }
     judge(found, job.frame, summary);
     report(job, snapshot, summary);
-    link(job, run, snapshot);
+    if (!options_.part) link(job, run, snapshot);
+    if (bilayer_) summary.layers = bilayer_->summary();
     return snapshot;
 }
 
@@ -331,18 +402,8 @@ void Tracker::report(const Job& job, Snapshot& snapshot, TrackSummary& summary) 
 void Tracker::link(const Job& job, Run& run, Snapshot& snapshot) {
     TrackSummary& summary = run.summary;
     const auto begin = Clock::now();
-    Linker& linker = run.linker;
-    const LinkSummary before = linker.summary();
-    snapshot.id = linker.link(job.position, snapshot.position, snapshot.position_error);
-    const LinkSummary& after = linker.summary();
-    if (const std::int64_t steps = after.consecutive - before.consecutive; steps > 0) {
-        previous_.step_rms =
-            std::sqrt((after.squared_steps - before.squared_steps) / static_cast<double>(steps));
-    }
-    if (bilayer_) {
-        bilayer_->label(snapshot);
-        summary.layers = bilayer_->summary();
-    }
+    snapshot.id = run.linker.link(job.position, snapshot.position, snapshot.position_error);
+    if (bilayer_) bilayer_->label(snapshot);
     summary.ms_per_frame.link += milliseconds_since(begin);
 }
 
@@ -427,7 +488,15 @@ void Tracker::finish(Job& job, Run& run, const EachFrame& each_frame) {
     run.long_tracks.write(snapshot);
     summary.ms_per_frame.write += milliseconds_since(begin);
     if (each_frame) each_frame(job.frame, snapshot, job.position);
+    keep(job);
+}
+
+void Tracker::keep(Job& job) {
     if (!calibration_ || !job.is_usable()) return;
+    previous_.step_rms =
+        previous_.position == job.position - 1
+            ? step_between(previous_.found.fitted, job.found.fitted, model().disc.diameter)
+            : 0;
     previous_.position = job.position;
     previous_.counts = std::move(job.frame.image);
     previous_.found = std::move(job.found);
@@ -436,7 +505,9 @@ void Tracker::finish(Job& job, Run& run, const EachFrame& each_frame) {
 
 TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress, const EachFrame& each_frame,
                           const TrackResumption& resumption) {
-    previous_ = {};
+    first_light_ = {};
+    first_optics_.reset();
+    begin_stretch();
     bilayer_.reset();
     if (options_.layers.height && !synthesis_) {
         if (!options_.layers.camera_distance) {
@@ -453,32 +524,35 @@ TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress, const EachFram
     }
     const double diameter = calibration_ ? model().disc.diameter : 1.0;
     Run run{.linker = Linker(options_.link, diameter),
-            .long_tracks = LongTracks(sink, options_.link.minimum_length, options_.link.memory),
-            .summary = {}};
+            .long_tracks = LongTracks(sink, options_.part ? 1 : options_.link.minimum_length,
+                                      options_.link.memory),
+            .summary = {},
+            .next = frames_to_fit().begin};
     Linker& linker = run.linker;
     LongTracks& long_tracks = run.long_tracks;
     TrackSummary& summary = run.summary;
     if (resumption.from != nullptr) {
         restore(run, *resumption.from);
-        progress.resume_at(run.next);
+        progress.resume_at(run.next - frames_to_fit().begin);
+    } else {
+        find_first_light();
     }
-    while (run.next < source_.count() && caught_signal() == 0) {
+    const std::int64_t end = span().end;
+    while (run.next < end && caught_signal() == 0) {
         const auto begin = Clock::now();
+        if (run.next % options_.stretch == 0) begin_stretch();
         std::vector<Job> jobs = read(run);
         fit(jobs);
-        const bool is_new = std::ranges::any_of(
-            jobs, [](const Job& job) { return job.is_usable() && !job.is_repeated; });
-        if (is_new) previous_.step_rms = 0;  // unless linking says it
         for (Job& job : jobs) {
             progress.advance();
-            finish(job, run, each_frame);
+            job.position < span().begin ? keep(job) : finish(job, run, each_frame);
         }
         summary.ms_per_frame.wall += milliseconds_since(begin);
-        if (resumption.save && run.next < source_.count() && resumption.is_due()) {
+        if (resumption.save && run.next < end && resumption.is_due()) {
             resumption.save(checkpoint(run));
         }
     }
-    if (resumption.save && run.next < source_.count()) resumption.save(checkpoint(run));
+    if (resumption.save && run.next < end) resumption.save(checkpoint(run));
     long_tracks.finish();
     progress.finish();
     const double n = std::max<double>(1, static_cast<double>(summary.frames));

@@ -34,6 +34,8 @@ struct TrackOptions {
     std::optional<double> sphere_diameter;  ///< true diameter a [px]; empty: the apparent D
     bool synthesis = false;                 ///< positions and heights from rendered images
     SynthesisOptions synthesis_options;     ///< layers.height, where given, is the height
+    std::int64_t stretch = 200;             ///< [frames] that start from one another
+    std::optional<FrameSpan> part;          ///< measured, not linked; empty: all, and linked
     VisiblePixels visible;                  ///< pixels that are looked at
     int threads = 0;                        ///< 0: all
 };
@@ -69,7 +71,7 @@ struct TrackSummary {
 
 /// What a saved run of the tracker calls itself (Checkpoint::kind), with the version of what it
 /// holds.
-inline constexpr const char* kTrackStateKind = "track 3";
+inline constexpr const char* kTrackStateKind = "track 4";
 
 /// How a long run is saved now and then, and taken up again.
 struct TrackResumption {
@@ -89,6 +91,13 @@ struct TrackResumption {
 /// from there. New and lost spheres are searched only where the residual is large enough. A frame
 /// that repeats the one before costs nothing. The light of each frame is followed
 /// (IlluminationFollower).
+///
+/// Every `stretch` frames this begins afresh: a cold search, and the light as the first frame left
+/// it. What is found in a stretch so depends on no other stretch. A part of the film is measured
+/// alone with the same result: the calibration is that of the whole film, its first usable frame is
+/// fitted for the light, then all frames from the beginning of the stretch that holds the first
+/// one. Those before `part.begin` are not passed on. Snapshots of a part have no identities, and no
+/// layers from overlaps: these follow from identities.
 ///
 /// With synthesis, positions, heights and layers are those of FilmSynthesis, frame by frame, and
 /// the next frame starts from them. Else, where the height of the cell is given, spheres without
@@ -111,6 +120,10 @@ class Tracker {
     bool is_calibrated() const { return calibration_.has_value(); }
     /// Call only if is_calibrated().
     const ImageModel& model() const { return calibration_->model; }
+    /// Tells calibrations apart: the frame used and the numbers of the model. Empty without one.
+    std::vector<double> calibration_numbers() const;
+    /// All that are looked at: the part's, and those of its first stretch before it.
+    FrameSpan frames_to_fit() const;
     TrajectoryInfo info() const;
 
     /// Told of each frame that was tracked, in order, and its position among those selected.
@@ -129,7 +142,7 @@ class Tracker {
         Image counts;
         Located found;
         std::optional<SynthesisedFrame> synthesised = {};
-        double step_rms = 0;  ///< of its spheres, RMS displacement [px]; 0: unknown
+        double step_rms = 0;  ///< RMS step to its discs from those before [px]; 0: unknown
     };
 
     /// What is carried from frame to frame besides the above.
@@ -143,7 +156,7 @@ class Tracker {
     Checkpoint checkpoint(Run& run);
     void restore(Run& run, const Checkpoint& checkpoint);
     void transfer(NumberArchive& archive, Run& run);
-    std::vector<double> calibration_numbers() const;
+    FrameSpan span() const;
 
     /// What a frame is fitted with; frames side by side have one each.
     struct Lane {
@@ -167,9 +180,12 @@ class Tracker {
     std::vector<Job> read(Run& run);
     void fit(std::vector<Job>& jobs);
     void fit(Job& job, Lane& lane) const;
-    void synthesise(std::vector<Job>& jobs) const;
+    void synthesise(std::vector<Job>& jobs);
     std::vector<Vec2> start_for(const Job& job) const;
+    void find_first_light();
+    void begin_stretch();
     void finish(Job& job, Run& run, const EachFrame& each_frame);
+    void keep(Job& job);
     Snapshot snapshot_of(const Job& job, Run& run);
     void report(const Job& job, Snapshot& snapshot, TrackSummary& summary);
     void link(const Job& job, Run& run, Snapshot& snapshot);
@@ -184,7 +200,8 @@ class Tracker {
     std::optional<Calibration> calibration_;
     std::int64_t calibration_frame_ = -1;
     std::vector<Lane> lanes_;
-    IlluminationFollower::State light_;
+    IlluminationFollower::State light_, first_light_;
+    std::optional<SynthesisedFrame> first_optics_;  ///< nothing but the optics
     Previous previous_;
     std::optional<Bilayer> bilayer_;
     std::optional<FilmSynthesis> synthesis_;

@@ -137,6 +137,59 @@ TEST(Tracker, GoesOnFromAnyFrameAsIfNothingHadHappened) {
     }
 }
 
+TEST(Tracker, APartIsMeasuredAsInTheWholeFilm) {
+    Movie m = movie(7);
+    m.frames[0].image = Image(300, 300);  // black: the light is that of the second frame
+    m.frames[4] = m.frames[3];            // repeated, in the middle of a stretch
+    m.frames[5].status = FrameStatus::corrupt;
+    MemoryFrames source(numbered(m.frames));
+    TrackOptions options;
+    options.stretch = 3;
+    Collect whole;
+    RunPlan plan;
+    run(source, whole, plan, options);
+    ASSERT_EQ(whole.snapshots.size(), 6u);
+    for (const FrameSpan part : {FrameSpan{2, 3}, {4, 7}}) {
+        options.part = part;
+        Collect found;
+        const TrackSummary summary = run(source, found, plan, options);
+        std::vector<Snapshot> expected;
+        for (Snapshot snapshot : whole.snapshots) {
+            if (snapshot.frame < part.begin || snapshot.frame >= part.end) continue;
+            snapshot.id.clear();
+            expected.push_back(std::move(snapshot));
+        }
+        expect_same(found.snapshots, expected,
+                    "frames " + std::to_string(part.begin) + " to " + std::to_string(part.end));
+        EXPECT_EQ(summary.frames, static_cast<std::int64_t>(expected.size()));
+        EXPECT_EQ(summary.frames + summary.frames_corrupt, part.size());
+    }
+}
+
+TEST(Tracker, AStretchChangesPositionsByLessThanTheirError) {
+    const Movie m = movie(3);
+    MemoryFrames source(numbered(m.frames));
+    Collect one;
+    Collect two;
+    RunPlan plan;
+    TrackOptions options;
+    run(source, one, plan, options);
+    options.stretch = 2;
+    run(source, two, plan, options);
+    for (std::size_t f = 0; f < 3; ++f) {
+        const Snapshot& a = one.snapshots[f];
+        const Snapshot& b = two.snapshots[f];
+        ASSERT_EQ(a.size(), b.size());
+        const auto same = score_positions(a.position, b.position, 0.5, 300, 300, 12);
+        EXPECT_EQ(same.recall(), 1);
+        for (std::size_t i = 0; i < b.size(); ++i) {
+            const auto k = static_cast<std::size_t>(same.partner[i]);
+            if (same.partner[i] < 0) continue;
+            EXPECT_LT(norm(a.position[k] - b.position[i]), norm(b.position_error[i]));
+        }
+    }
+}
+
 TEST(Tracker, RefusesACheckpointOfAnotherFilm) {
     const Movie m = movie(3);
     MemoryFrames source(numbered(m.frames));

@@ -61,7 +61,7 @@ SynthesisedFrame FilmSynthesis::next(const Image& counts, const std::vector<Vec2
     if (discs.empty()) return {};
     SynthesisStart start{.position = discs, .z = {}, .optics = {}, .are_optics_known = false};
     start.optics.distance = camera_distance_;
-    if (earlier != nullptr && !earlier->position.empty()) {
+    if (earlier != nullptr && earlier->residual_rms > 0) {
         start.optics = earlier->optics;
         start.are_optics_known = true;
         start.z = earlier_heights(discs, *earlier, diameter_, 0.5 * (options_.height - 1));

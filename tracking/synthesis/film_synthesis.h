@@ -60,7 +60,8 @@ class FilmSynthesis {
                   const SynthesisOptions& options);
 
     /// `discs`: centres of all discs of the frame, those cut by the border included [px].
-    /// `earlier`: of the frame before; null: there is none. Without discs nothing is found.
+    /// `earlier`: of the frame before; null: there is none; without spheres, but with a residual:
+    /// its optics alone are taken. Without discs nothing is found.
     SynthesisedFrame next(const Image& counts, const std::vector<Vec2>& discs,
                           const SynthesisedFrame* earlier, int threads) const;
 
