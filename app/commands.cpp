@@ -4,6 +4,7 @@
 #include "app/critical_command.h"
 #include "app/export_command.h"
 #include "app/info_command.h"
+#include "app/link_command.h"
 #include "app/render_command.h"
 #include "app/simulate_field_command.h"
 #include "app/simulate_md_command.h"
@@ -16,6 +17,7 @@ namespace grainfield::app {
 std::vector<std::unique_ptr<Command>> make_commands() {
     std::vector<std::unique_ptr<Command>> commands;
     commands.push_back(std::make_unique<TrackCommand>());
+    commands.push_back(std::make_unique<LinkCommand>());
     commands.push_back(std::make_unique<TuneCommand>());
     commands.push_back(std::make_unique<SimulateMdCommand>());
     commands.push_back(std::make_unique<SimulateFieldCommand>());

@@ -137,6 +137,11 @@ std::vector<OptionTable> TrackCommand::options() {
     OptionTable own("");
     own.text("output", output_, "trajectory file to write (H5MD)");
     describe(job_.film, own);
+    own.flag("no-link", job_.film.is_part,
+             "the frames are a part of the film: no identities, 'grainfield link' joins parts");
+    own.text("part-of", job_.film.part_of,
+             "with no-link: frames of the whole film, as FIRST:END:STEP; by default all, in the "
+             "same steps");
     own.integer("previews", job_.previews, "-", {0, 1000}, "frames kept in the output to look at");
     own.flag("resume", job_.resume.resume, "go on from OUTPUT.checkpoint if it is there");
     own.affects(Effect::call);  // a run that was gone on with is recorded as one

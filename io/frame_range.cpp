@@ -42,26 +42,20 @@ std::optional<std::int64_t> parse(std::string_view range, std::string_view part)
     return value;
 }
 
-struct Selection {
-    std::int64_t first = 0;
-    std::int64_t step = 1;
-    std::int64_t count = 0;
-};
-
 std::int64_t from_start(std::int64_t value, std::int64_t count) {
     // Compared before adding, so that no number of the user can overflow.
     if (value < -count) return 0;
     return std::min(value < 0 ? value + count : value, count);
 }
 
-Selection single(std::string_view range, std::int64_t index, std::int64_t count) {
+FrameSelection single(std::string_view range, std::int64_t index, std::int64_t count) {
     if (index < -count || index >= count) {
         refuse(range, fmt::format("frame {}", index), fmt::format("0 … {}", count - 1));
     }
     return {.first = index < 0 ? index + count : index, .step = 1, .count = 1};
 }
 
-Selection parse_range(std::string_view range, std::int64_t count) {
+FrameSelection parse_range(std::string_view range, std::int64_t count) {
     std::array<std::optional<std::int64_t>, 3> numbers;
     std::size_t parts = 0;
     for (std::string_view rest = range;; ++parts) {
@@ -85,7 +79,7 @@ Selection parse_range(std::string_view range, std::int64_t count) {
 
 class SelectedFrames : public PassedFrames {
  public:
-    SelectedFrames(std::unique_ptr<FrameSource> source, Selection selection)
+    SelectedFrames(std::unique_ptr<FrameSource> source, FrameSelection selection)
         : PassedFrames(std::move(source)), selection_(selection) {}
 
     std::int64_t count() const override { return selection_.count; }
@@ -96,16 +90,43 @@ class SelectedFrames : public PassedFrames {
     }
 
  private:
-    Selection selection_;
+    FrameSelection selection_;
 };
 
 }  // namespace
 
 std::unique_ptr<FrameSource> select_frames(std::unique_ptr<FrameSource> source,
                                            std::string_view range) {
-    const Selection selection = parse_range(trimmed(range), source->count());
+    const FrameSelection selection = frame_selection(range, source->count());
     if (selection.count == source->count()) return source;
     return std::make_unique<SelectedFrames>(std::move(source), selection);
+}
+
+FrameSelection frame_selection(std::string_view range, std::int64_t count) {
+    return parse_range(trimmed(range), count);
+}
+
+FilmPart part_of_film(std::string_view range, std::string_view film, std::int64_t count) {
+    const FrameSelection part = frame_selection(range, count);
+    FilmPart found;
+    found.film =
+        trimmed(film).empty()
+            ? frame_selection(fmt::format("{}::{}", part.first % part.step, part.step), count)
+            : frame_selection(film, count);
+    const std::int64_t step = found.film.step;
+    const std::int64_t ahead = part.first - found.film.first;
+    found.span = {ahead / step, ahead / step + part.count};
+    if (ahead < 0 || ahead % step != 0 || (part.count > 1 && part.step != step) ||
+        found.span.end > found.film.count) {
+        throw OptionError(
+            {.problem = fmt::format("frames '{}' are no part of the film '{}'", range, film),
+             .actual = fmt::format("frames {} to {} in steps of {}", part.first,
+                                   part.first + (part.count - 1) * part.step, part.step),
+             .expected = fmt::format("some of frames {} to {} in steps of {}", found.film.first,
+                                     found.film.first + (found.film.count - 1) * step, step),
+             .suggestion = "the step of both must be the same"});
+    }
+    return found;
 }
 
 }  // namespace grainfield::io

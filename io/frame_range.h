@@ -16,4 +16,27 @@ namespace grainfield::io {
 std::unique_ptr<FrameSource> select_frames(std::unique_ptr<FrameSource> source,
                                            std::string_view range);
 
+/// A selection in numbers: frames first, first + step, … of a source, `count` of them.
+struct FrameSelection {
+    std::int64_t first = 0;
+    std::int64_t step = 1;
+    std::int64_t count = 0;
+
+    friend bool operator==(const FrameSelection&, const FrameSelection&) = default;
+};
+
+/// Of a source of `count` frames. Throws as select_frames does.
+FrameSelection frame_selection(std::string_view range, std::int64_t count);
+
+/// Part of a film: the film's frames in the source, and the positions of the part among them.
+struct FilmPart {
+    FrameSelection film;
+    FrameSpan span;
+};
+
+/// `range` as a part of the frames `film`; if that is empty, of all frames with the step of the
+/// range. Throws OptionError if a range is not one, or if the part has frames that the film has
+/// not.
+FilmPart part_of_film(std::string_view range, std::string_view film, std::int64_t count);
+
 }  // namespace grainfield::io

@@ -190,11 +190,18 @@ void describe(FilmOptions& options, OptionTable& table) {
 }
 
 Film open_film(Job& job, const FilmOptions& options, const tracking::TrackOptions& tracking) {
-    std::unique_ptr<FrameSource> frames = io::select_frames(
-        io::open_frames(job.inputs, {.fps = options.fps, .max_pixels = options.max_pixels}),
-        options.frames);
-    const auto region = io::region_within(options.region, frames->width(), frames->height());
+    std::unique_ptr<FrameSource> frames =
+        io::open_frames(job.inputs, {.fps = options.fps, .max_pixels = options.max_pixels});
     Film film;
+    std::string range = options.frames;
+    if (options.is_part) {
+        film.part = io::part_of_film(options.frames, options.part_of, frames->count());
+        const io::FrameSelection& whole = film.part->film;
+        range = fmt::format("{}:{}:{}", whole.first,
+                            whole.first + (whole.count - 1) * whole.step + 1, whole.step);
+    }
+    frames = io::select_frames(std::move(frames), range);
+    const auto region = io::region_within(options.region, frames->width(), frames->height());
     film.visible = visible_pixels(*frames, options, region, job.plan);
     if (region) film.origin = {static_cast<double>(region->x), static_cast<double>(region->y)};
     if (!options.flat_field.empty()) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/option_table.h"
+#include "io/frame_range.h"
 #include "pipelines/film/evened_frames.h"
 #include "pipelines/film/watched_frames.h"
 #include "pipelines/job.h"
@@ -18,6 +19,8 @@ namespace grainfield::pipelines {
 struct FilmOptions {
     std::optional<double> fps;  ///< [1/s]; empty: as the file says
     std::string frames = "::";
+    bool is_part = false;                   ///< the frames are a part of the film
+    std::string part_of;                    ///< frames of the whole; empty: all, in steps alike
     std::vector<int> region;                ///< X,Y,WIDTH,HEIGHT [px]; empty: all
     std::string flat_field;                 ///< picture of the empty, lit cell
     std::string mask;                       ///< picture, zero: not looked at
@@ -38,11 +41,13 @@ std::vector<std::string> pictures_of(const FilmOptions& options);
 void describe(FilmOptions& options, OptionTable& table);
 
 /// The frames as a tracker sees them: selected, over the flat field, the region alone, background
-/// evened out, read ahead.
+/// evened out, read ahead. Of a part they are those of the whole film, so that calibration,
+/// background and light are the same for all parts.
 struct Film {
     std::unique_ptr<WatchedFrames> frames;
-    Vec2 origin;                      ///< of the region in the frames of the source [px]
-    tracking::VisiblePixels visible;  ///< where the mask is not zero
+    Vec2 origin;                       ///< of the region in the frames of the source [px]
+    tracking::VisiblePixels visible;   ///< where the mask is not zero
+    std::optional<io::FilmPart> part;  ///< what is asked for; empty: all frames
 };
 
 /// What is done to the frames goes into the plan of the job; a background is estimated with the

@@ -37,6 +37,10 @@ PreviewChoice::PreviewChoice(std::int64_t wanted, std::int64_t count) {
     }
 }
 
+void PreviewChoice::begin_at(std::int64_t position) {
+    while (next_ < positions_.size() && positions_[next_] < position) ++next_;
+}
+
 bool PreviewChoice::takes(std::int64_t position) {
     if (next_ == positions_.size() || position < positions_[next_]) return false;
     while (next_ < positions_.size() && positions_[next_] <= position) ++next_;

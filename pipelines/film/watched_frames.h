@@ -39,6 +39,8 @@ class PreviewChoice {
 
     /// Whether the good frame at `position` is to be kept; positions come in increasing order.
     bool takes(std::int64_t position);
+    /// Frames before this one are chosen by others.
+    void begin_at(std::int64_t position);
 
  private:
     std::vector<std::int64_t> positions_;

@@ -11,6 +11,7 @@
 #include "io/input_record.h"
 #include "pipelines/analyze/lengths.h"
 #include "pipelines/interrupt_deadline.h"
+#include "pipelines/track/film_part.h"
 #include "pipelines/track/kept_tracks.h"
 
 namespace grainfield::pipelines {
@@ -44,6 +45,8 @@ Resumable::Identity identity_of(const TrackJobOptions& options, const Job& job) 
     for (OptionTable& table : tracking::describe(tracking)) tables.push_back(std::move(table));
     Configuration compared = physics_of(tables);
     compared.emplace_back("previews", std::to_string(options.previews));
+    compared.emplace_back("no-link", options.film.is_part ? "true" : "false");
+    compared.emplace_back("part-of", options.film.part_of);
     compared.emplace_back("seed", std::to_string(job.seed));
     for (const std::string& picture : pictures_of(options.film)) {
         const RunRecord::Input record = io::describe_input(picture);
@@ -83,6 +86,42 @@ void warn_of_unit(const TrackJobOptions& options, const Tracker& tracker, RunPla
               fmt::format("lengths are in apparent disc diameters D = {:.3f} px; steel spheres: D "
                           "is about 0.88 a; give track.sphere-diameter",
                           tracker.model().disc.diameter));
+}
+
+/// Says which frames the file holds, the first `done` of those asked for, and how they were
+/// measured.
+PartRecord record_of(const Film& film, const tracking::TrackOptions& options,
+                     const Tracker& tracker, std::int64_t done) {
+    PartRecord part;
+    part.film = film.part->film;
+    part.span = film.part->span;
+    part.origin = film.origin;
+    part.span.end = part.span.begin + done;
+    part.size = {static_cast<double>(film.frames->width()),
+                 static_cast<double>(film.frames->height())};
+    if (tracker.is_calibrated()) part.disc_diameter = tracker.model().disc.diameter;
+    part.sphere_diameter = options.sphere_diameter;
+    // Synthesis gives layers by itself.
+    if (!options.synthesis) part.height = options.layers.height;
+    part.camera_distance = options.layers.camera_distance.value_or(0);
+    part.calibration = tracker.calibration_numbers();
+    return part;
+}
+
+void plan_part(const Film& film, const Tracker& tracker, RunPlan& plan) {
+    if (!film.part) return;
+    const FrameSpan span = film.part->span;
+    const std::int64_t before = span.begin - tracker.frames_to_fit().begin;
+    plan.run("part",
+             fmt::format("frames {} to {} of the {} of the film; calibration, background and light "
+                         "are those of the whole film{}",
+                         film.part->film.first + span.begin * film.part->film.step,
+                         film.part->film.first + (span.end - 1) * film.part->film.step,
+                         film.part->film.count,
+                         before == 0 ? ""
+                                     : fmt::format("; {} before it are fitted as well, as they "
+                                                   "begin the stretch (track.stretch)",
+                                                   counted(before, "frame"))));
 }
 
 /// The optics that synthesis found, and how well rendering and image agree with them.
@@ -152,8 +191,10 @@ void plan_tracking(const TrackJobOptions& options, Job& job) {
     tracking.threads = job.threads;
     const Film film = open_film(job, options.film, tracking);
     tracking.visible = film.visible;
+    if (film.part) tracking.part = film.part->span;
     plan_checkpoints(resumable, film.frames->count(), job.plan);
     const Tracker tracker(*film.frames, tracking, job.plan);
+    plan_part(film, tracker, job.plan);
 }
 
 TrackJobResult track_film(const TrackJobOptions& options, Job& job) {
@@ -172,9 +213,12 @@ TrackJobResult track_film(const TrackJobOptions& options, Job& job) {
     const Film film = open_film(job, options.film, tracking);
     WatchedFrames& frames = *film.frames;
     tracking.visible = film.visible;
+    if (film.part) tracking.part = film.part->span;
+    const std::int64_t wanted = film.part ? film.part->span.size() : frames.count();
     plan_checkpoints(resumable, frames.count(), job.plan);
 
     Tracker tracker(frames, tracking, job.plan);
+    plan_part(film, tracker, job.plan);
     warn_of_unit(options, tracker, job.plan);
     if (frames.count() > 1) {
         resumable.start();
@@ -183,10 +227,11 @@ TrackJobResult track_film(const TrackJobOptions& options, Job& job) {
     tracks.emplace(std::move(output), tracker.info(), film.origin, log ? &*log : nullptr);
     last_act.holds(&*tracks, job);
     PreviewChoice choice(options.previews, frames.count());
+    if (film.part) choice.begin_at(film.part->span.begin);
     Resumption resumption(resumable, *tracks, choice);
     resumption.replay(frames);
 
-    Progress progress("tracking", frames.count(), "frames", job.verbosity);
+    Progress progress("tracking", tracker.frames_to_fit().size(), "frames", job.verbosity);
     TrackJobResult result;
     result.summary = tracker.run(
         *tracks, progress,
@@ -201,11 +246,10 @@ TrackJobResult track_film(const TrackJobOptions& options, Job& job) {
     // Without the tracks that are too short to be written.
     summary.particles_mean = tracks->particles_mean();
     const std::int64_t done = summary.frames + summary.frames_corrupt + summary.frames_missing;
-    const bool is_complete = done >= frames.count();
+    const bool is_complete = done >= wanted;
     if (result.signal != 0) {
-        job.plan.warn(resumable.interrupted(static_cast<double>(done),
-                                            static_cast<double>(frames.count()), "frames",
-                                            fmt::format("; '{}' holds those", name)));
+        job.plan.warn(resumable.interrupted(static_cast<double>(done), static_cast<double>(wanted),
+                                            "frames", fmt::format("; '{}' holds those", name)));
     }
     if (summary.frames > 0 && !result.has_residual()) {
         job.plan.warn("no residual is given: no spheres were found");
@@ -215,6 +259,11 @@ TrackJobResult track_film(const TrackJobOptions& options, Job& job) {
                                             summary.residual_rms));
     }
     if (summary.synthesis.frames > 0) tracks->add_curve(synthesis_curve(summary.synthesis));
+    if (film.part) {
+        for (const Curve& curve : curves_of(record_of(film, tracking, tracker, done))) {
+            tracks->add_curve(curve);
+        }
+    }
     tracks->finish(job.record());
     job.outputs.push_back(options.output);
     if (is_complete) resumable.finish();

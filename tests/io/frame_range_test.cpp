@@ -67,5 +67,25 @@ TEST(FrameRange, RefusesWhatIsNoRangeOrEmpty) {
     }
 }
 
+TEST(FrameRange, APartStandsAmongTheFramesOfItsFilm) {
+    const FilmPart all = part_of_film("4:8", "", 10);
+    EXPECT_EQ(all.film, (FrameSelection{0, 1, 10}));
+    EXPECT_EQ(all.span, (FrameSpan{4, 8}));
+    const FilmPart steps = part_of_film("4::3", "", 10);
+    EXPECT_EQ(steps.film, (FrameSelection{1, 3, 3})) << "frames 1, 4, 7";
+    EXPECT_EQ(steps.span, (FrameSpan{1, 3}));
+    const FilmPart within = part_of_film("6:8:2", "2:9:2", 10);
+    EXPECT_EQ(within.film, (FrameSelection{2, 2, 4})) << "frames 2, 4, 6, 8";
+    EXPECT_EQ(within.span, (FrameSpan{2, 3}));
+    EXPECT_EQ(part_of_film("8", "2:9:2", 10).span, (FrameSpan{3, 4})) << "one frame has no step";
+}
+
+TEST(FrameRange, FramesThatTheFilmHasNotAreNoPartOfIt) {
+    EXPECT_THROW(part_of_film("0:5", "2:", 10), OptionError);
+    EXPECT_THROW(part_of_film("5:10", "2:9", 10), OptionError);
+    EXPECT_THROW(part_of_film("3:9:2", "2::2", 10), OptionError);
+    EXPECT_THROW(part_of_film("2:9:4", "2::2", 10), OptionError);
+}
+
 }  // namespace
 }  // namespace grainfield::io

@@ -119,6 +119,11 @@ void Bilayer::admit(Snapshot& snapshot, const std::vector<double>& evidence) {
     kept_.assign(snapshot.size(), 1);
 }
 
+void Bilayer::take(const Snapshot& admitted) {
+    graph_.emplace(cell_, admitted.position, admitted.position_error);
+    kept_.assign(admitted.size(), 1);
+}
+
 void Bilayer::label(Snapshot& snapshot) {
     if (!graph_) return;
     LayerLabels labels = label_layers(*graph_, kept_);

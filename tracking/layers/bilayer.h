@@ -50,7 +50,10 @@ class Bilayer {
     /// quality, and is not yet linked. `evidence`: one value a sphere.
     void admit(Snapshot& snapshot, const std::vector<double>& evidence);
 
-    /// Fills `layer`; call after admit() and linking.
+    /// Takes a snapshot that has been through admit() before, in another run, as label() needs it.
+    void take(const Snapshot& admitted);
+
+    /// Fills `layer`; call after admit() or take(), and linking.
     void label(Snapshot& snapshot);
 
     struct Summary {

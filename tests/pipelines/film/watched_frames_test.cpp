@@ -66,6 +66,12 @@ TEST(PreviewChoice, TakesTheNextGoodFrameInPlaceOfABadOne) {
     EXPECT_EQ(taken({3, 5}, {3}), (std::vector<std::int64_t>{3}));
 }
 
+TEST(PreviewChoice, LeavesFramesBeforeAPartToOthers) {
+    PreviewChoice part(3, 9);  // 0, 4, 8
+    part.begin_at(3);
+    EXPECT_EQ(taken(part, {3, 4, 5}), (std::vector<std::int64_t>{4}));
+}
+
 TEST(PreviewChoice, TakesNoMoreThanThereAreAndNoneIfNoneAreWanted) {
     EXPECT_EQ(taken({3, 1}, {0}), (std::vector<std::int64_t>{0}));
     EXPECT_EQ(taken({1, 4}, {0, 1, 2, 3}), (std::vector<std::int64_t>{0}));
