@@ -2,11 +2,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <typeindex>
 #include <utility>
 
 #include "analysis/pattern.h"
 #include "core/results.h"
+#include "core/support/checkpoint.h"
 
 namespace grainfield::analysis {
 
@@ -56,6 +58,11 @@ class Accumulator {
     /// Called once, before it is merged and after the last snapshot and before any result.
     virtual void finish(const Inputs& /*inputs*/) {}
     virtual ObservableResult result(const Inputs& inputs) const = 0;
+    /// What was gathered, under names that begin with `prefix`; `restore` takes it into an
+    /// accumulator of the same setup. Only of observables that can be saved. Throws InputError if
+    /// it does not fit.
+    virtual void save(Checkpoint& /*checkpoint*/, const std::string& /*prefix*/) const {}
+    virtual void restore(const Checkpoint& /*checkpoint*/, const std::string& /*prefix*/) {}
 };
 
 /// One snapshot on its way through the observables of a run.

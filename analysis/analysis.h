@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <functional>
+#include <optional>
 #include <vector>
 
 #include "analysis/analysis_options.h"
@@ -8,6 +11,7 @@
 #include "core/option_table.h"
 #include "core/results.h"
 #include "core/run_plan.h"
+#include "core/support/checkpoint.h"
 #include "core/support/progress.h"
 #include "core/trajectory.h"
 
@@ -18,6 +22,12 @@ struct MeasureSettings {
     int threads = 0;               ///< 0: all of the machine
     RunPlan* plan = nullptr;       ///< takes what is measured, left out and warned of
     Progress* progress = nullptr;  ///< advances by one a snapshot
+};
+
+/// Where a part stands in its run.
+struct PartOfRun {
+    std::int64_t first = 0;  ///< number of its first snapshot
+    std::int64_t whole = 0;  ///< snapshots of the run; 0: the part is the run
 };
 
 /// Measures observables over all snapshots of a trajectory.
@@ -40,6 +50,24 @@ Results measure(SnapshotSource& source, const AnalysisOptions& options = {},
 Results measure(const Trajectory& trajectory, const AnalysisOptions& options = {},
                 const MeasureSettings& settings = {},
                 const std::vector<Observable>& known = observables());
+
+/// What the accumulators gather from a part of a run, to be merged with that of the other parts.
+///
+/// Of the observables asked for those are measured that can be merged (Observable::can_be_saved);
+/// the others follow particles through time, and the plan says that they are left out. Throws as
+/// `measure` does, and OptionError if nothing that was asked for can be merged.
+Checkpoint measure_part(SnapshotSource& source, const PartOfRun& part,
+                        const AnalysisOptions& options = {}, const MeasureSettings& settings = {},
+                        const std::vector<Observable>& known = observables());
+
+/// The results of a run from those of its parts in order, and the options that they were measured
+/// with. Values and errors are those of `measure` over the whole run up to the rounding of sums;
+/// where snapshots are missing, the blocks of time that errors are taken from shift. One part is in
+/// memory at a time: `next` gives them one after the other, then nothing. Throws InputError if
+/// parts do not fit each other.
+Results merged(const std::function<std::optional<Checkpoint>()>& next,
+               const AnalysisOptions& options = {}, const MeasureSettings& settings = {},
+               const std::vector<Observable>& known = observables());
 
 /// Says in `plan` what `measure` will run and leave out, and why, from the source's properties and
 /// its first snapshot. Throws OptionError for an unknown observable.

@@ -28,6 +28,8 @@ struct RunSetup {
     int threads = 1;
     std::int64_t first = 0;  ///< number of the first frame, where this is a later part of a run
     std::int64_t whole = 0;  ///< frames of the whole run, where this is a part of it; else 0
+
+    std::int64_t frames_of_run() const { return whole > 0 ? whole : frames; }
 };
 
 /// What a plan is made from: the setup and the first snapshot that has particles.
@@ -42,9 +44,10 @@ struct PlanSetup {
 /// Everything that the analysis, the command line and the report know about an observable. Made by
 /// `observable_of`.
 struct Observable {
-    std::string name;        ///< of its section of options, its result and its main curve
-    bool has_result = true;  ///< false: work that several observables share
-    std::type_index type;    ///< of the accumulator
+    std::string name;           ///< of its section of options, its result and its main curve
+    bool has_result = true;     ///< false: work that several observables share
+    bool can_be_saved = false;  ///< parts of a run can be measured apart, and merged
+    std::type_index type;       ///< of the accumulator
 
     /// What must be measured before it, of each snapshot and of the run.
     std::function<std::vector<Observable>(const AnalysisOptions&)> needs;
@@ -65,14 +68,16 @@ struct Observable {
 ///   ObservableResult result(const Inputs&) const
 ///
 /// Derived is built from a RunSetup. It has static members `name` and, where the defaults here do
-/// not fit, `has_result`, `needs`, `describe`, `plan`, `figures` and `titles`. Memory must not grow
-/// with the number of snapshots beyond what the class comment states.
+/// not fit, `has_result`, `can_be_saved` (with save and restore, if it gathers anything), `needs`,
+/// `describe`, `plan`, `figures` and `titles`. Memory must not grow with the number of snapshots
+/// beyond what the class comment states.
 template <class Derived, class SampleType>
 class AccumulatorOf : public Accumulator {
  public:
     using Sample = SampleType;
 
     static constexpr bool has_result = true;
+    static constexpr bool can_be_saved = false;
     static std::vector<Observable> needs(const AnalysisOptions& /*options*/) { return {}; }
     static std::optional<OptionTable> describe(AnalysisOptions& /*options*/) { return {}; }
     static void plan(const PlanSetup& /*setup*/, RunPlan& /*plan*/) {}
@@ -98,6 +103,7 @@ template <class A>
 Observable observable_of() {
     return {.name = A::name,
             .has_result = A::has_result,
+            .can_be_saved = A::can_be_saved,
             .type = typeid(A),
             .needs = &A::needs,
             .describe = &A::describe,

@@ -112,6 +112,30 @@ void Run::merge(Run& later) {
     }
 }
 
+void Run::save(Checkpoint& checkpoint) const {
+    checkpoint.integers["dropped"] = {dropped_};
+    for (const Part& part : parts_) {
+        const std::string prefix = part.observable.name + "/";
+        checkpoint.reals[prefix + "seconds"] = {part.seconds};
+        part.accumulator->save(checkpoint, prefix);
+    }
+}
+
+void Run::restore(const Checkpoint& checkpoint) {
+    const auto dropped = checkpoint.integers.find("dropped");
+    if (dropped != checkpoint.integers.end() && dropped->second.size() == 1) {
+        dropped_ = dropped->second[0];
+    }
+    for (Part& part : parts_) {
+        const std::string prefix = part.observable.name + "/";
+        const auto seconds = checkpoint.reals.find(prefix + "seconds");
+        if (seconds != checkpoint.reals.end() && seconds->second.size() == 1) {
+            part.seconds = seconds->second[0];
+        }
+        part.accumulator->restore(checkpoint, prefix);
+    }
+}
+
 const Accumulator& Run::accumulator(std::type_index type) const {
     return *parts_[place_of(type)].accumulator;
 }

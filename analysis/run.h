@@ -34,6 +34,11 @@ class Run final : private Inputs {
     /// snapshot can be added to either after that.
     void merge(Run& later);
 
+    /// What all observables have gathered; `restore` takes it into a run of the same setup that has
+    /// no snapshots. Throws InputError if it does not fit.
+    void save(Checkpoint& checkpoint) const;
+    void restore(const Checkpoint& checkpoint);
+
     /// The results of the wanted observables, in their order. Nothing can be added after that.
     std::vector<ObservableResult> results();
 

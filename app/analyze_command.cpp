@@ -1,8 +1,11 @@
 #include "app/analyze_command.h"
 
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "core/support/progress.h"
+#include "pipelines/analyze/part_job.h"
 #include "pipelines/interrupt_deadline.h"
 #include "report/page/text.h"
 
@@ -83,7 +86,7 @@ std::string AnalyzeCommand::purpose() const {
 Command::Inputs AnalyzeCommand::inputs() const {
     return {.placeholder = "TRACKS.h5|POINTS.csv|FIELD.h5",
             .meaning = "a trajectory, a table of points of any tracker, or a field file",
-            .count = Count::one};
+            .count = Count::many};
 }
 
 std::vector<OptionTable> AnalyzeCommand::options() {
@@ -111,6 +114,13 @@ std::vector<OptionTable> AnalyzeCommand::options() {
     own.also_called("diameter");
     own.flag("from-fields", from_fields_,
              "of a field file: measure the stored fields, not what the run accumulated");
+    own.flag(
+        "partial", is_partial_,
+        "of a part of a film: write what 'analyze --merge' merges; not what follows particles");
+    own.affects(Effect::call);
+    own.flag("merge", is_merge_,
+             "the inputs are outputs of 'analyze --partial', of all parts of a film");
+    own.affects(Effect::call);
     std::vector<OptionTable> tables{own};
     for (OptionTable& table : analysis::describe(job_.analysis)) tables.push_back(std::move(table));
     return tables;
@@ -128,10 +138,48 @@ pipelines::AnalyzeJobOptions AnalyzeCommand::job() const {
     return job;
 }
 
+void AnalyzeCommand::require_inputs(const Session& session) const {
+    const auto refuse = [](std::string problem, std::string expected) {
+        throw OptionError({.problem = std::move(problem),
+                           .actual = {},
+                           .expected = std::move(expected),
+                           .suggestion = {}});
+    };
+    if (is_partial_ && is_merge_) {
+        refuse("option 'partial' and option 'merge' exclude each other", "one of them");
+    }
+    if (!is_merge_ && session.inputs.size() > 1) {
+        refuse(fmt::format("'analyze' got {} inputs", session.inputs.size()),
+               "one input, or option 'merge'");
+    }
+    if ((is_merge_ || is_partial_) && session.common.explain) {
+        refuse("parts of an analysis have no plan to explain", "no option 'explain'");
+    }
+}
+
 Summary AnalyzeCommand::run(Session& session) {
     return pipelines::run_or_discard("analysis", output_, [&]() -> Summary {
         require_output(session, output_);
+        require_inputs(session);
+        if (is_partial_) {
+            const pipelines::PartJobResult part = pipelines::analyze_part(job(), session);
+            std::string names;
+            for (const std::string& name : part.observables) {
+                names += (names.empty() ? "" : ", ") + name;
+            }
+            return {.text = fmt::format("{}: {} of {}, of {} of the film\n", output_, names,
+                                        counted(part.frames, "frame"), part.whole),
+                    .facts = {{"observables", part.observables},
+                              {"frames", part.frames},
+                              {"first", part.first},
+                              {"film_frames", part.whole}},
+                    .signal = 0};
+        }
         require_hdf5_name(output_);
+        if (is_merge_) {
+            const Results results = pipelines::merge_parts(job(), session);
+            return {.text = words(session, results), .facts = facts(results), .signal = 0};
+        }
         if (session.common.explain) {
             pipelines::plan_analysis(job(), session);
             return explanation(session.plan);

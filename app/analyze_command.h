@@ -21,12 +21,15 @@ class AnalyzeCommand : public Command {
     enum class BoundaryChoice { as_in_file, periodic, walls };
 
     pipelines::AnalyzeJobOptions job() const;
+    void require_inputs(const Session& session) const;
 
     std::string output_;
     std::vector<double> box_;
     std::string wavevectors_;
     BoundaryChoice boundary_ = BoundaryChoice::as_in_file;
     bool from_fields_ = false;
+    bool is_partial_ = false;
+    bool is_merge_ = false;
     pipelines::AnalyzeJobOptions job_;
 };
 

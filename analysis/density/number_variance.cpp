@@ -44,12 +44,13 @@ OptionTable describe(NumberVarianceOptions& options) {
 }
 
 NumberVariance::NumberVariance(const NumberVarianceOptions& options, const Box& box,
-                               std::int64_t frames, int threads)
+                               std::int64_t frames, int threads, std::int64_t first)
     : options_(options),
       box_(box),
       grid_(box, options.step, border_of(options, box)),
       plan_(BlockPlan::of(frames)),
-      threads_(threads) {
+      threads_(threads),
+      first_(first) {
     const double cell = std::sqrt(grid_.cell.x * grid_.cell.y);
     const auto steps = static_cast<std::int64_t>(
         std::floor((options.largest - options.smallest) / options.increment * (1 + 1e-12)));
@@ -98,7 +99,7 @@ NumberVariance::Sample NumberVariance::measure(const Pattern& pattern) const {
 }
 
 void NumberVariance::add(Sample sample) {
-    Block& block = blocks_[static_cast<std::size_t>(plan_.block_of(added_++))];
+    Block& block = blocks_[static_cast<std::size_t>(plan_.block_of(first_ + added_++))];
     ++block.frames;
     block.particles += sample.particles;
     density_.add(sample.particles / box_.area());
@@ -115,13 +116,72 @@ void NumberVariance::merge(const NumberVariance& later) {
         throw InputError(ErrorText{"the parts to merge have different boxes or windows", "", "",
                                    "analyse them one by one"});
     }
+    const std::int64_t end = first_ + added_;
     added_ += later.added_;
     density_.append(later.density_);
+    if (are_cut_alike(plan_, end, later.plan_, later.first_)) {
+        for (std::size_t b = 0; b < blocks_.size(); ++b) add_block(blocks_[b], later.blocks_[b]);
+        return;
+    }
     plan_.frames = std::max(plan_.frames, added_);
     blocks_.insert(blocks_.end(), later.blocks_.begin(), later.blocks_.end());
     blocks_ = joined_blocks(std::move(blocks_), add_block);
     if (blocks_.empty()) blocks_.push_back(empty_block());
     plan_.blocks = static_cast<int>(blocks_.size());
+}
+
+void NumberVariance::save(Checkpoint& checkpoint, const std::string& prefix) const {
+    checkpoint.reals[prefix + "density"] = density_.value;
+    std::vector<double>& reals = checkpoint.reals[prefix + "particles"];
+    std::vector<std::int64_t>& counts = checkpoint.integers[prefix + "counts"];
+    counts = {added_};
+    const auto add_wide = [&](Wide number) {
+        counts.push_back(static_cast<std::int64_t>(number >> 62));
+        counts.push_back(static_cast<std::int64_t>(number & ((Wide{1} << 62) - 1)));
+    };
+    for (const Block& block : blocks_) {
+        reals.push_back(block.particles);
+        counts.push_back(block.frames);
+        counts.insert(counts.end(), block.contents.begin(), block.contents.end());
+        for (std::size_t s = 0; s < block.sums.size(); ++s) {
+            add_wide(block.sums[s].sum);
+            add_wide(block.sums[s].squares);
+            add_wide(block.squared_sums[s]);
+        }
+    }
+}
+
+void NumberVariance::restore(const Checkpoint& checkpoint, const std::string& prefix) {
+    const auto reals = checkpoint.reals.find(prefix + "particles");
+    const auto density = checkpoint.reals.find(prefix + "density");
+    const auto counts = checkpoint.integers.find(prefix + "counts");
+    const std::size_t in_block = 1 + blocks_.front().contents.size() + 6 * sizes_.size();
+    if (reals == checkpoint.reals.end() || density == checkpoint.reals.end() ||
+        counts == checkpoint.integers.end() || reals->second.size() != blocks_.size() ||
+        counts->second.size() != 1 + in_block * blocks_.size()) {
+        throw InputError(ErrorText{"stored sums of the number variance do not fit",
+                                   "another number of cells, windows or blocks", "",
+                                   "measure the part again"});
+    }
+    density_.value = density->second;
+    const std::int64_t* next = counts->second.data();
+    const auto wide = [&] {
+        const Wide high = *next++;
+        const Wide low = *next++;
+        return (high << 62) + low;
+    };
+    added_ = *next++;
+    for (std::size_t b = 0; b < blocks_.size(); ++b) {
+        Block& block = blocks_[b];
+        block.particles = reals->second[b];
+        block.frames = *next++;
+        for (std::int32_t& content : block.contents) content = static_cast<std::int32_t>(*next++);
+        for (std::size_t s = 0; s < block.sums.size(); ++s) {
+            block.sums[s].sum = wide();
+            block.sums[s].squares = wide();
+            block.squared_sums[s] = wide();
+        }
+    }
 }
 
 void NumberVariance::add_block(Block& to, const Block& from) {

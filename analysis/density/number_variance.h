@@ -9,6 +9,7 @@
 #include "analysis/pattern.h"
 #include "analysis/statistics/blocks.h"
 #include "core/option_table.h"
+#include "core/support/checkpoint.h"
 
 namespace grainfield::analysis {
 
@@ -60,14 +61,20 @@ class NumberVariance {
         std::vector<WindowSums> sums;     // per size
     };
 
+    /// Of a part of a run `frames` is the length of the run, `first` the number of its first frame.
     NumberVariance(const NumberVarianceOptions& options, const Box& box, std::int64_t frames,
-                   int threads = 1);
+                   int threads = 1, std::int64_t first = 0);
 
     /// Thread-safe. Throws InputError if the pattern's box is another one.
     Sample measure(const Pattern& pattern) const;
     void add(Sample sample);
     void merge(const NumberVariance& later);
     ObservableResult result() const;
+
+    /// The sums gathered so far, under names that begin with `prefix`; `restore` takes them into an
+    /// accumulator built with the same options. Throws InputError if they do not fit.
+    void save(Checkpoint& checkpoint, const std::string& prefix) const;
+    void restore(const Checkpoint& checkpoint, const std::string& prefix);
 
  private:
     struct Block {
@@ -102,6 +109,7 @@ class NumberVariance {
     int threads_;
     std::vector<int> sizes_;       // in cells
     std::vector<double> lengths_;  // [a]
+    std::int64_t first_;           // of the run
     std::int64_t added_ = 0;
     std::vector<Block> blocks_;
     MeanSeries density_;

@@ -10,6 +10,7 @@ namespace grainfield::analysis {
 class SyntheticObservable final : public AccumulatorOf<SyntheticObservable, bool> {
  public:
     static constexpr const char* name = "synthetic";
+    static constexpr bool can_be_saved = true;
     static std::vector<Observable> needs(const AnalysisOptions& options);
     static std::optional<OptionTable> describe(AnalysisOptions& options);
     static void plan(const PlanSetup& setup, RunPlan& plan);

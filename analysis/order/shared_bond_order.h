@@ -14,6 +14,7 @@ class SharedBondOrder final
  public:
     static constexpr const char* name = "bond order";
     static constexpr bool has_result = false;
+    static constexpr bool can_be_saved = true;
 
     explicit SharedBondOrder(const RunSetup& setup)
         : options_(setup.options.of<BondOrderOptions>()) {}
@@ -31,6 +32,7 @@ class SharedSquareOrder final
  public:
     static constexpr const char* name = "square order";
     static constexpr bool has_result = false;
+    static constexpr bool can_be_saved = true;
     static std::vector<Observable> needs(const AnalysisOptions& options);
 
     explicit SharedSquareOrder(const RunSetup& setup)

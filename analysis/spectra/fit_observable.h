@@ -9,6 +9,7 @@ namespace grainfield::analysis {
 class FitObservable final : public AccumulatorOf<FitObservable, bool> {
  public:
     static constexpr const char* name = "fit";
+    static constexpr bool can_be_saved = true;
     static std::vector<Observable> needs(const AnalysisOptions& options);
     static std::optional<OptionTable> describe(AnalysisOptions& options);
     static void plan(const PlanSetup& setup, RunPlan& plan);

@@ -19,8 +19,9 @@ constexpr std::size_t most_wavevectors = std::size_t{1} << 20;
 
 }  // namespace
 
-ListedModes::ListedModes(std::vector<Vec2> wavevectors, const Box& box, std::int64_t frames)
-    : wavevectors_(std::move(wavevectors)), box_(box), plan_(BlockPlan::of(frames)) {
+ListedModes::ListedModes(std::vector<Vec2> wavevectors, const Box& box, std::int64_t frames,
+                         std::int64_t first)
+    : wavevectors_(std::move(wavevectors)), box_(box), plan_(BlockPlan::of(frames)), first_(first) {
     if (wavevectors_.size() > most_wavevectors) {
         throw OptionError(ErrorText{"too many wavevectors are listed",
                                     fmt::format("{}", wavevectors_.size()),
@@ -59,7 +60,7 @@ ListedModes::Sample ListedModes::measure(const Pattern& pattern) const {
 }
 
 void ListedModes::add(Sample sample) {
-    Block& block = blocks_[static_cast<std::size_t>(plan_.block_of(added_++))];
+    Block& block = blocks_[static_cast<std::size_t>(plan_.block_of(first_ + added_++))];
     block.frames += 1;
     block.particles += sample.particles;
     for (std::size_t m = 0; m < sample.rho.size(); ++m) {
@@ -74,20 +75,59 @@ void ListedModes::merge(const ListedModes& later) {
                                    fmt::format("{}", later.wavevectors_.size()),
                                    fmt::format("{}", wavevectors_.size()), ""});
     }
-    added_ += later.added_;
-    plan_.frames = std::max(plan_.frames, added_);
-    blocks_.insert(blocks_.end(), later.blocks_.begin(), later.blocks_.end());
-    std::erase_if(blocks_, [](const Block& block) { return block.frames <= 0; });
-    blocks_ = joined_blocks(std::move(blocks_), [](Block& to, const Block& from) {
+    const auto add_block = [](Block& to, const Block& from) {
         to.frames += from.frames;
         to.particles += from.particles;
         for (std::size_t m = 0; m < to.rho.size(); ++m) {
             to.rho[m] += from.rho[m];
             to.power[m] += from.power[m];
         }
-    });
+    };
+    const std::int64_t end = first_ + added_;
+    added_ += later.added_;
+    if (are_cut_alike(plan_, end, later.plan_, later.first_)) {
+        for (std::size_t b = 0; b < blocks_.size(); ++b) add_block(blocks_[b], later.blocks_[b]);
+        return;
+    }
+    plan_.frames = std::max(plan_.frames, added_);
+    blocks_.insert(blocks_.end(), later.blocks_.begin(), later.blocks_.end());
+    std::erase_if(blocks_, [](const Block& block) { return block.frames <= 0; });
+    blocks_ = joined_blocks(std::move(blocks_), add_block);
     if (blocks_.empty()) blocks_.push_back(empty_block());
     plan_.blocks = static_cast<int>(blocks_.size());
+}
+
+void ListedModes::save(Checkpoint& checkpoint, const std::string& prefix) const {
+    checkpoint.integers[prefix + "added"] = {added_};
+    std::vector<double>& sums = checkpoint.reals[prefix + "sums"];
+    for (const Block& block : blocks_) {
+        sums.insert(sums.end(), {block.frames, block.particles});
+        for (const auto& rho : block.rho) sums.insert(sums.end(), {rho.real(), rho.imag()});
+        sums.insert(sums.end(), block.power.begin(), block.power.end());
+    }
+}
+
+void ListedModes::restore(const Checkpoint& checkpoint, const std::string& prefix) {
+    const auto sums = checkpoint.reals.find(prefix + "sums");
+    const auto added = checkpoint.integers.find(prefix + "added");
+    if (sums == checkpoint.reals.end() || added == checkpoint.integers.end() ||
+        added->second.size() != 1 ||
+        sums->second.size() != (2 + 3 * wavevectors_.size()) * blocks_.size()) {
+        throw InputError(ErrorText{"stored sums of listed wavevectors do not fit",
+                                   "another number of wavevectors or blocks", "",
+                                   "measure the part again"});
+    }
+    added_ = added->second[0];
+    const double* next = sums->second.data();
+    for (Block& block : blocks_) {
+        block.frames = *next++;
+        block.particles = *next++;
+        for (auto& rho : block.rho) {
+            rho = {next[0], next[1]};
+            next += 2;
+        }
+        for (double& power : block.power) power = *next++;
+    }
 }
 
 ListedModes::Block ListedModes::total(std::optional<std::size_t> without) const {

@@ -8,6 +8,7 @@
 
 #include "analysis/pattern.h"
 #include "analysis/statistics/blocks.h"
+#include "core/support/checkpoint.h"
 
 namespace grainfield::analysis {
 
@@ -37,12 +38,18 @@ class ListedModes {
     };
 
     /// `wavevectors` [1/a]. Throws OptionError if one is not finite or there are more than 2^20.
-    ListedModes(std::vector<Vec2> wavevectors, const Box& box, std::int64_t frames);
+    /// Of a part of a run `frames` is the length of the run, `first` the number of its first frame.
+    ListedModes(std::vector<Vec2> wavevectors, const Box& box, std::int64_t frames,
+                std::int64_t first = 0);
 
     /// Thread-safe.
     Sample measure(const Pattern& pattern) const;
     void add(Sample sample);
     void merge(const ListedModes& later);
+    /// The sums gathered so far, under names that begin with `prefix`; `restore` takes them into an
+    /// accumulator of the same wavevectors. Throws InputError if they do not fit.
+    void save(Checkpoint& checkpoint, const std::string& prefix) const;
+    void restore(const Checkpoint& checkpoint, const std::string& prefix);
 
     /// Appends the curve; nothing without frames or particles.
     void add_to(ObservableResult& sk) const;
@@ -65,6 +72,7 @@ class ListedModes {
     std::vector<Vec2> wavevectors_;
     Box box_;
     BlockPlan plan_;
+    std::int64_t first_;  // of the run
     std::int64_t added_ = 0;
     std::vector<Block> blocks_;
 };

@@ -38,8 +38,8 @@ OptionTable describe(OrderStructureFactorOptions& options) {
 }
 
 OrderStructureFactor::OrderStructureFactor(const OrderStructureFactorOptions& options,
-                                           const Box& box, std::int64_t frames)
-    : options_(options), modes_(StructureFactor::of_order(options.modes, box, frames)) {}
+                                           const Box& box, std::int64_t frames, std::int64_t first)
+    : options_(options), modes_(StructureFactor::of_order(options.modes, box, frames, first)) {}
 
 ObservableResult OrderStructureFactor::result() const {
     const ObservableResult modes = modes_.result();

@@ -33,7 +33,7 @@ class OrderStructureFactor {
     using Sample = StructureFactor::Sample;
 
     OrderStructureFactor(const OrderStructureFactorOptions& options, const Box& box,
-                         std::int64_t frames);
+                         std::int64_t frames, std::int64_t first = 0);
 
     /// `order`: Q of each particle of the pattern. Thread-safe.
     Sample measure(const Pattern& pattern, std::span<const std::complex<double>> order) const {
@@ -41,6 +41,13 @@ class OrderStructureFactor {
     }
     void add(Sample sample) { modes_.add(std::move(sample)); }
     void merge(const OrderStructureFactor& later) { modes_.merge(later.modes_); }
+    /// As of StructureFactor.
+    void save(Checkpoint& checkpoint, const std::string& prefix) const {
+        modes_.save(checkpoint, prefix);
+    }
+    void restore(const Checkpoint& checkpoint, const std::string& prefix) {
+        modes_.restore(checkpoint, prefix);
+    }
     ObservableResult result() const;
 
  private:

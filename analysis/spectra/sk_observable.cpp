@@ -76,7 +76,7 @@ ObservableTitles SkObservable::titles() {
 
 SkObservable::SkObservable(const RunSetup& setup) {
     const auto& listed = setup.options.of<ListedWavevectors>().k;
-    if (!listed.empty()) listed_.emplace(listed, setup.box, setup.frames);
+    if (!listed.empty()) listed_.emplace(listed, setup.box, setup.frames_of_run(), setup.first);
 }
 
 SkObservable::Sample SkObservable::measure(const Moment& moment) const {

@@ -20,12 +20,20 @@ class SharedSpectrum final : public AccumulatorOf<SharedSpectrum, StructureFacto
  public:
     static constexpr const char* name = "density modes";
     static constexpr bool has_result = false;
+    static constexpr bool can_be_saved = true;
 
     explicit SharedSpectrum(const RunSetup& setup)
-        : sums_(setup.options.of<StructureFactorOptions>(), setup.box, setup.frames) {}
+        : sums_(setup.options.of<StructureFactorOptions>(), setup.box, setup.frames_of_run(),
+                setup.first) {}
     Sample measure(const Moment& moment) const { return sums_.measure(moment.pattern()); }
     void add(Sample& sample, const Moment& /*moment*/) { sums_.add(std::move(sample)); }
     void merge(const SharedSpectrum& later) { sums_.merge(later.sums_); }
+    void save(Checkpoint& checkpoint, const std::string& prefix) const override {
+        sums_.save(checkpoint, prefix);
+    }
+    void restore(const Checkpoint& checkpoint, const std::string& prefix) override {
+        sums_.restore(checkpoint, prefix);
+    }
 
     const StructureFactor& sums() const { return sums_; }
 
@@ -38,6 +46,7 @@ class SharedSpectrum final : public AccumulatorOf<SharedSpectrum, StructureFacto
 class SkObservable final : public AccumulatorOf<SkObservable, ListedModes::Sample> {
  public:
     static constexpr const char* name = "sk";
+    static constexpr bool can_be_saved = true;
     static std::vector<Observable> needs(const AnalysisOptions& options);
     static std::optional<OptionTable> describe(AnalysisOptions& options);
     static void plan(const PlanSetup& setup, RunPlan& plan);
@@ -48,6 +57,12 @@ class SkObservable final : public AccumulatorOf<SkObservable, ListedModes::Sampl
     Sample measure(const Moment& moment) const;
     void add(Sample& sample, const Moment& moment);
     void merge(const SkObservable& later);
+    void save(Checkpoint& checkpoint, const std::string& prefix) const override {
+        if (listed_) listed_->save(checkpoint, prefix);
+    }
+    void restore(const Checkpoint& checkpoint, const std::string& prefix) override {
+        if (listed_) listed_->restore(checkpoint, prefix);
+    }
     ObservableResult result(const Inputs& inputs) const override;
 
  private:

@@ -80,13 +80,14 @@ std::string edges_text(const StructureFactorOptions& options) {
 }
 
 StructureFactor::StructureFactor(const StructureFactorOptions& options, const Box& box,
-                                 std::int64_t frames)
+                                 std::int64_t frames, std::int64_t first)
     : options_(options),
       box_(box),
       plan_(BlockPlan::of(frames)),
       edges_(checked_edges(options)),
       grid_(spacing_of(options, box), affordable(options, box, plan_.blocks)),
-      transform_(std::make_shared<DensityTransform>(grid_)) {
+      transform_(std::make_shared<DensityTransform>(grid_)),
+      first_(first) {
     const auto& modes = grid_.modes();
     const bool walls = box.boundary[0] == Boundary::walls && box.boundary[1] == Boundary::walls;
     const bool half_steps = same_length(grid_.spacing().x, std::numbers::pi / box.length.x) &&
@@ -130,8 +131,8 @@ bool StructureFactor::has_neumann() const {
 }
 
 StructureFactor StructureFactor::of_order(const StructureFactorOptions& options, const Box& box,
-                                          std::int64_t frames) {
-    StructureFactor order(options, box, frames);
+                                          std::int64_t frames, std::int64_t first) {
+    StructureFactor order(options, box, frames, first);
     order.components_ = 2;
     order.neumann_modes_.clear();
     order.blocks_.assign(order.blocks_.size(), order.empty_block());
@@ -172,7 +173,7 @@ StructureFactor::Sample StructureFactor::measure(
 }
 
 void StructureFactor::add(Sample sample) {
-    Block& block = blocks_[static_cast<std::size_t>(plan_.block_of(added_++))];
+    Block& block = blocks_[static_cast<std::size_t>(plan_.block_of(first_ + added_++))];
     block.frames += 1;
     block.particles += sample.particles;
     const std::size_t modes = grid_.modes().size();
@@ -198,7 +199,12 @@ void StructureFactor::merge(const StructureFactor& later) {
                                    fmt::format("{} modes", later.grid_.modes().size()),
                                    fmt::format("{}", grid_.modes().size()), ""});
     }
+    const std::int64_t end = first_ + added_;
     added_ += later.added_;
+    if (are_cut_alike(plan_, end, later.plan_, later.first_)) {
+        for (std::size_t b = 0; b < blocks_.size(); ++b) add_block(blocks_[b], later.blocks_[b], 1);
+        return;
+    }
     plan_.frames = std::max(plan_.frames, added_);
     blocks_.insert(blocks_.end(), later.blocks_.begin(), later.blocks_.end());
     blocks_ = joined_blocks(std::move(blocks_),

@@ -92,8 +92,11 @@ class StructureFactor {
         std::vector<std::complex<double>> rho;  ///< component after component
     };
 
-    /// The grid is that of `box` [a]; all later patterns must have the same one.
-    StructureFactor(const StructureFactorOptions& options, const Box& box, std::int64_t frames);
+    /// The grid is that of `box` [a]; all later patterns must have the same one. Of a part of a run
+    /// `frames` is the length of the run, `first` the number of its first frame: parts then have
+    /// the blocks of the run when they are merged.
+    StructureFactor(const StructureFactorOptions& options, const Box& box, std::int64_t frames,
+                    std::int64_t first = 0);
 
     /// Of a field on a periodic lattice: wavevectors up to options.k_max or the lattice's π/dx,
     /// whichever is less.
@@ -104,7 +107,7 @@ class StructureFactor {
     /// `OrderStructureFactor` wraps. The real and the imaginary part are two components, whose
     /// powers add: the mean of S at k and −k. No Neumann estimator.
     static StructureFactor of_order(const StructureFactorOptions& options, const Box& box,
-                                    std::int64_t frames);
+                                    std::int64_t frames, std::int64_t first = 0);
 
     /// Thread-safe. Throws InputError if the pattern's box is another one.
     Sample measure(const Pattern& pattern) const;
@@ -201,6 +204,7 @@ class StructureFactor {
     std::shared_ptr<const DensityTransform> transform_;  // of particles
     std::size_t components_ = 1;
     bool counts_particles_ = true;
+    std::int64_t first_ = 0;  ///< of the run
     std::int64_t added_ = 0;
     std::vector<Block> blocks_;
     std::vector<std::size_t> neumann_index_;  // of each mode in `cosine`, or nowhere

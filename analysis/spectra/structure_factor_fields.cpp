@@ -80,7 +80,9 @@ void StructureFactor::save(Checkpoint& checkpoint, const std::string& prefix) co
 }
 
 void StructureFactor::restore(const Checkpoint& checkpoint, const std::string& prefix) {
-    const std::size_t in_block = 2 + 3 * grid_.modes().size() + 2 * blocks_.front().cosine.size();
+    const Block& like = blocks_.front();
+    const std::size_t in_block =
+        2 + 2 * like.rho.size() + like.power.size() + 2 * like.cosine.size();
     const auto sums = numbers(checkpoint, prefix + "sums", in_block * blocks_.size());
     const auto added = checkpoint.integers.find(prefix + "added");
     if (added == checkpoint.integers.end() || added->second.size() != 1) {

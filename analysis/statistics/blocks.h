@@ -28,6 +28,13 @@ struct BlockPlan {
     int block_of(std::int64_t ordinal) const;
 };
 
+/// Whether two runs are parts of one that were cut into blocks by its plan, the later one from
+/// frame `first` on: their blocks are then added one by one.
+inline bool are_cut_alike(const BlockPlan& plan, std::int64_t end, const BlockPlan& later,
+                          std::int64_t first) {
+    return later.frames == plan.frames && later.blocks == plan.blocks && first > 0 && first >= end;
+}
+
 /// Blocks of two runs one after the other, joined to those of BlockPlan::of their frames: each goes
 /// whole to the block that it begins in, so that two halves give the blocks of the whole. A block
 /// has a number `frames`; add(to, from) joins two.

@@ -35,16 +35,21 @@ Curve calibration_curve(double diameter, double edge_width, double residual) {
             {}};
 }
 
-ObservableResult lengths_of(const SnapshotSource& file, const TrajectoryInfo& info,
-                            const Adjustment& adjustment) {
+ObservableResult lengths_of(const TrajectoryInfo& info, const Adjustment& adjustment) {
     ObservableResult result;
     result.name = "lengths";
-    const auto* tracks = dynamic_cast<const io::TrajectoryFile*>(&file);
     const std::string origin =
         adjustment.particle_diameter ? "given to analyze" : words(info.diameter_origin);
     const std::string unit = info.length_unit == LengthUnit::pixel ? "px" : "a";
     result.measurements.push_back(
         {"particle_diameter", unit, info.diameter, std::nullopt, 0, origin});
+    return result;
+}
+
+ObservableResult lengths_of(const SnapshotSource& file, const TrajectoryInfo& info,
+                            const Adjustment& adjustment) {
+    ObservableResult result = lengths_of(info, adjustment);
+    const auto* tracks = dynamic_cast<const io::TrajectoryFile*>(&file);
     if (tracks == nullptr) return result;
     for (const Curve& curve : tracks->curves()) {
         if (curve.name != curve_name) continue;

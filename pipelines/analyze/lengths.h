@@ -15,6 +15,9 @@ Curve calibration_curve(double diameter, double edge_width, double residual);
 ObservableResult lengths_of(const SnapshotSource& file, const TrajectoryInfo& info,
                             const Adjustment& adjustment);
 
+/// Of what has no file: a with the word alone.
+ObservableResult lengths_of(const TrajectoryInfo& info, const Adjustment& adjustment);
+
 /// What they are called for people.
 ObservableTitles lengths_titles();
 

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include <gmock/gmock.h>
@@ -50,6 +52,50 @@ TEST_F(FilmParts, TrackedApartAndLinkedAreTheFilmInOnePiece) {
     const Outcome analysed =
         run({"analyze", film_file_, "-o", folder_ / "r.h5", "--observables", "msd"});
     EXPECT_EQ(analysed.code, 0) << analysed.err;
+}
+
+TEST_F(FilmParts, AnalysedApartAndMergedAreTheAnalysisInOnePiece) {
+    const std::vector<std::string> what{"--observables", "sk,variance", "--largest", "8"};
+    const auto analyze = [&](std::vector<std::string> words, const std::string& output) {
+        words.insert(words.begin(), "analyze");
+        return run(with(with(words, what), {"-o", output, "--json"}));
+    };
+    ASSERT_EQ(run(track(whole_, {})).code, 0);
+    ASSERT_EQ(run(track(b_, {"--no-link", "--frames", "6:"})).code, 0);
+    ASSERT_EQ(run(track(a_, {"--no-link", "--frames", "0:6"})).code, 0);
+    for (const std::string& part : {a_, b_}) {
+        const Outcome partial = analyze({part, "--partial"}, part + ".acc");
+        ASSERT_EQ(partial.code, 0) << partial.err;
+    }
+    const Outcome merged = analyze({"--merge", b_ + ".acc", a_ + ".acc"}, folder_ / "merged.h5");
+    ASSERT_EQ(merged.code, 0) << merged.err;
+    const Outcome whole = analyze({whole_}, folder_ / "results.h5");
+    ASSERT_EQ(whole.code, 0) << whole.err;
+    const auto expected = nlohmann::json::parse(whole.out);
+    const auto found = nlohmann::json::parse(merged.out);
+    EXPECT_EQ(found["frames"], 10);
+    EXPECT_EQ(found["particles_mean"], expected["particles_mean"]);
+    for (const char* name : {"sk", "variance"}) {
+        const auto& list = expected[name]["measurements"];
+        ASSERT_EQ(found[name]["measurements"].size(), list.size());
+        ASSERT_GT(list.size(), 0u);
+        for (std::size_t i = 0; i < list.size(); ++i) {
+            for (const char* key : {"value", "error"}) {
+                if (!list[i].contains(key)) continue;
+                const double value = list[i][key];
+                EXPECT_NEAR(found[name]["measurements"][i][key].get<double>(), value,
+                            1e-8 * std::max(1.0, std::abs(value)))
+                    << name << " " << list[i]["name"] << " " << key;
+            }
+        }
+    }
+    const Outcome missing = analyze({"--merge", b_ + ".acc"}, folder_ / "x.h5");
+    EXPECT_EQ(missing.code, 3);
+    EXPECT_THAT(missing.err, HasSubstr("b.h5.acc' has frames 6 to 9"));
+    const Outcome linked = analyze({whole_, "--partial"}, folder_ / "x.acc");
+    EXPECT_EQ(linked.code, 3);
+    EXPECT_THAT(linked.err, HasSubstr("is not a part of a film"));
+    EXPECT_EQ(analyze({a_, b_}, folder_ / "x.h5").code, 2) << "two inputs are not merged unasked";
 }
 
 TEST_F(FilmParts, AMissingPartIsNamedWithItsFramesAndLeavesNoFile) {
