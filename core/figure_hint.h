@@ -95,6 +95,9 @@ struct FigureHint {
     std::size_t least_points = 1;        ///< of a series; shorter ones are left out
     std::optional<Axis> without_time{};  ///< x where the runs do not share a time unit
     std::vector<GuideHint> guides{};
+    /// What it is, how to read it and what is usual, for somebody who sees it for the first time.
+    /// Figures that have it stand first on the page.
+    std::string reading{};
 };
 
 }  // namespace grainfield

@@ -10,6 +10,7 @@
 #include "report/page/page.h"
 #include "report/page/paper_table.h"
 #include "report/page/text.h"
+#include "report/possible_numbers.h"
 #include "report/run_labels.h"
 
 namespace grainfield::report {
@@ -24,15 +25,24 @@ std::string relative_folder(const std::filesystem::path& folder,
     return relative.empty() ? folder.string() : relative.generic_string();
 }
 
+std::string title_of(const std::vector<std::string>& labels) {
+    if (labels.size() == 1) return labels[0];
+    if (labels.size() == 2) return labels[0] + " beside " + labels[1];
+    return "Report of a vibrated layer";
+}
+
 }  // namespace
 
-void write_report(const std::vector<Results>& runs, const ReportOptions& options,
+void write_report(const std::vector<Results>& given, const ReportOptions& options,
                   const std::filesystem::path& html, const std::filesystem::path& figures_dir,
                   RunPlan& plan, const ReportAdditions& additions) {
-    if (runs.empty()) {
+    if (given.empty()) {
         throw OptionError(ErrorText{"a report needs at least one results file", "none given", "",
                                     "make one with 'grainfield analyze'"});
     }
+    std::vector<Results> runs;
+    runs.reserve(given.size());
+    for (const Results& run : given) runs.push_back(with_possible_numbers(run));
     const std::vector<std::string> labels = run_labels(runs);
     const std::vector<RunIdentity> identities = identities_of(runs);
     std::vector<Table> tables;
@@ -50,7 +60,7 @@ void write_report(const std::vector<Results>& runs, const ReportOptions& options
     }
     const std::vector<ParticleMap> maps = make_maps(runs, {.threads = options.threads});
     std::string title = clean_text(options.title);
-    if (title.empty()) title = "Report of a vibrated layer";
+    if (title.empty()) title = title_of(labels);
 
     std::vector<std::string> files;
     if (options.figures) {
@@ -62,7 +72,8 @@ void write_report(const std::vector<Results>& runs, const ReportOptions& options
     }
     write_file(html, page_html({title, runs, labels, figures, maps,
                                 options.figures ? relative_folder(figures_dir, html) : "", files,
-                                plan, tables, options.observables, options.titles}));
+                                plan, tables, options.observables, options.titles,
+                                clean_text(options.date), options.sphere_mm}));
 }
 
 }  // namespace grainfield::report

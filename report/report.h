@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,8 @@ struct ReportOptions {
     bool paper = false;               ///< begin with the table of the paper's values (paper_table)
     std::vector<FigureHint> hints{};  ///< how what was measured wants to be drawn
     std::vector<ObservableTitles> titles{};  ///< and what it is called
+    std::string date{};                      ///< in the header of the page; may be empty
+    std::optional<double> sphere_mm{};  ///< true diameter of the spheres [mm], for lengths in mm
 };
 
 /// What a command adds to a report of its own: tables before the key numbers, figures before those

@@ -36,7 +36,9 @@ std::vector<FigureHint> Q4Observable::figures() {
          .place = 10,
          .presence = Presence::always,
          .x_names_order = true,
-         .note_of_square_order = "Liquid lies near 0.3, the square crystal near 0.95."},
+         .note_of_square_order = "Liquid lies near 0.3, the square crystal near 0.95.",
+         .reading = "How four-fold the neighbours of each sphere stand, 0 to 1. Two peaks mean two "
+                    "phases side by side; one peak near 0.3 is a liquid."},
         {.name = "q4_space",
          .title = "Correlation of the order in space",
          .note = "",

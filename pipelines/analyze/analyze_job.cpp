@@ -23,6 +23,7 @@
 #include "io/text/points_csv.h"
 #include "io/text/wavevector_csv.h"
 #include "pipelines/analyze/lengths.h"
+#include "pipelines/film/watched_frames.h"
 
 namespace grainfield::pipelines {
 
@@ -91,18 +92,25 @@ analysis::AnalysisOptions analysis_of(const AnalyzeJobOptions& options) {
     return analysis;
 }
 
-/// The frames that the tracker kept; where there are none, the last snapshot alone.
+/// The frames that the tracker kept; where there are none, snapshots as it would choose them.
 std::vector<Preview> previews_of(const Input& input) {
     if (input.trajectory != nullptr && !input.trajectory->previews().empty()) {
         return input.trajectory->previews();
     }
     AdjustedSnapshots& snapshots = *input.snapshots;
     if (snapshots.count() == 0) return {};
-    Preview last;
-    last.snapshot = snapshots.read(snapshots.count() - 1);
-    last.frame.index = last.snapshot.frame;
-    last.frame.time = last.snapshot.time;
-    return {last};
+    constexpr std::int64_t usual = 3;  // as track keeps by default
+    PreviewChoice choice(usual, snapshots.count());
+    std::vector<Preview> previews;
+    for (std::int64_t i = 0; i < snapshots.count(); ++i) {
+        if (!choice.takes(i)) continue;
+        Preview preview;
+        preview.snapshot = snapshots.read(i);
+        preview.frame.index = preview.snapshot.frame;
+        preview.frame.time = preview.snapshot.time;
+        previews.push_back(std::move(preview));
+    }
+    return previews;
 }
 
 /// Origin and control parameter where they are known, else the name of the file.

@@ -1,5 +1,6 @@
 #include "pipelines/analyze/lengths.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "io/h5/trajectory_file.h"
@@ -22,6 +23,17 @@ const char* words(DiameterOrigin origin) {
             break;
     }
     return "as the file says";
+}
+
+// Whether track was told this number of its discs and fitted nothing.
+bool is_given_to_track(const RunRecord& record, const std::string& name) {
+    const std::string option = name == "apparent_diameter" ? "disc-diameter"
+                               : name == "edge_width"      ? "edge-width"
+                                                           : "";
+    return !option.empty() &&
+           std::ranges::any_of(record.configuration, [&](const auto& entry) {
+               return entry.first.ends_with("." + option) && entry.second != automatic;
+           });
 }
 
 }  // namespace
@@ -55,8 +67,10 @@ ObservableResult lengths_of(const SnapshotSource& file, const TrajectoryInfo& in
         if (curve.name != curve_name) continue;
         for (const Column& column : curve.columns) {
             if (column.values.empty()) continue;
+            const bool is_given = is_given_to_track(tracks->record(), column.name);
             result.measurements.push_back({column.name, column.unit, column.values.front(),
-                                           std::nullopt, 0, "fitted by track"});
+                                           std::nullopt, 0,
+                                           is_given ? "given to track" : "fitted by track"});
         }
     }
     return result;

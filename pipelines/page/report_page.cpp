@@ -1,5 +1,10 @@
 #include "pipelines/page/report_page.h"
 
+#include <array>
+#include <charconv>
+#include <cstdlib>
+#include <ctime>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -18,6 +23,21 @@ namespace fs = std::filesystem;
 bool is_there(const fs::path& path) {
     std::error_code unreachable;
     return fs::exists(path, unreachable);
+}
+
+/// "23 November 2026", of the machine's clock or of SOURCE_DATE_EPOCH, in universal time.
+std::string date_of_page() {
+    std::time_t now = std::time(nullptr);
+    if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH"); epoch != nullptr) {
+        const std::string_view text(epoch);
+        std::from_chars(text.data(), text.data() + text.size(), now);
+    }
+    std::tm day{};
+    if (gmtime_r(&now, &day) == nullptr) return "";
+    constexpr std::array months{"January", "February", "March",     "April",   "May",      "June",
+                                "July",    "August",   "September", "October", "November", "December"};
+    return fmt::format("{} {} {}", day.tm_mday, months.at(static_cast<std::size_t>(day.tm_mon)),
+                       1900 + day.tm_year);
 }
 
 }  // namespace
@@ -43,6 +63,7 @@ FiguresFolder::~FiguresFolder() {
 ReportPage::ReportPage(fs::path html, report::ReportOptions options, const Job& job)
     : html_(std::move(html)), options_(std::move(options)), output_(html_, job.overwrite) {
     options_.threads = job.threads;
+    if (options_.observables) options_.date = date_of_page();
     if (options_.observables) {
         options_.hints = analysis::figure_hints();
         options_.titles = analysis::titles();

@@ -34,6 +34,7 @@ struct Figure {
     std::string name;   ///< file name of SVG and CSV, id on the page
     std::string title;  ///< for people
     std::string note;   ///< what to know when reading it; may be empty
+    std::string reading;  ///< what it is, how to read it, what is usual; may be empty
     Axis x, y;
     bool may_be_linear = false;  ///< a button switches the logarithmic axes to linear ones
     std::vector<std::string> runs;

@@ -234,6 +234,7 @@ Figure hinted_figure(const Runs& runs, const std::vector<std::string>& labels,
     x.units = units_of(runs, from, hint, x);
     Figure figure = empty_figure(labels, hint.name, hint.title, x, hint.y, hint.note);
     figure.may_be_linear = hint.may_be_linear;
+    figure.reading = hint.reading;
     const TimeUnit time_unit = shared_time_unit(runs, from);
     std::size_t first_kinds = 0;
     for (const SeriesHint& kind : kinds) {

@@ -88,11 +88,15 @@ Figure panel_of(const Figure& figure, const std::vector<RunIdentity>& identities
 std::vector<Figure> panels_by_origin(const Figure& figure,
                                      const std::vector<RunIdentity>& identities) {
     std::vector<Figure> panels;
+    std::size_t origins = 0;
     for (const std::string& origin : origins_of(identities)) {
         Figure panel = panel_of(figure, identities, origin);
-        if (panel.has_data()) panels.push_back(std::move(panel));
+        if (!panel.has_data()) continue;
+        ++origins;
+        // Of one run alone it would repeat what the shared figure shows.
+        if (panel.runs.size() > 1) panels.push_back(std::move(panel));
     }
-    if (panels.size() < 2) return {};
+    if (origins < 2) return {};
     for (std::size_t i = 0; i < panels.size(); ++i) {
         panels[i].name += "_panel" + std::to_string(i + 1);
     }

@@ -88,6 +88,12 @@ ParticleMap describe(const Results& run, std::size_t index, const Preview& previ
     if (std::ranges::any_of(layer, is_known)) map.layer = layer;
     map.abs_q4 = preview.abs_q4;
     map.order = order_symbol(run);
+    map.time = preview.snapshot.time;
+    if (const auto& frequency = run.source.vibration_frequency; frequency && !is_field) {
+        const double periods = map.time * *frequency;
+        if (std::isfinite(periods)) map.phase = periods - std::floor(periods);
+    }
+    map.places = places_to_look_at(preview.snapshot, map.diameter);
     set_extent(map, preview);
     return map;
 }
@@ -179,7 +185,14 @@ std::string map_json(const ParticleMap& map) {
         layers.push_back(layer == Layer::unknown ? 255 : static_cast<std::uint8_t>(layer));
     }
     const std::string image = map.png.empty() ? "" : "data:image/png;base64," + base64(map.png);
+    nlohmann::json places = nlohmann::json::array();
+    for (const Place& place : map.places) places.push_back({place.position.x, place.position.y});
+    nlohmann::json phase;
+    if (map.phase) phase = *map.phase;
     const nlohmann::ordered_json page{{"run", map.run},
+                                      {"frame", map.frame},
+                                      {"phase", phase},
+                                      {"places", places},
                                       {"title", clean_text(map.title)},
                                       {"x", {map.x[0], map.x[1]}},
                                       {"y", {map.y[0], map.y[1]}},

@@ -3,10 +3,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/results.h"
+#include "report/maps/places.h"
 
 namespace grainfield::report {
 
@@ -29,6 +31,9 @@ struct ParticleMap {
     std::vector<Layer> layer;            ///< empty: not known
     std::string order = "|Q₄|";          ///< what `abs_q4` is called
     std::vector<double> abs_q4;          ///< [-]; empty: not analysed; NaN: undefined
+    double time = 0;                     ///< of the frame [time unit]
+    std::optional<double> phase{};       ///< of the vibration, 0 … 1, where its frequency is known
+    std::vector<Place> places{};         ///< places_to_look_at
 };
 
 /// How much of the previews goes into a report.

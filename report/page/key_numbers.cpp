@@ -20,7 +20,8 @@ KeyNumber key_number(const Measurement& m) {
         return number;
     }
     number.value = with_error(*m.value, m.error ? &*m.error : nullptr);
-    if (m.samples > 0) number.samples = count_text(m.samples);
+    // Independent samples are an estimate: a fraction of one says nothing.
+    if (m.samples >= 2) number.samples = count_text(std::round(m.samples));
     if (m.error && *m.error == 0 && number.note.empty()) {
         number.note = "no fluctuations: the error is not known";
     }
@@ -107,7 +108,8 @@ class Notes {
 };
 
 std::string compact_cell(const KeyNumber& number, Notes& notes) {
-    std::string out = "<td>" + value_text(number) + notes.reference(number.note);
+    const std::string note = number.value.empty() ? "" : number.note;
+    std::string out = "<td>" + value_text(number) + notes.reference(note);
     if (!number.samples.empty()) {
         out += "<span class=\"samples\">n = " + escape_html(number.samples) + "</span>";
     }
@@ -135,7 +137,10 @@ std::string key_numbers_html(const std::vector<KeyNumberRow>& rows,
     }
     out += "</tr></thead>\n<tbody>\n";
     const std::string* group = nullptr;
+    const auto has_value = [](const KeyNumber& number) { return !number.value.empty(); };
     for (const KeyNumberRow& row : rows) {
+        // What no run has is said elsewhere, in one line.
+        if (std::ranges::none_of(row.numbers, has_value)) continue;
         if (group == nullptr || row.observable != *group) {
             group = &row.observable;
             out += fmt::format("<tr class=\"group\"><th colspan=\"{}\">{}</th></tr>\n",

@@ -11,6 +11,9 @@
 #include "report/figures/colours.h"
 #include "report/figures/plotly_figure.h"
 #include "report/maps/spectrum_map.h"
+#include "report/page/absences.h"
+#include "report/page/cards.h"
+#include "report/page/definitions.h"
 #include "report/page/embedded.h"
 #include "report/page/key_numbers.h"
 #include "report/page/run_record.h"
@@ -53,28 +56,65 @@ std::string file_links(const PageContent& content, const std::string& name) {
     return links.empty() ? "" : "<p class=\"files\">" + links + "</p>\n";
 }
 
+std::size_t places_of(const PageContent& content, std::size_t run) {
+    std::size_t places = 0;
+    for (const ParticleMap& map : content.maps) {
+        if (map.run == run) places += map.places.size();
+    }
+    return places;
+}
+
+std::string frames_text(const Results& run) {
+    if (run.identity.role == RunRole::critical_point || run.identity.is_field()) return "";
+    return fmt::format("{} frame{}", count_text(static_cast<double>(run.frames)),
+                       run.frames == 1 ? "" : "s");
+}
+
+// Its parts, those that are not empty, with a dot between them.
+std::string joined(const std::vector<std::string>& parts) {
+    std::string out;
+    for (const std::string& part : parts) {
+        if (!part.empty()) out += (out.empty() ? "" : " · ") + escape_html(part);
+    }
+    return out;
+}
+
+std::size_t warnings_of(const PageContent& content) {
+    const std::string html = warnings_html(content.runs, content.labels, content.plan);
+    std::size_t count = 0;
+    for (auto at = html.find("<li>"); at != std::string::npos; at = html.find("<li>", at + 1)) {
+        ++count;
+    }
+    return count;
+}
+
 std::string header_html(const PageContent& content) {
     const std::size_t count = content.runs.size();
     std::string out = "<header><h1>" + escape_html(content.title) + "</h1>\n";
-    const auto summary = [](const Results& run) -> std::string {
-        if (run.identity.role == RunRole::critical_point) return "critical point";
-        if (run.identity.is_field()) return "fields";
-        return fmt::format("{} frame{}, {} particles a frame",
-                           count_text(static_cast<double>(run.frames)), run.frames == 1 ? "" : "s",
-                           count_text(run.particles_mean));
+    const std::size_t warnings = warnings_of(content);
+    std::string also;
+    if (warnings > 0) {
+        also = fmt::format("; <a href=\"#warnings\">{} warning{}</a>", warnings,
+                           warnings == 1 ? "" : "s");
+    }
+    const auto said = [&](std::size_t r) {
+        return escape_html(verdict(content.runs[r], places_of(content, r)));
     };
     if (count == 1) {
-        return out + "<p class=\"summary\">" + escape_html(content.labels[0]) + " · " +
-               summary(content.runs[0]) + "</p></header>\n";
+        const Results& run = content.runs[0];
+        const std::string label = content.labels[0] == content.title ? "" : content.labels[0];
+        return out + "<p class=\"summary\">" +
+               joined({label, first_file(run), frames_text(run), content.date}) + "</p>\n" +
+               "<p class=\"verdict\">" + said(0) + also + "</p></header>\n";
     }
-    out +=
-        fmt::format("<p class=\"summary\">{} runs side by side</p>\n<ul class=\"run-key\">", count);
+    out += "<p class=\"summary\">" +
+           joined({fmt::format("{} runs side by side", count), content.date}) + also +
+           "</p>\n<ul class=\"run-key\">";
     for (std::size_t r = 0; r < count; ++r) {
         out += fmt::format(
             "<li><span class=\"block\" style=\"color:{}\"></span>{} <span class=\"summary\">{}"
             "</span></li>\n",
-            hex(distinct_colour(r, count)), escape_html(content.labels[r]),
-            summary(content.runs[r]));
+            hex(distinct_colour(r, count)), escape_html(content.labels[r]), said(r));
     }
     return out + "</ul></header>\n";
 }
@@ -107,17 +147,14 @@ std::string absent_html(const Figure& figure) {
         figure.absent.size(), list);
 }
 
+// Of a figure without data nothing: what is missing stands in one line above.
 std::string figure_html(const PageContent& content, const Figure& figure) {
+    if (!figure.has_data()) return "";
     std::string out =
         fmt::format("<figure id=\"figure-{0}\"><div class=\"head\"><figcaption><h3>{1}</h3>",
-                    figure.name, escape_html(figure.title));
-    if (!figure.has_data()) {
-        out += "</figcaption></div>\n";
-        for (const Figure::Absence& absence : figure.absent) {
-            const std::string who = content.runs.size() == 1 ? "" : figure.runs[absence.run] + ": ";
-            out += "<p class=\"absent\">No plot. " + escape_html(who + absence.reason) + "</p>\n";
-        }
-        return out + "</figure>\n";
+                    figure.name, with_definitions(figure.title));
+    if (!figure.reading.empty()) {
+        out += "<p class=\"reading\">" + with_definitions(figure.reading) + "</p>";
     }
     if (!figure.note.empty()) out += "<p class=\"note\">" + escape_html(figure.note) + "</p>";
     out += fmt::format(
@@ -145,50 +182,100 @@ const char* map_heading(const std::vector<ParticleMap>& maps) {
     return !maps.empty() && std::ranges::all_of(maps, is_field) ? "Fields" : "Positions";
 }
 
+// The places of all maps of the first run, worst first within a map, as buttons that go there.
+std::string places_html(const PageContent& content) {
+    constexpr std::size_t most = 12;
+    std::string buttons;
+    std::size_t count = 0;
+    for (std::size_t m = 0; m < content.maps.size() && count < most; ++m) {
+        const ParticleMap& map = content.maps[m];
+        for (std::size_t p = 0; p < map.places.size() && count < most; ++p) {
+            buttons += fmt::format(
+                "<button type=\"button\" class=\"place\" value=\"{} {}\" title=\"{}\">{}</button>", m,
+                p,
+                escape_html(fmt::format("{}: residual {:.2f} at x = {:.0f}, y = {:.0f} {}",
+                                        content.labels[map.run], map.places[p].residual,
+                                        map.places[p].position.x, map.places[p].position.y,
+                                        map.unit)),
+                ++count);
+        }
+    }
+    if (buttons.empty()) return "";
+    return "<p class=\"places\">Places to look at: " + buttons + "</p>\n";
+}
+
+// One picture with its axes; with a choice of runs where there are more than the page shows.
+std::string view_html(const PageContent& content, const std::vector<std::size_t>& runs,
+                      std::size_t shown, bool has_choice) {
+    std::string options;
+    for (const std::size_t r : runs) {
+        options += fmt::format("<option value=\"{}\"{}>{}</option>", r,
+                               r == shown ? " selected" : "", escape_html(content.labels[r]));
+    }
+    std::string head = fmt::format("<label hidden>Run <select class=\"pick-run\">{}</select></label>",
+                                   options);
+    if (has_choice) {
+        head = fmt::format("<label>Run <select class=\"pick-run\">{}</select></label>", options);
+    } else if (runs.size() > 1) {
+        head += "<strong>" + escape_html(content.labels[shown]) + "</strong>";
+    }
+    return "<div class=\"view\"><p class=\"view-head\">" + head +
+           " <span class=\"caption\"></span></p>\n"
+           "<div class=\"stage\" tabindex=\"0\" role=\"group\" aria-label=\"Picture of " +
+           escape_html(content.labels[shown]) +
+           ": arrow keys move the lens, plus and minus zoom, 0 shows all\"><canvas></canvas>"
+           "<div class=\"plot\" role=\"img\" aria-label=\"Particles\"></div>"
+           "<canvas class=\"lens\" hidden></canvas></div></div>\n";
+}
+
 std::string map_html(const PageContent& content) {
     const std::string heading = map_heading(content.maps);
-    std::string out = "<section><h2>" + heading + "</h2>\n";
     if (content.maps.empty()) {
-        return out + "<p class=\"absent\">No picture: the results hold no preview.</p></section>\n";
+        return "<p class=\"absent\">No picture: the results hold no preview.</p>\n";
     }
-    std::string options;
+    std::vector<std::size_t> runs;
     for (std::size_t r = 0; r < content.runs.size(); ++r) {
-        const bool has_map =
-            std::ranges::any_of(content.maps, [&](const ParticleMap& map) { return map.run == r; });
-        if (!has_map) continue;
-        options +=
-            fmt::format("<option value=\"{}\">{}</option>", r, escape_html(content.labels[r]));
+        if (std::ranges::any_of(content.maps, [&](const ParticleMap& map) { return map.run == r; }))
+            runs.push_back(r);
     }
-    const bool one_run = options.find("<option", 1) == std::string::npos;
-    out += fmt::format(
-        "<figure id=\"map\"><div class=\"controls\">\n"
-        "<label{}>Run <select class=\"pick-run\">{}</select></label>\n"
-        "<label>Frame <input type=\"range\" class=\"pick-frame\" min=\"0\" value=\"0\"></label>\n"
-        "<label>Colour <select class=\"pick-colour\"><option value=\"order\">order</option>"
-        "<option value=\"identity\">identity</option><option value=\"layer\">layer</option>"
-        "</select></label>\n"
-        "<button type=\"button\" class=\"trails\" aria-pressed=\"false\">trails</button>\n"
-        "<span class=\"marks\" role=\"group\" aria-label=\"Marks\">",
-        one_run ? " hidden" : "", options);
-    for (const char* marks : {"discs", "outlines", "centres", "none"}) {
+    std::string out = "<section class=\"pictures\"><h2>" + heading + "</h2>\n";
+    out += "<figure id=\"map\"><div class=\"controls\">\n"
+           "<span class=\"marks kinds\" role=\"group\" aria-label=\"Marks\">";
+    const bool only_fields =
+        std::ranges::all_of(content.maps, [](const ParticleMap& map) { return map.is_field; });
+    for (const char* marks : {"outlines", "centres", "discs", "none"}) {
         out +=
             fmt::format("<button type=\"button\" value=\"{0}\" aria-pressed=\"{1}\">{0}</button>",
-                        marks, std::string_view(marks) == "discs");
+                        marks, std::string_view(marks) == "outlines");
     }
-    out += "</span>\n" + colour_bar(content.maps.front().order) +
-           "</div>\n<figcaption class=\"caption\"></figcaption>\n"
-           "<div class=\"stage\"><canvas></canvas><div class=\"plot\" role=\"img\" "
-           "aria-label=\"" +
-           heading +
-           "\"></div></div>\n"
+    out += fmt::format(
+        "</span>\n<button type=\"button\" class=\"lens-switch\" aria-pressed=\"{}\">lens</button>\n"
+        "<button type=\"button\" class=\"trails\" aria-pressed=\"false\">trails</button>\n"
+        "<span class=\"zoom marks\" role=\"group\" aria-label=\"Zoom\">"
+        "<button type=\"button\" value=\"0.7\" title=\"Closer\">+</button>"
+        "<button type=\"button\" value=\"1.4\" title=\"Further\">−</button>"
+        "<button type=\"button\" value=\"0\">all</button></span>\n"
+        "<label>Colour <select class=\"pick-colour\"><option value=\"order\">order</option>"
+        "<option value=\"identity\">identity</option><option value=\"layer\">layer</option>"
+        "</select></label>\n",
+        only_fields ? "false" : "true");
+    out += colour_bar(content.maps.front().order) + "</div>\n<div class=\"views\">\n";
+    const bool has_choice = runs.size() > 2;
+    for (std::size_t v = 0; v < std::min<std::size_t>(2, runs.size()); ++v) {
+        out += view_html(content, runs, runs[v], has_choice);
+    }
+    out += "</div>\n"
+           "<label class=\"frames\">Frame <input type=\"range\" class=\"pick-frame\" min=\"0\" "
+           "value=\"0\"><output></output></label>\n"
            "<p class=\"readout\" aria-live=\"off\"></p>\n";
+    out += places_html(content);
     std::string links;
     for (const ParticleMap& map : content.maps) links += file_links(content, map.name);
-    if (content.maps.size() > 2) {
-        links = "<details class=\"files\"><summary>Files</summary>" + links + "</details>\n";
+    if (!links.empty()) {
+        out += "<details class=\"files\"><summary>Files</summary>" + links + "</details>\n";
     }
-    out += links + "</figure>\n";
-    if (!one_run) out += "<div class=\"gallery\" aria-label=\"One map of each run\"></div>\n";
+    out += "</figure>\n";
+    if (has_choice) out += "<div class=\"gallery\" aria-label=\"One map of each run\"></div>\n";
     return out + "</section>\n";
 }
 
@@ -209,23 +296,35 @@ std::string spectrum_maps_html(const PageContent& content) {
     return out;
 }
 
-std::string tables_html(const PageContent& content) {
+constexpr std::string_view differences_name = "differences";
+
+// Of a comparison the differences come after the curves, all other tables before them.
+std::string tables_html(const PageContent& content, bool differences) {
     std::string out;
     for (const Table& table : content.tables) {
+        if ((table.name == differences_name) != differences) continue;
         out += table_html(table) + file_links(content, table.name);
     }
-    return out.empty() ? "" : "<section class=\"tables\"><h2>Tables</h2>\n" + out + "</section>\n";
+    if (out.empty()) return "";
+    return fmt::format("<section class=\"tables\">{}{}</section>\n",
+                       differences ? "" : "<h2>Tables</h2>\n", out);
 }
 
-// The wide table of many runs is folded: figures come first then.
 std::string numbers_html(const PageContent& content) {
-    constexpr std::size_t most_open = 8;
     const std::string table =
         key_numbers_html(key_numbers(content.runs, content.titles), content.labels);
-    const bool folded = content.runs.size() > most_open;
-    return fmt::format("<section><h2>Key numbers</h2>\n{}{}{}</section>\n",
-                       folded ? "<details><summary>All numbers of all runs</summary>" : "", table,
-                       folded ? "</details>\n" : "");
+    return "<section><h2>All numbers</h2>\n<details><summary>Each with its error and samples"
+           "</summary>" +
+           table + "</details></section>\n";
+}
+
+// The figures that say how to read them come first.
+std::string figures_html(const PageContent& content, bool first) {
+    std::string out;
+    for (const Figure& figure : content.figures) {
+        if (figure.reading.empty() != first) out += figure_html(content, figure);
+    }
+    return out;
 }
 
 std::string data_json(const PageContent& content) {
@@ -253,16 +352,37 @@ std::string page_html(const PageContent& content) {
     out += "<title>" + escape_html(content.title) + "</title>\n<style>\n";
     out += page_style;
     out += "</style>\n</head>\n<body>\n<main>\n" + header_html(content);
-    out += warnings_html(content.runs, content.labels, content.plan);
     out +=
         "<noscript><p class=\"absent\">The plots need JavaScript; it runs on this machine "
         "only.</p></noscript>\n";
-    out += tables_html(content);
+    const std::string warnings = warnings_html(content.runs, content.labels, content.plan);
+    const std::string tables = tables_html(content, false);
+    const std::string pictures = map_html(content);
+    if (content.key_numbers) {
+        constexpr std::size_t most_runs = 4;  // on a card
+        const std::string cards =
+            content.runs.size() > most_runs
+                ? ""
+                : cards_html(make_cards(content.runs, content.sphere_mm), content.labels);
+        const bool one_run = content.runs.size() == 1;
+        out += fmt::format("<div class=\"first{}\">\n", one_run && !cards.empty() ? " beside" : "");
+        const std::string missing =
+            absences_html(content.runs, content.labels, content.titles);
+        out += pictures + "<div>" + cards + missing + warnings + "</div></div>\n" + tables;
+    } else {
+        out += warnings + tables + pictures;
+    }
+    if (const std::string first = figures_html(content, true); !first.empty()) {
+        out += "<section class=\"figures\" aria-label=\"Main curves\">\n" + first + "</section>\n";
+    }
+    out += tables_html(content, true);
+    const std::string more = figures_html(content, false) + spectrum_maps_html(content);
+    if (!more.empty()) {
+        out += std::string(content.key_numbers ? "<h2>More curves</h2>\n" : "") +
+               "<section class=\"figures\">\n" + more + "</section>\n";
+    }
     if (content.key_numbers) out += numbers_html(content);
-    out += map_html(content) + "<section class=\"figures\">\n";
-    for (const Figure& figure : content.figures) out += figure_html(content, figure);
-    out += spectrum_maps_html(content);
-    out += "</section>\n" + skipped_html(content.runs, content.labels, content.plan);
+    out += skipped_html(content.runs, content.labels, content.plan);
     out += "<section><h2>How this was made</h2>\n";
     out += records_html(content.runs, content.labels) + "</section>\n</main>\n";
     out += "<script type=\"application/json\" id=\"report-data\">\n" + data_json(content);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,8 @@ struct PageContent {
     const std::vector<Table>& tables;        ///< before the key numbers; may be empty
     bool key_numbers = true;                 ///< a table of what an analysis measures
     std::vector<ObservableTitles> titles{};  ///< what it is called
+    std::string date{};                      ///< of the page, in the header; may be empty
+    std::optional<double> sphere_mm{};       ///< true diameter of the spheres [mm]
 };
 
 /// The whole HTML page, self-contained: styles, scripts (plotly.js with its licence) and data are

@@ -250,46 +250,27 @@
   }
   const waitingMaps = [];  // drawn once the page stands, one an idle moment
 
+  // The pictures: one view a run, two side by side where there are several, on one scale of lengths.
+  // Marks, colours, frame, zoom and lens are shared.
   function drawMaps(maps, colours, labels) {
     const box = document.getElementById("map");
     if (!box) return Promise.resolve();
-    const plot = box.querySelector(".plot");
-    const canvas = box.querySelector("canvas");
     const readout = box.querySelector(".readout");
+    const slider = box.querySelector(".pick-frame");
     const select = {
-      run: box.querySelector(".pick-run"), frame: box.querySelector(".pick-frame"),
       colour: box.querySelector(".pick-colour"), trails: box.querySelector(".trails"),
+      lens: box.querySelector(".lens-switch"),
     };
-    let map = maps[0];
-    let frames = [];  // the maps of the run shown
-    let marks = "discs";
+    const margin = { l: 42, r: 6, t: 4, b: 26 };
+    const lensSize = 150;  // CSS pixels
+    const ink = "#c2410c";  // of outlines, on a white rim: shows on black, white and in grey
+    let marks = "outlines";
     let colouring = "order";
-    let waiting = 0;
-    const margin = { l: 52, r: 8, t: 8, b: 44 };
-
-    // Plotly's axes, in CSS pixels of the plot.
-    function frame() {
-      const { xaxis, yaxis } = plot._fullLayout;
-      return {
-        left: xaxis._offset, top: yaxis._offset, width: xaxis._length, height: yaxis._length,
-        x: (v) => xaxis._offset + xaxis.l2p(v), y: (v) => yaxis._offset + yaxis.l2p(v),
-        scale: xaxis._length / Math.abs(xaxis.range[1] - xaxis.range[0]),
-      };
-    }
-
-    function addMark(context, x, y, r) {
-      if (marks === "centres") {
-        context.rect(x - 1.25, y - 1.25, 2.5, 2.5);
-      } else if (r < 1.2) {
-        context.rect(x - r, y - r, 2 * r, 2 * r);
-      } else {
-        context.moveTo(x + r, y);
-        context.arc(x, y, r, 0, 2 * Math.PI);
-      }
-    }
+    const isPressed = (button) => button.getAttribute("aria-pressed") === "true";
+    const views = [...box.querySelectorAll(".view")].map(makeView);
 
     // Particles that are drawn alike, by colour.
-    function classes() {
+    function classes(map) {
       const out = new Map();
       const put = (colour, i) => {
         if (!out.has(colour)) out.set(colour, []);
@@ -308,178 +289,439 @@
       return out;
     }
 
-    // Where each particle was in the frames before this one, as far as they are on the page.
-    function paintTrails(context, f) {
-      const at = frames.indexOf(map);
-      if (select.trails.getAttribute("aria-pressed") !== "true" || at < 1 || !map.identity.length) return;
-      context.strokeStyle = "#e8590c";
-      context.lineWidth = Math.max(1, 0.06 * map.diameter * f.scale);
-      const reach = 3 * map.diameter;  // a longer step is a boundary crossed, or an identity lost
-      context.beginPath();
-      for (let n = at; n > 0; n--) {
-        unpack(frames[n - 1]);
-        const before = new Map(frames[n - 1].identity.map((id, i) => [id, i]));
-        frames[n].identity.forEach((id, i) => {
-          const j = before.get(id);
-          if (j === undefined) return;
-          const [x0, y0, x1, y1] = [frames[n - 1].px[j], frames[n - 1].py[j], frames[n].px[i], frames[n].py[i]];
-          if (Math.hypot(x1 - x0, y1 - y0) > reach) return;
-          context.moveTo(f.x(x0), f.y(y0));
-          context.lineTo(f.x(x1), f.y(y1));
-        });
+    function addMark(context, kind, x, y, r) {
+      if (kind === "centres") {
+        context.rect(x - 1.25, y - 1.25, 2.5, 2.5);
+      } else if (r < 1.2) {
+        context.rect(x - r, y - r, 2 * r, 2 * r);
+      } else {
+        context.moveTo(x + r, y);
+        context.arc(x, y, r, 0, 2 * Math.PI);
       }
-      context.stroke();
     }
 
-    function paint() {
-      waiting = 0;
-      const ratio = window.devicePixelRatio || 1;
-      const [width, height] = [plot.clientWidth, plot.clientHeight];
-      if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) {
-        canvas.width = Math.round(width * ratio);
-        canvas.height = Math.round(height * ratio);
-        canvas.style.width = width + "px";
-        canvas.style.height = height + "px";
-      }
-      const context = canvas.getContext("2d");
-      const f = frame();
-      context.setTransform(ratio, 0, 0, ratio, 0, 0);
-      context.clearRect(0, 0, width, height);
-      context.save();
-      context.beginPath();
-      context.rect(f.left, f.top, f.width, f.height);
-      context.clip();
+    // Picture and marks of a map; `f` says where a place lies on the canvas and how large a length is.
+    function paintMap(context, map, f, ratio, kind) {
       if (map.picture && map.picture.complete && map.picture.naturalWidth) {
         context.imageSmoothingEnabled = f.scale * ratio < 2;
         context.drawImage(map.picture, f.x(-0.5), f.y(-0.5),
           map.imageSize[0] * f.scale, map.imageSize[1] * f.scale);
       }
-      if (marks !== "none") {
-        const r = 0.5 * 0.85 * map.diameter * f.scale;
-        for (const [colour, members] of classes()) {
-          context.beginPath();
-          for (const i of members) {
-            const x = f.x(map.px[i]);
-            const y = f.y(map.py[i]);
-            if (x < f.left - r || x > f.left + f.width + r || y < f.top - r || y > f.top + f.height + r) continue;
-            addMark(context, x, y, r);
-          }
-          // Outlines and centres are for judging the detection: they must show on black and white.
-          const plain = (marks === "outlines" || marks === "centres") && colouring === "order";
-          context.fillStyle = context.strokeStyle = plain ? "#e8590c" : colour;
-          if (marks === "outlines") {
-            context.lineWidth = 1.5;
-            context.stroke();
-          } else {
-            context.fill();
-          }
+      if (kind === "none") return;
+      const r = 0.5 * 0.85 * map.diameter * f.scale;
+      for (const [colour, members] of classes(map)) {
+        context.beginPath();
+        for (const i of members) {
+          const x = f.x(map.px[i]);
+          const y = f.y(map.py[i]);
+          if (x < f.left - r || x > f.left + f.width + r || y < f.top - r || y > f.top + f.height + r) continue;
+          addMark(context, kind, x, y, r);
         }
-        paintTrails(context, f);
+        const plain = kind !== "discs" && colouring === "order";
+        context.globalAlpha = kind === "outlines" && map.picture && r < 4 ? 0.6 : 1;
+        context.fillStyle = context.strokeStyle = plain ? ink : colour;
+        if (kind === "outlines") {
+          if (map.picture && r > 3) {
+            context.strokeStyle = "rgba(255,255,255,0.75)";
+            context.lineWidth = 2.6;
+            context.stroke();
+            context.strokeStyle = plain ? ink : colour;
+          }
+          context.lineWidth = r > 3 ? 1.3 : 0.8;
+          context.stroke();
+        } else {
+          context.fill();
+        }
       }
-      context.restore();
-    }
-    const repaint = () => { waiting = waiting || requestAnimationFrame(paint); };
-
-    function say(event) {
-      const area = plot.getBoundingClientRect();
-      const f = frame();
-      const [mx, my] = [event.clientX - area.left, event.clientY - area.top];
-      let best = -1;
-      let least = Math.max(6, 0.5 * map.diameter * f.scale) ** 2;
-      for (let i = 0; i < map.px.length; i++) {
-        const d = (f.x(map.px[i]) - mx) ** 2 + (f.y(map.py[i]) - my) ** 2;
-        if (d < least) [best, least] = [i, d];
-      }
-      if (best < 0) { readout.textContent = ""; return; }
-      const q = map.q.length ? map.q[best] : 255;
-      readout.textContent = `x = ${map.px[best].toFixed(1)} ${map.unit}, y = ${map.py[best].toFixed(1)} ${map.unit}` +
-        (q === 255 ? "" : `, ${map.orderName} = ${(q / 254).toFixed(2)}`);
+      context.globalAlpha = 1;
     }
 
-    function heightFor(wide) {
-      const aspect = (map.y[1] - map.y[0]) / (map.x[1] - map.x[0]);
-      return (wide - margin.l - margin.r) * aspect + margin.t + margin.b;
-    }
+    function makeView(root) {
+      const plot = root.querySelector(".plot");
+      const stage = root.querySelector(".stage");
+      const canvas = root.querySelector("canvas:not(.lens)");
+      const lens = root.querySelector(".lens");
+      const pick = root.querySelector(".pick-run");
+      const view = { root, plot, stage, pick, map: null, frames: [], at: null };
+      let waiting = 0;
 
-    function layout() {
-      const tall = Math.max(320, 0.82 * window.innerHeight);
-      const height = Math.min(heightFor(box.querySelector(".stage").clientWidth), tall);
-      const axis = (title) => ({
-        title: { text: `${title} [${map.unit}]`, standoff: 6 }, showgrid: false, zeroline: false,
-        ticks: "outside", showline: true, mirror: true, linecolor: "#888", constrain: "domain",
-      });
-      return {
-        font, margin, height, dragmode: "pan", showlegend: false, hovermode: false,
-        paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)",
-        modebar: { bgcolor: "rgba(255,255,255,0.85)", color: "#666", activecolor: "#0072b2" },
-        xaxis: { ...axis("x"), range: map.x.slice() },
-        yaxis: { ...axis("y"), range: map.yDown ? map.y.slice().reverse() : map.y.slice(), scaleanchor: "x" },
+      // Plotly's axes, in CSS pixels of the plot.
+      view.frame = () => {
+        const { xaxis, yaxis } = plot._fullLayout;
+        return {
+          left: xaxis._offset, top: yaxis._offset, width: xaxis._length, height: yaxis._length,
+          x: (v) => xaxis._offset + xaxis.l2p(v), y: (v) => yaxis._offset + yaxis.l2p(v),
+          toX: (p) => xaxis.p2l(p - xaxis._offset), toY: (p) => yaxis.p2l(p - yaxis._offset),
+          scale: xaxis._length / Math.abs(xaxis.range[1] - xaxis.range[0]),
+        };
       };
+
+      // Where each particle was in the frames before this one, as far as they are on the page.
+      function paintTrails(context, f) {
+        const { map, frames } = view;
+        const at = frames.indexOf(map);
+        if (!isPressed(select.trails) || at < 1 || !map.identity.length) return;
+        context.strokeStyle = "#e8590c";
+        context.lineWidth = Math.max(1, 0.06 * map.diameter * f.scale);
+        const reach = 3 * map.diameter;  // a longer step is a boundary crossed, or an identity lost
+        context.beginPath();
+        for (let n = at; n > 0; n--) {
+          unpack(frames[n - 1]);
+          const before = new Map(frames[n - 1].identity.map((id, i) => [id, i]));
+          frames[n].identity.forEach((id, i) => {
+            const j = before.get(id);
+            if (j === undefined) return;
+            const [x0, y0, x1, y1] = [frames[n - 1].px[j], frames[n - 1].py[j], frames[n].px[i], frames[n].py[i]];
+            if (Math.hypot(x1 - x0, y1 - y0) > reach) return;
+            context.moveTo(f.x(x0), f.y(y0));
+            context.lineTo(f.x(x1), f.y(y1));
+          });
+        }
+        context.stroke();
+      }
+
+      view.paint = () => {
+        waiting = 0;
+        const ratio = window.devicePixelRatio || 1;
+        const [width, height] = [plot.clientWidth, plot.clientHeight];
+        if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) {
+          canvas.width = Math.round(width * ratio);
+          canvas.height = Math.round(height * ratio);
+          canvas.style.width = width + "px";
+          canvas.style.height = height + "px";
+        }
+        const context = canvas.getContext("2d");
+        const f = view.frame();
+        context.setTransform(ratio, 0, 0, ratio, 0, 0);
+        context.clearRect(0, 0, width, height);
+        context.save();
+        context.beginPath();
+        context.rect(f.left, f.top, f.width, f.height);
+        context.clip();
+        paintMap(context, view.map, f, ratio, marks);
+        if (marks !== "none") paintTrails(context, f);
+        // Numbered rims of the places to look at.
+        context.font = "600 12px system-ui, sans-serif";
+        view.map.places.forEach(([px, py], p) => {
+          const r = Math.max(9, 1.2 * view.map.diameter * f.scale);
+          for (const [colour, wide] of [["#fff", 4], ["#111", 1.6]]) {
+            context.strokeStyle = colour;
+            context.lineWidth = wide;
+            context.strokeRect(f.x(px) - r, f.y(py) - r, 2 * r, 2 * r);
+          }
+          const number = box.querySelector(`.place[value="${maps.indexOf(view.map)} ${p}"]`);
+          if (!number) return;
+          context.lineWidth = 3;
+          context.strokeStyle = "#fff";
+          context.strokeText(number.textContent, f.x(px) + r + 2, f.y(py) - r + 10);
+          context.fillStyle = "#111";
+          context.fillText(number.textContent, f.x(px) + r + 2, f.y(py) - r + 10);
+        });
+        context.restore();
+        view.paintLens();
+      };
+      view.repaint = () => { waiting = waiting || requestAnimationFrame(view.paint); };
+
+      // The picture about `view.at`, several times larger, with thin outlines.
+      view.paintLens = () => {
+        const isOn = isPressed(select.lens) && view.at && view.map && !view.map.is_field;
+        lens.hidden = !isOn;
+        if (!isOn) return;
+        const ratio = window.devicePixelRatio || 1;
+        lens.width = lens.height = lensSize * ratio;
+        const f = view.frame();
+        const [x, y] = view.at;
+        const map = view.map;
+        const scale = Math.max(3 * f.scale, 42 / map.diameter);
+        const down = map.yDown ? 1 : -1;
+        const context = lens.getContext("2d");
+        context.setTransform(ratio, 0, 0, ratio, 0, 0);
+        context.fillStyle = "#fff";
+        context.fillRect(0, 0, lensSize, lensSize);
+        paintMap(context, map, {
+          left: 0, top: 0, width: lensSize, height: lensSize, scale,
+          x: (v) => lensSize / 2 + (v - x) * scale, y: (v) => lensSize / 2 + down * (v - y) * scale,
+        }, ratio, marks === "discs" ? "outlines" : marks);
+        lens.style.left = f.x(x) - lensSize / 2 + "px";
+        lens.style.top = f.y(y) - lensSize / 2 + "px";
+      };
+
+      view.describe = (px, py) => {
+        const { map } = view;
+        const f = view.frame();
+        let best = -1;
+        let least = Math.max(6, 0.5 * map.diameter * f.scale) ** 2;
+        for (let i = 0; i < map.px.length; i++) {
+          const d = ((map.px[i] - px) * f.scale) ** 2 + ((map.py[i] - py) * f.scale) ** 2;
+          if (d < least) [best, least] = [i, d];
+        }
+        if (best < 0) return "";
+        const q = map.q.length ? map.q[best] : 255;
+        return `x = ${map.px[best].toFixed(1)} ${map.unit}, y = ${map.py[best].toFixed(1)} ${map.unit}` +
+          (q === 255 ? "" : `, ${map.orderName} = ${(q / 254).toFixed(2)}`);
+      };
+
+      view.height = () => {
+        const wide = stage.clientWidth;
+        const map = view.map;
+        const aspect = (map.y[1] - map.y[0]) / (map.x[1] - map.x[0]);
+        const full = (wide - margin.l - margin.r) * aspect + margin.t + margin.b;
+        // On a wide screen picture, slider and places end with the first screen.
+        const top = stage.getBoundingClientRect().top + window.scrollY;
+        const below = 92;
+        const room = window.innerWidth > 820 && top < 0.5 * window.innerHeight
+          ? window.innerHeight - top - below : 0.82 * window.innerHeight;
+        return Math.min(full, Math.max(320, room));
+      };
+
+      view.layout = () => {
+        const map = view.map;
+        const axis = () => ({
+          showgrid: false, zeroline: false,
+          ticks: "outside", showline: true, mirror: true, linecolor: "#888", constrain: "domain",
+        });
+        return {
+          font, margin, height: view.height(), dragmode: touch ? false : "pan", showlegend: false, hovermode: false,
+          paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)",
+          modebar: { bgcolor: "rgba(255,255,255,0.85)", color: "#666", activecolor: "#0072b2" },
+          xaxis: { ...axis(), range: map.x.slice() },
+          yaxis: { ...axis(), range: map.yDown ? map.y.slice().reverse() : map.y.slice(), scaleanchor: "x" },
+        };
+      };
+
+      view.show = async (next) => {
+        const old = view.map;
+        view.map = next;
+        unpack(next);
+        root.querySelector(".caption").textContent = `${next.title}; axes in ${next.unit}`;
+        const layout = view.layout();
+        // Another frame of the run keeps the zoom.
+        const isSame = old && old !== next && old.run === next.run && String(old.x) === String(next.x);
+        if (isSame && plot._fullLayout) {
+          layout.xaxis.range = plot._fullLayout.xaxis.range.slice();
+          layout.yaxis.range = plot._fullLayout.yaxis.range.slice();
+        }
+        await Plotly.react(plot, [{ type: "scatter", x: [], y: [] }], layout,
+          { ...config(true), displayModeBar: false });
+        await next.loaded;
+        view.paint();
+      };
+
+      // What is in sight, in diameters from the centre of the picture, y downwards: the same for all
+      // views, whatever their units.
+      const centre = (range) => (range[0] + range[1]) / 2;
+      view.window = () => {
+        const { map } = view;
+        const { xaxis, yaxis } = plot._fullLayout;
+        const down = map.yDown ? 1 : -1;
+        return [(centre(xaxis.range) - centre(map.x)) / map.diameter,
+          down * (centre(yaxis.range) - centre(map.y)) / map.diameter,
+          Math.abs(xaxis.range[1] - xaxis.range[0]) / map.diameter];
+      };
+      view.look = ([u, v, width]) => {
+        const { map } = view;
+        const down = map.yDown ? 1 : -1;
+        const x = centre(map.x) + u * map.diameter;
+        const y = centre(map.y) + down * v * map.diameter;
+        const half = 0.5 * width * map.diameter;
+        const f = view.frame();
+        const tall = half * f.height / f.width;
+        return Plotly.relayout(plot, {
+          "xaxis.range": [x - half, x + half],
+          "yaxis.range": map.yDown ? [y + tall, y - tall] : [y - tall, y + tall],
+        });
+      };
+      view.reset = () => Plotly.relayout(plot, {
+        "xaxis.range": view.map.x.slice(),
+        "yaxis.range": view.map.yDown ? view.map.y.slice().reverse() : view.map.y.slice(),
+      });
+      return view;
     }
 
-    async function show(next) {
-      map = next;
-      unpack(map);
-      const caption = box.querySelector(".caption");
-      caption.textContent = map.title;
-      caption.classList.toggle("paper", !select.frame.parentElement.hidden);
-      box.querySelector(".colour-bar").hidden = map.q.length === 0;
-      box.querySelector(".colour-bar .order").textContent = map.orderName;
+    // The other views look where this one looks.
+    let following = false;
+    async function lead(view) {
+      if (following || views.length < 2) return;
+      following = true;
+      const where = view.window();
+      await Promise.all(views.filter((v) => v !== view).map((v) => v.look(where)));
+      following = false;
+    }
+
+    // The lens of all views at the place of one.
+    function point(view, x, y) {
+      const { map } = view;
+      const middle = (range) => (range[0] + range[1]) / 2;
+      const down = (m) => (m.yDown ? 1 : -1);
+      const u = (x - middle(map.x)) / map.diameter;
+      const v = down(map) * (y - middle(map.y)) / map.diameter;
+      for (const each of views) {
+        const m = each.map;
+        each.at = each === view ? [x, y]
+          : [middle(m.x) + u * m.diameter, middle(m.y) + down(m) * v * m.diameter];
+        each.paintLens();
+      }
+      readout.textContent = view.describe(x, y);
+    }
+    function leave() {
+      for (const view of views) { view.at = null; view.paintLens(); }
       readout.textContent = "";
-      await Plotly.react(plot, [{ type: "scatter", x: [], y: [] }], layout(), config(true));
-      await map.loaded;
-      paint();
     }
 
-    function listFrames(run) {
-      frames = maps.filter((m) => m.run === run);
-      select.frame.max = String(frames.length - 1);
-      select.frame.value = "0";
-      select.frame.parentElement.hidden = frames.length < 2;
-      const has = (column) => frames.some((m) => m[column]);
-      select.trails.hidden = frames.length < 2 || !has("ids");
+    // The frame of `view` that goes with the one shown first: the same frame, else the nearest phase
+    // of the vibration, else the same share of the film.
+    function partner(view, first, share) {
+      const same = view.frames.find((m) => m.frame === first.frame);
+      if (same) return same;
+      if (first.phase !== null && view.frames.every((m) => m.phase !== null)) {
+        const apart = (m) => { const d = Math.abs(m.phase - first.phase); return Math.min(d, 1 - d); };
+        return view.frames.reduce((a, b) => (apart(b) < apart(a) ? b : a));
+      }
+      return view.frames[Math.round(share * (view.frames.length - 1))];
+    }
+    function showFrame() {
+      const [first, ...others] = views;
+      const index = Math.min(Number(slider.value), first.frames.length - 1);
+      const map = first.frames[index];
+      const share = first.frames.length > 1 ? index / (first.frames.length - 1) : 0;
+      slider.parentElement.querySelector("output").textContent = String(map.frame);
+      return Promise.all([first.show(map), ...others.map((v) => v.show(partner(v, map, share)))]);
+    }
+
+    function listRuns() {
+      for (const view of views) view.frames = maps.filter((m) => m.run === Number(view.pick.value));
+      const all = views.flatMap((view) => view.frames);
+      slider.max = String(views[0].frames.length - 1);
+      // The first frame that all of them have.
+      const [first, ...others] = views;
+      const common = first.frames.findIndex((m) =>
+        others.every((v) => v.frames.some((o) => o.frame === m.frame)));
+      slider.value = String(Math.max(0, common));
+      slider.parentElement.hidden = views[0].frames.length < 2;
+      const has = (column) => all.some((m) => m[column]);
+      select.trails.hidden = views[0].frames.length < 2 || !has("ids");
       const option = (value) => [...select.colour.options].find((o) => o.value === value);
       option("identity").hidden = !has("ids");
       option("layer").hidden = !has("layers");
       if (option(colouring).hidden) select.colour.value = colouring = "order";
       select.colour.parentElement.hidden = !has("ids") && !has("layers");
-      return frames[0];
+      box.querySelector(".kinds").hidden = all.every((m) => m.is_field);
+      select.lens.hidden = all.every((m) => m.is_field);
+      showColourBar();
+      return showFrame();
     }
+    function showColourBar() {
+      const bar = box.querySelector(".colour-bar");
+      const shown = views.map((view) => view.map || view.frames[0]);
+      bar.hidden = marks !== "discs" || colouring !== "order" || shown.every((m) => !m.order);
+      bar.querySelector(".order").textContent = shown[0].orderName;
+    }
+    const paintAll = () => views.forEach((view) => view.paint());
 
-    select.run.addEventListener("change", () => show(listFrames(Number(select.run.value))));
-    select.frame.addEventListener("input", () => show(frames[Number(select.frame.value)]));
-    select.colour.addEventListener("change", () => { colouring = select.colour.value; paint(); });
-    select.trails.addEventListener("click", () => {
-      select.trails.setAttribute("aria-pressed", String(select.trails.getAttribute("aria-pressed") !== "true"));
-      paint();
-    });
-    const pick = (run) => {
-      select.run.value = String(run);
-      box.scrollIntoView({ block: "nearest" });
-      return show(listFrames(run));
-    };
-    drawGallery(maps, colours, labels, pick);
-    box.querySelectorAll(".marks button").forEach((button) =>
+    for (const view of views) view.pick.addEventListener("change", listRuns);
+    slider.addEventListener("input", showFrame);
+    select.colour.addEventListener("change", () => { colouring = select.colour.value; showColourBar(); paintAll(); });
+    for (const button of [select.trails, select.lens]) {
       button.addEventListener("click", () => {
-        box.querySelectorAll(".marks button").forEach((other) =>
+        button.setAttribute("aria-pressed", String(!isPressed(button)));
+        paintAll();
+      });
+    }
+    box.querySelectorAll(".kinds button").forEach((button) =>
+      button.addEventListener("click", () => {
+        box.querySelectorAll(".kinds button").forEach((other) =>
           other.setAttribute("aria-pressed", String(other === button)));
         marks = button.value;
-        paint();
+        showColourBar();
+        paintAll();
       }));
-    plot.addEventListener("pointermove", say);
-    plot.addEventListener("pointerleave", () => { readout.textContent = ""; });
+    const pick = (run) => {
+      views[0].pick.value = String(run);
+      box.scrollIntoView({ block: "nearest" });
+      return listRuns();
+    };
+    drawGallery(maps, colours, labels, pick);
 
-    return show(listFrames(maps[0].run)).then(() => {
-      for (const event of ["plotly_relayouting", "plotly_relayout", "plotly_redraw", "plotly_afterplot"]) {
-        plot.on(event, repaint);
-      }
-      window.addEventListener("resize", () => Plotly.relayout(plot, { height: layout().height }));
-      window.addEventListener("beforeprint", () => {
-        Plotly.relayout(plot, { width: paper.width, height: Math.min(heightFor(paper.width), 800), autosize: false });
-        paint();
+    for (const button of box.querySelectorAll(".zoom button")) {
+      button.addEventListener("click", async () => {
+        const view = views[0];
+        const [u, v, width] = view.window();
+        await (button.value === "0" ? view.reset() : view.look([u, v, width * Number(button.value)]));
+        await (button.value === "0" && views[1] ? views[1].reset() : lead(view));
       });
-      window.addEventListener("afterprint", () =>
-        Plotly.relayout(plot, { width: null, height: layout().height, autosize: true }));
+    }
+    for (const button of box.querySelectorAll(".place")) {
+      button.addEventListener("click", async () => {
+        const [m, p] = button.value.split(" ").map(Number);
+        const map = maps[m];
+        const view = views.find((v) => v.frames.includes(map)) || views[0];
+        if (!view.frames.includes(map)) { view.pick.value = String(map.run); await listRuns(); }
+        slider.value = String(view === views[0] ? view.frames.indexOf(map) : slider.value);
+        await (view === views[0] ? showFrame() : view.show(map));
+        const [x, y] = map.places[p];
+        await view.look([(x - (map.x[0] + map.x[1]) / 2) / map.diameter,
+          (map.yDown ? 1 : -1) * (y - (map.y[0] + map.y[1]) / 2) / map.diameter, 14]);
+        await lead(view);
+        readout.textContent = button.title;
+      });
+    }
+
+    for (const view of views) {
+      const at = (event) => {
+        const area = view.plot.getBoundingClientRect();
+        const f = view.frame();
+        const [x, y] = [event.clientX - area.left, event.clientY - area.top];
+        const isInside = x >= f.left && x <= f.left + f.width && y >= f.top && y <= f.top + f.height;
+        return isInside ? [f.toX(x), f.toY(y)] : null;
+      };
+      view.plot.addEventListener("pointermove", (event) => {
+        const where = at(event);
+        if (where) point(view, ...where); else leave();
+      });
+      view.plot.addEventListener("pointerleave", leave);
+      view.stage.addEventListener("blur", leave);
+      // Without a pointer: arrows move the lens, + and - zoom about it, 0 shows all, Escape takes it away.
+      view.stage.addEventListener("keydown", (event) => {
+        const { map } = view;
+        const f = view.frame();
+        const step = 10 / f.scale;
+        const [x, y] = view.at || [f.toX(f.left + f.width / 2), f.toY(f.top + f.height / 2)];
+        const down = map.yDown ? 1 : -1;
+        const moves = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+        if (moves[event.key]) {
+          const [dx, dy] = moves[event.key];
+          point(view, view.at ? x + dx * step : x, view.at ? y + dy * down * step : y);
+        } else if (["+", "=", "-"].includes(event.key)) {
+          const [u, v, width] = view.window();
+          view.look([u, v, width * (event.key === "-" ? 1.25 : 0.8)]).then(() => lead(view));
+        } else if (event.key === "0") {
+          for (const each of views) each.reset();
+        } else if (event.key === "Escape") {
+          leave();
+        } else {
+          return;
+        }
+        event.preventDefault();
+      });
+    }
+
+    return listRuns().then(() => {
+      for (const view of views) {
+        for (const event of ["plotly_relayouting", "plotly_relayout", "plotly_redraw", "plotly_afterplot"]) {
+          view.plot.on(event, view.repaint);
+        }
+        for (const event of ["plotly_relayouting", "plotly_relayout"]) view.plot.on(event, () => lead(view));
+        window.addEventListener("resize", () => Plotly.relayout(view.plot, { height: view.height() }));
+        window.addEventListener("beforeprint", () => {
+          const aspect = (view.map.y[1] - view.map.y[0]) / (view.map.x[1] - view.map.x[0]);
+          const width = paper.width / views.length;
+          const height = (width - margin.l - margin.r) * aspect + margin.t + margin.b;
+          Plotly.relayout(view.plot, { width, height: Math.min(height, 800), autosize: false });
+          view.paint();
+        });
+        window.addEventListener("afterprint", () =>
+          Plotly.relayout(view.plot, { width: null, height: view.height(), autosize: true }));
+      }
     });
   }
 

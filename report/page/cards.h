@@ -1,0 +1,41 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/results.h"
+#include "report/maps/particle_map.h"
+
+namespace grainfield::report {
+
+/// What one run says on a card.
+struct CardValue {
+    std::string value;   ///< "10,314"; empty: the run has none
+    std::string detail;  ///< "31 frames"; may be empty
+};
+
+/// A number that is read first.
+struct Card {
+    std::string title;  ///< "Lattice spacing"
+    std::vector<CardValue> values;  ///< one a run
+};
+
+/// At most six cards that some run has a value for, in this order: spheres a frame, diameter, frame
+/// rate, shares of the phases with the rest, lattice spacing, diffusion coefficient or S(k→0); then
+/// residual, mean order and number density for those that are missing. `sphere_mm`: true diameter
+/// of the spheres [mm], for lengths in mm.
+std::vector<Card> make_cards(const std::vector<Results>& runs, std::optional<double> sphere_mm);
+
+/// The cards as HTML; with several runs each card has one line a run, in its colour.
+std::string cards_html(const std::vector<Card>& cards, const std::vector<std::string>& labels);
+
+/// One sentence: "10,314 spheres a frame; residual 0.059, good; 3 places to look at". A residual up
+/// to 0.07 of the contrast is good, up to 0.12 fair, poor beyond; only frames of a camera have one.
+/// `places`: of all maps of the run.
+std::string verdict(const Results& run, std::size_t places);
+
+/// The file that the run began with: "layer.avi", "frame_0000.tif and 30 more".
+std::string first_file(const Results& run);
+
+}  // namespace grainfield::report

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "core/results.h"
+
+namespace grainfield::report {
+
+/// The run without numbers that its film cannot have; each gets the reason in place of its value:
+///
+/// - of one frame: phases, S at the lowest k, the fit of S(k), and curves of these fits;
+/// - an averaging time of the phases that is longer than the film;
+/// - diffusion coefficient and offset where the MSD grows faster than t^1.5, which is flight;
+/// - a number of samples below 2, of which no error can be made.
+///
+/// Files written by `analyze` keep all of them.
+Results with_possible_numbers(Results run);
+
+}  // namespace grainfield::report
