@@ -6,6 +6,7 @@
 #include "app/info_command.h"
 #include "app/link_command.h"
 #include "app/render_command.h"
+#include "app/run_command.h"
 #include "app/simulate_field_command.h"
 #include "app/simulate_md_command.h"
 #include "app/track_command.h"
@@ -16,6 +17,7 @@ namespace grainfield::app {
 
 std::vector<std::unique_ptr<Command>> make_commands() {
     std::vector<std::unique_ptr<Command>> commands;
+    commands.push_back(std::make_unique<RunCommand>());
     commands.push_back(std::make_unique<TrackCommand>());
     commands.push_back(std::make_unique<LinkCommand>());
     commands.push_back(std::make_unique<TuneCommand>());

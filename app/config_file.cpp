@@ -4,6 +4,7 @@
 #include <iterator>
 #include <optional>
 #include <system_error>
+#include <variant>
 
 #include <fmt/format.h>
 #include <toml++/toml.h>
@@ -125,6 +126,28 @@ class ConfigReader {
     const OptionSet& options_;
 };
 
+// A TOML basic string.
+std::string quoted(const std::string& text) {
+    std::string out = "\"";
+    for (const char c : text) {
+        const auto code = static_cast<unsigned char>(c);
+        if (c == '"' || c == '\\') out += '\\';
+        if (code < 0x20 || code == 0x7F) {
+            out += fmt::format("\\u{:04X}", code);
+        } else {
+            out += c;
+        }
+    }
+    return out + '"';
+}
+
+std::string value_text(const Option& option) {
+    const OptionValue value = option.get();
+    const std::string text = to_text(value);
+    const bool is_plain = !std::holds_alternative<std::string>(value);
+    return is_plain ? text : quoted(text);
+}
+
 std::string read_text(const std::filesystem::path& path) {
     // Before it is opened: opening a pipe waits for somebody to write into it.
     std::error_code error;
@@ -158,6 +181,24 @@ void apply_config_file(const std::filesystem::path& path, const OptionSet& optio
                            .suggestion = {}});
     }
     reader.apply(root);
+}
+
+std::string config_text(const std::vector<OptionTable>& tables, const std::string& heading) {
+    std::string out = "# ";
+    for (const char c : heading) out += c == '\n' ? std::string("\n# ") : std::string(1, c);
+    out += '\n';
+    for (const OptionTable& table : tables) {
+        out += '\n';
+        if (!table.section().empty()) out += fmt::format("[{}]\n", table.section());
+        for (const Option& option : table.rows()) {
+            if (option.effect == Effect::call) continue;
+            const std::string unit = option.unit.empty() ? "" : fmt::format("[{}] ", option.unit);
+            out += fmt::format("{}{} = {}  # {}{}\n",
+                               option.get() == option.default_value ? "# " : "", option.name,
+                               value_text(option), unit, option.meaning);
+        }
+    }
+    return out;
 }
 
 }  // namespace grainfield::app

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "app/option_set.h"
 
@@ -16,5 +18,10 @@ namespace grainfield::app {
 /// not TOML, has an unknown key or section (with the nearest known one), or a value of the wrong
 /// kind or out of range. Options set before the faulty line stay set.
 void apply_config_file(const std::filesystem::path& path, const OptionSet& options);
+
+/// The present values of the options as such a file. An option at its default stands as a comment,
+/// each with its meaning; those that concern one call only are left out. `heading`: lines of the
+/// comment at the top.
+std::string config_text(const std::vector<OptionTable>& tables, const std::string& heading);
 
 }  // namespace grainfield::app

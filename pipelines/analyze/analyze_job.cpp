@@ -136,7 +136,9 @@ Results measure(const AnalyzeJobOptions& options, const fs::path& path, Job& job
             results.sources = {input.trajectory->record()};
         }
         if (!input.trajectory->curves().empty()) {
-            results.observables.push_back(analysis::run_series(input.trajectory->curves()));
+            ObservableResult series = analysis::run_series(input.trajectory->curves());
+            // The table of what a tracker calibrated is no series.
+            if (series.reason.empty()) results.observables.push_back(std::move(series));
         }
     }
     results.previews = previews_of(input);

@@ -20,7 +20,10 @@ Style style_of(const Figure& figure, std::size_t run, std::size_t kind) {
     if (is_guide(*here)) return {{0x66, 0x66, 0x66}, 0, 1 + guides_before % 3};
     const std::size_t place = kind - guides_before;
     if (figure.runs.size() > 1) {
-        return {distinct_colour(run, figure.runs.size()), place % 4, place % 4};
+        // Without colour the symbols tell runs apart, of a histogram the dashes.
+        const bool is_outline = here->mark == Mark::steps;
+        return {distinct_colour(run, figure.runs.size()), (run + place) % 4,
+                (place + (is_outline ? run : 0)) % 4};
     }
     const auto kinds = static_cast<std::size_t>(figure.kinds.end() - first -
                                                 std::ranges::count_if(figure.kinds, is_guide));

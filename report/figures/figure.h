@@ -46,8 +46,8 @@ struct Figure {
     bool has_data() const;  ///< whether any run has a series
 };
 
-/// How a series looks, wherever it is drawn. One run: colour by kind; several: colour by run and
-/// symbol and dashes by kind. Guides are grey.
+/// How a series looks, wherever it is drawn. One run: colour by kind; several: colour by run,
+/// dashes by kind, symbols by both; outlines of histograms, which have none, dashes by both. Guides are grey.
 struct Style {
     Colour colour;
     std::size_t symbol = 0;  ///< 0 circle, 1 square, 2 diamond, 3 triangle

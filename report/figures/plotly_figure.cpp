@@ -16,6 +16,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::array<const char*, 4> symbols{"circle", "square", "diamond", "triangle-up"};
+constexpr std::array<const char*, 4> glyphs{"●", "■", "◆", "▲"};  // the symbols in a legend
 constexpr std::array<const char*, 4> dashes{"solid", "dash", "dot", "dashdot"};
 
 // Six significant digits keep the page small.
@@ -133,7 +134,8 @@ std::string plotly_json(const Figure& figure) {
     json runs = json::array();
     for (std::size_t r = 0; r < figure.runs.size(); ++r) {
         runs.push_back({{"label", clean_text(figure.runs[r])},
-                        {"colour", hex(distinct_colour(r, figure.runs.size()))}});
+                        {"colour", hex(distinct_colour(r, figure.runs.size()))},
+                        {"symbol", glyphs[r % glyphs.size()]}});
     }
     json groups = json::array();
     for (std::size_t r = 0; r < figure.origins.size(); ++r) {

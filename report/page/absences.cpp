@@ -70,7 +70,11 @@ std::vector<Absent> absences(const Results& run, const std::vector<ObservableTit
             if (!observable.reason.empty()) add(title, observable.reason);
             continue;
         }
-        if (missing == size && size > 1) {
+        // With its curve on the page it is not missing as a whole.
+        const Curve* curve = observable.find_curve(observable.name);
+        const bool is_drawn = curve != nullptr && !curve->columns.empty() &&
+                              curve->columns.front().values.size() > 1;
+        if (missing == size && size > 1 && !is_drawn) {
             add(title, observable.measurements.front().reason);
             continue;
         }
@@ -82,7 +86,8 @@ std::vector<Absent> absences(const Results& run, const std::vector<ObservableTit
         for (const Measurement& m : observable.measurements) {
             if (!is_missing(m)) continue;
             if (of_one > 1 && blames_one_frame(run, m.reason)) {
-                if (!std::exchange(is_named, true)) add(title, m.reason);
+                const std::string first = quantity_title(titles, observable.name, m.name);
+                if (!std::exchange(is_named, true)) add(is_drawn ? first : title, m.reason);
                 continue;
             }
             add(quantity_title(titles, observable.name, m.name), m.reason);

@@ -37,7 +37,9 @@
 
   // A button that shows or hides a run or a kind; the swatch shows its colour and dashes.
   function legendButton(entry, shown, onChange) {
-    const swatch = element("span", { className: "swatch " + (entry.dash || "block") });
+    const swatch = entry.symbol
+      ? element("span", { className: "glyph" }, entry.symbol)
+      : element("span", { className: "swatch " + (entry.dash || "block") });
     swatch.style.color = entry.colour;
     const button = element("button", { type: "button" }, swatch, entry.label);
     const show = (value) => {

@@ -120,5 +120,32 @@ TEST_F(ConfigFile, AFileThatCannotBeReadIsABadInput) {
     EXPECT_THROW(apply_config_file(testing::TempDir(), options()), InputError);
 }
 
+TEST_F(ConfigFile, WrittenByTheProgramGivesTheSameOptionsBack) {
+    apply("threads = 2\nlabel = \"a \\\"b\\\" \\\\ c\"\nlags = [1, 10]\n[detect]\ndiameter = 9.5\n");
+    OptionTable own("");
+    own.integer("threads", threads_, "-", {0, 64}, "threads");
+    own.text("label", label_, "label");
+    own.integers("lags", lags_, "frames", {.minimum = 1}, "lags");
+    own.flag("strict", strict_, "strict");
+    OptionTable detect("detect");
+    detect.number("diameter", diameter_, "px", {3, 400}, "diameter of a disc");
+    threads_ = 3;
+    label_ += "\n";
+    diameter_ = 12.25;
+    const std::string text = config_text({own, detect}, "two\nlines");
+    EXPECT_THAT(text, testing::StartsWith("# two\n# lines\n"));
+    EXPECT_THAT(text, HasSubstr("\nthreads = 3  # [-] threads\n"));
+    EXPECT_THAT(text, HasSubstr("\n# strict = false")) << "at its default";
+    EXPECT_THAT(text, HasSubstr("\ndiameter = 12.25  # [px] diameter of a disc\n"));
+    const std::string label = label_;
+    threads_ = 0;
+    label_ = "";
+    diameter_.reset();
+    apply(text);
+    EXPECT_EQ(threads_, 3);
+    EXPECT_EQ(label_, label);
+    EXPECT_EQ(diameter_, 12.25);
+}
+
 }  // namespace
 }  // namespace grainfield::app

@@ -35,6 +35,7 @@ TEST(Figure, OfSeveralRunsIsColouredByRunAndMarkedByKind) {
     EXPECT_EQ(style_of(figure, 0, 0).colour, style_of(figure, 0, 1).colour);
     EXPECT_NE(style_of(figure, 0, 0).colour, style_of(figure, 1, 0).colour);
     EXPECT_NE(style_of(figure, 0, 0).symbol, style_of(figure, 0, 1).symbol);
+    EXPECT_NE(style_of(figure, 0, 0).symbol, style_of(figure, 1, 0).symbol) << "in grey";
     figure.kinds[1].shown = false;
     EXPECT_EQ(series_label(figure, figure.series[0]), "A") << "the only kind needs no name";
     EXPECT_EQ(series_label(figure, figure.series[1]), "A, liquid");

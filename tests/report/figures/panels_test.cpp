@@ -13,17 +13,21 @@ Figure shared_figure() {
     figure.title = "Number variance";
     figure.x = {"l", "Window", "a", Scale::log, false, {{"a"}, {"l"}}};
     figure.y.scale = Scale::log;
-    figure.runs = {"MD, Γ = 2", "field, 2D, ν = 1", "MD, Γ = 3"};
+    figure.runs = {"MD, Γ = 2", "field, 2D, ν = 1", "MD, Γ = 3", "field, 2D, ν = 2"};
     figure.kinds = {{"σ²", Mark::line, true}};
     figure.series = {
-        {0, 0, {1, 10}, {1, 20}, {}}, {1, 0, {2, 20}, {5, 50}, {}}, {2, 0, {1, 10}, {2, 40}, {}}};
+        {0, 0, {1, 10}, {1, 20}, {}}, {1, 0, {2, 20}, {5, 50}, {}}, {2, 0, {1, 10}, {2, 40}, {}},
+        {3, 0, {2, 20}, {6, 70}, {}}};
     figure.absent = {{1, "why not"}};
     add_power_law(figure, "β = 2", 2, 1, 1, 20);
     return figure;
 }
 
 std::vector<RunIdentity> identities() {
-    return {{.origin = Origin::md}, {.origin = Origin::field}, {.origin = Origin::md}};
+    return {{.origin = Origin::md},
+            {.origin = Origin::field},
+            {.origin = Origin::md},
+            {.origin = Origin::field}};
 }
 
 TEST(Panels, HoldTheRunsOfOneOriginEach) {
@@ -50,7 +54,7 @@ TEST(Panels, AnchorGuidesInTheirOwnData) {
 
 TEST(Panels, HalveTheSlopeOfGuidesOnALine) {
     auto runs = identities();
-    runs[1].dimension = 1;
+    runs[1].dimension = runs[3].dimension = 1;
     const Series guide = panels_by_origin(shared_figure(), runs)[1].series.back();
     EXPECT_NEAR(guide.y.back(), 50, 1e-9) << "slope 1";
     for (RunIdentity& run : runs) run.dimension = 1;
@@ -61,12 +65,23 @@ TEST(Panels, HalveTheSlopeOfGuidesOnALine) {
 TEST(Panels, AreNotMadeForOneOrigin) {
     EXPECT_TRUE(
         panels_by_origin(shared_figure(),
-                         {{.origin = Origin::md}, {.origin = Origin::md}, {.origin = Origin::md}})
+                         std::vector<RunIdentity>(4, {.origin = Origin::md}))
             .empty());
     EXPECT_TRUE(panels_by_origin(shared_figure(), {{.origin = Origin::md},
                                                    {.role = RunRole::critical_point},
-                                                   {.origin = Origin::md}})
+                                                   {.origin = Origin::md},
+                                                   {.role = RunRole::critical_point}})
                     .empty());
+}
+
+TEST(Panels, DoNotRepeatASingleRun) {
+    Figure figure = shared_figure();
+    std::erase_if(figure.series, [&](const Series& s) {
+        return s.run == 3 && figure.kinds[s.kind].mark != Mark::guide;
+    });
+    const std::vector<Figure> panels = panels_by_origin(figure, identities());
+    ASSERT_EQ(panels.size(), 1U);
+    EXPECT_EQ(panels[0].runs, (std::vector<std::string>{"Γ = 2", "Γ = 3"}));
 }
 
 TEST(Panels, RunsWithoutDataNeedNoColour) {
@@ -75,12 +90,13 @@ TEST(Panels, RunsWithoutDataNeedNoColour) {
     // The guide belongs to no run.
     figure.series.push_back(shared_figure().series.back());
     const Figure present = of_present_runs(figure);
-    EXPECT_EQ(present.runs, (std::vector<std::string>{"field, 2D, ν = 1", "MD, Γ = 3"}));
-    ASSERT_EQ(present.series.size(), 3U);
+    EXPECT_EQ(present.runs, (std::vector<std::string>{"field, 2D, ν = 1", "MD, Γ = 3",
+                                                      "field, 2D, ν = 2"}));
+    ASSERT_EQ(present.series.size(), 4U);
     EXPECT_EQ(present.series[0].run, 0U);
     EXPECT_EQ(present.series[0].y, (std::vector<double>{5, 50}));
     EXPECT_EQ(present.series[1].run, 1U);
-    EXPECT_EQ(present.series[2].y, shared_figure().series.back().y);
+    EXPECT_EQ(present.series[3].y, shared_figure().series.back().y);
     EXPECT_TRUE(present.absent.empty());
 }
 

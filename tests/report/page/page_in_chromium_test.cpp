@@ -98,16 +98,98 @@ TEST_F(PageInChromium, ComparesRunsAndShowsReasons) {
     const std::vector<Results> runs{sample::results({1, 300, 80, true, "first"}),
                                     sample::results({2, 300, 80, false, "second"})};
     const std::string dom = drawn(folder, runs, "", "500,900");
-    EXPECT_THAT(dom, HasSubstr("data-ready=\"6\""));
+    EXPECT_THAT(dom, HasSubstr("data-ready=\"7\"")) << "five figures and two pictures";
     EXPECT_THAT(dom, Not(HasSubstr("data-errors")));
     EXPECT_THAT(dom, HasSubstr("Without second: one frame: displacements need two"));
-    EXPECT_EQ(count(dom, "<option value=\"[01]\">(first|second)"), 2);
+}
+
+TEST_F(PageInChromium, LooksAtTheSamePartOfBothRunsWhicheverIsMoved) {
+    const sample::TemporaryFolder folder("chromium_linked");
+    std::vector<Results> runs{sample::results({1, 300, 80, true, "first"}),
+                              sample::results({2, 300, 80, true, "second"})};
+    // Other pixels a sphere: the same part of the layer has twice as many of them.
+    runs[1].source.diameter *= 2;
+    for (Preview& preview : runs[1].previews) {
+        preview.snapshot.box.length = {600, 600};
+        preview.frame.image = {};
+        for (Vec2& p : preview.snapshot.position) p = 2 * p + Vec2{0.5, 0.5};
+    }
+    const std::string dom = drawn(folder, runs, "", "1280,900", R"(
+        setTimeout(async () => {
+            const plots = [...document.querySelectorAll("#map .plot")];
+            const ranges = () => plots.map((p) => p._fullLayout.xaxis.range.map(Math.round).join(":"));
+            await Plotly.relayout(plots[0], {"xaxis.range": [99.5, 199.5], "yaxis.range": [199.5, 99.5]});
+            await new Promise((done) => setTimeout(done, 300));
+            document.body.dataset.first = ranges().join(" ");
+            await Plotly.relayout(plots[1], {"xaxis.range": [199.5, 299.5], "yaxis.range": [299.5, 199.5]});
+            await new Promise((done) => setTimeout(done, 300));
+            document.body.dataset.second = ranges().join(" ");
+        }, 12000);)");
+    EXPECT_THAT(dom, Not(HasSubstr("data-errors")));
+    EXPECT_EQ(count(dom, "data-first=\"(99|100):(199|200) (199|200):(399|400)\""), 1)
+        << dom.substr(dom.find("data-first"), 60);
+    EXPECT_EQ(count(dom, "data-second=\"(99|100):(149|150) (199|200):(299|300)\""), 1)
+        << dom.substr(dom.find("data-second"), 60);
+}
+
+TEST_F(PageInChromium, HasALensAndAllControlsOnTheKeyboardAndFitsANarrowScreen) {
+    const sample::TemporaryFolder folder("chromium_keyboard");
+    std::vector<Results> runs{sample::results({1, 300, 80, true, "layer"})};
+    Snapshot& snapshot = runs[0].previews[0].snapshot;
+    snapshot.quality.assign(snapshot.size(), 0.03);
+    snapshot.quality[7] = 0.5;
+    const std::string dom = drawn(folder, runs, "", "1366,768", R"(
+        setTimeout(async () => {
+            const wait = () => new Promise((done) => setTimeout(done, 300));
+            const stage = document.querySelector("#map .stage");
+            const lens = document.querySelector("#map .lens");
+            const press = (key) =>
+                stage.dispatchEvent(new KeyboardEvent("keydown", {key, bubbles: true, cancelable: true}));
+            const range = () => stage.querySelector(".plot")._fullLayout.xaxis.range;
+            const width = () => range()[1] - range()[0];
+            const data = document.body.dataset;
+            data.screen = document.querySelector(".cards").getBoundingClientRect().bottom <= 768
+                && document.querySelector("#map .pick-frame").getBoundingClientRect().bottom <= 768
+                && stage.getBoundingClientRect().bottom <= 768;
+            stage.focus();
+            const all = width();
+            press("ArrowRight");
+            data.lens = `${!lens.hidden} ${lens.getBoundingClientRect().width}`;
+            press("+");
+            await wait();
+            data.closer = (width() / all).toFixed(2);
+            press("0");
+            await wait();
+            data.whole = (width() / all).toFixed(2);
+            press("Escape");
+            data.gone = lens.hidden;
+            document.querySelector(".place").click();
+            await wait();
+            data.place = (width() / 10.09).toFixed(0);
+            const term = document.querySelector(".term");
+            term.focus();
+            data.meaning = getComputedStyle(term.querySelector(".meaning")).display;
+            document.body.style.width = "390px";
+            window.dispatchEvent(new Event("resize"));
+            await wait();
+            const wide = [...document.querySelectorAll("main *")].filter((e) =>
+                !e.closest(".scroll, .plot, .meaning, .js-plotly-plot") && e.getBoundingClientRect().right > 391);
+            data.wide = wide.map((e) => e.tagName + "." + e.className).join(" ");
+        }, 10000);)");
+    EXPECT_THAT(dom, Not(HasSubstr("data-errors")));
+    for (const char* fact :
+         {"data-screen=\"true\"", "data-lens=\"true 150\"", "data-closer=\"0.80\"",
+          "data-whole=\"1.00\"", "data-gone=\"true\"", "data-place=\"14\"",
+          "data-meaning=\"block\"", "data-wide=\"\"", "1 place to look at"}) {
+        EXPECT_THAT(dom, HasSubstr(fact)) << dom.substr(dom.find("<body"), 400);
+    }
 }
 
 TEST_F(PageInChromium, ShowsThePictureInTheGalleryWhereNothingWasFound) {
     const sample::TemporaryFolder folder("chromium_gallery");
     std::vector<Results> runs{sample::results({1, 300, 80, true, "found"}),
-                              sample::results({2, 300, 80, true, "residual"})};
+                              sample::results({2, 300, 80, true, "residual"}),
+                              sample::results({3, 300, 80, true, "third"})};
     runs[1].previews[0].snapshot.position.clear();
     runs[1].previews[0].abs_q4.clear();
     // How many shades the red of each small map has.
@@ -119,7 +201,7 @@ TEST_F(PageInChromium, ShowsThePictureInTheGalleryWhereNothingWasFound) {
         }).join(" ");
     }, 15000);)");
     EXPECT_THAT(dom, Not(HasSubstr("data-errors")));
-    EXPECT_EQ(count(dom, "data-shades=\"[0-9]{2,3} [0-9]{2,3}\""), 1)
+    EXPECT_EQ(count(dom, "data-shades=\"[0-9]{2,3} [0-9]{2,3} [0-9]{2,3}\""), 1)
         << dom.substr(dom.find("data-shades"), 40);
 }
 
@@ -140,7 +222,7 @@ TEST_F(PageInChromium, DrawsEachParticleForEveryMarkAndColour) {
         for (const shape of ["arc", "rect"]) {
             const plain = CanvasRenderingContext2D.prototype[shape];
             CanvasRenderingContext2D.prototype[shape] = function (...where) {
-                if (this.canvas.closest("#map")) ++drawn;
+                if (this.canvas.closest("#map .stage")) ++drawn;
                 return plain.apply(this, where);
             };
         }
@@ -148,7 +230,7 @@ TEST_F(PageInChromium, DrawsEachParticleForEveryMarkAndColour) {
             const colours = document.querySelector("#map .pick-colour");
             const counts = [];
             for (const option of colours.options) {
-                for (const button of document.querySelectorAll("#map .marks button")) {
+                for (const button of document.querySelectorAll("#map .kinds button")) {
                     colours.value = option.value;
                     colours.dispatchEvent(new Event("change"));
                     drawn = 0;
@@ -174,7 +256,8 @@ TEST_F(PageInChromium, DrawsResultsWithNothingInThem) {
     const std::string dom = drawn(folder, {Results{}}, "");
     EXPECT_THAT(dom, HasSubstr("data-ready=\"0\""));
     EXPECT_THAT(dom, Not(HasSubstr("data-errors")));
-    EXPECT_EQ(count(dom, "class=\"absent\">No p"), 6);
+    EXPECT_EQ(count(dom, "class=\"absent\">No picture"), 1);
+    EXPECT_EQ(count(dom, "<figure"), 0) << "no panel for what is not there";
 }
 
 TEST_F(PageInChromium, DoesNotRunWhatNamesContain) {
@@ -199,7 +282,7 @@ TEST_F(PageInChromium, DoesNotRunWhatNamesContain) {
         }
     }
     const std::string dom = drawn(folder, runs, "Plain title");
-    EXPECT_THAT(dom, HasSubstr("data-ready=\"6\""));
+    EXPECT_THAT(dom, HasSubstr("data-ready=\"7\""));
     EXPECT_THAT(dom, Not(HasSubstr("data-errors"))) << "not even refused by the policy";
     EXPECT_THAT(dom, HasSubstr("<title>Plain title</title>"));
     EXPECT_EQ(count(dom, "<img"), 0);

@@ -100,9 +100,12 @@ TEST(Page, DataSurviveAParser) {
     EXPECT_EQ(data["figures"][0]["runs"][0]["label"], run_labels(runs)[0]);
 }
 
-TEST(Page, PutsTheReasonInThePlaceOfAMissingPlot) {
+TEST(Page, SaysInOneLineWhatOneFrameDoesNotGive) {
     const std::string page = page_of({sample::results({1, 120, 40, false, "A"})});
-    EXPECT_THAT(page, HasSubstr("No plot. one frame: displacements need two"));
+    EXPECT_THAT(page, HasSubstr("<summary>Not possible with one frame: "));
+    EXPECT_THAT(page, HasSubstr("displacement"));
+    EXPECT_THAT(page, HasSubstr("one frame: displacements need two")) << "unfolded";
+    EXPECT_THAT(page, Not(HasSubstr("figure-msd"))) << "no empty panel";
     EXPECT_THAT(page, Not(HasSubstr("id=\"plot-msd\"")));
     EXPECT_THAT(page, HasSubstr("id=\"plot-sk\""));
 }
@@ -120,12 +123,50 @@ TEST(Page, NamesTheMapAfterWhatItShows) {
     EXPECT_THAT(page_of({without}), HasSubstr("<h2>Positions</h2>"));
 }
 
-TEST(Page, OfEmptyResultsStillHasEveryPart) {
+TEST(Page, OfEmptyResultsSaysThatThereIsNothing) {
     const std::string page = page_of({Results{}});
-    for (const char* part : {"Key numbers", "<h2>Positions</h2>", "No picture", "Structure factor",
-                             "How this was made"}) {
+    for (const char* part : {"0 spheres a frame", "No picture", "How this was made"}) {
         EXPECT_THAT(page, HasSubstr(part));
     }
+    EXPECT_THAT(page, Not(HasSubstr("class=\"card\"")));
+    EXPECT_THAT(page, Not(HasSubstr("<figure")));
+}
+
+TEST(Page, BeginsWithVerdictPictureAndCards) {
+    const std::string page = page_of({sample::results({1, 120, 40, true, "A"})});
+    const auto verdict = page.find("class=\"verdict\"");
+    const auto picture = page.find("<figure id=\"map\">");
+    const auto cards = page.find("class=\"cards\"");
+    const auto order = page.find("figure-q4_histogram");
+    const auto moves = page.find("figure-msd");
+    const auto waves = page.find("figure-sk\"");
+    const auto variance = page.find("figure-variance\"");
+    EXPECT_LT(verdict, picture);
+    EXPECT_LT(picture, cards);
+    EXPECT_LT(cards, order);
+    EXPECT_LT(order, moves);
+    EXPECT_LT(moves, waves);
+    EXPECT_LT(waves, variance);
+    EXPECT_LT(variance, page.find("All numbers"));
+    EXPECT_THAT(page, HasSubstr("value=\"outlines\" aria-pressed=\"true\""))
+        << "opaque discs would hide what they should prove";
+}
+
+TEST(Page, PutsTwoRunsSideBySideAndDifferencesBelowTheCurves) {
+    const std::vector<Results> runs{sample::results({1, 120, 40, true, "A"}),
+                                    sample::results({2, 120, 40, true, "B"})};
+    const auto labels = run_labels(runs);
+    const auto figures = make_figures(runs, labels, analysis::figure_hints());
+    const auto maps = make_maps(runs, {});
+    Table differences;
+    differences.name = "differences";
+    differences.title = "Differences";
+    const std::vector<Table> tables{differences};
+    const std::string page =
+        page_html({"T", runs, labels, figures, maps, "", {}, {}, tables});
+    const std::regex view("class=\"view\"");
+    EXPECT_EQ(std::distance(std::sregex_iterator(page.begin(), page.end(), view), {}), 2);
+    EXPECT_LT(page.find("figure-variance\""), page.find("<section id=\"table-differences\""));
 }
 
 }  // namespace

@@ -1,0 +1,99 @@
+#include "app/run_command.h"
+
+#include <chrono>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "app/config_file.h"
+#include "core/support/output_file.h"
+#include "core/support/progress.h"
+#include "report/page/cards.h"
+
+namespace grainfield::app {
+
+namespace {
+
+constexpr const char* options_file = "run.toml";
+
+std::string words(const pipelines::RunJobResult& result) {
+    std::string text;
+    if (result.results) text += report::verdict(*result.results, 0) + "\n";
+    for (const pipelines::RunStage& stage : result.stages) {
+        text += fmt::format("  {:<10} {}{}\n", stage.name, stage.file.string(),
+                            stage.is_kept ? " (kept)" : "");
+    }
+    return text;
+}
+
+}  // namespace
+
+std::string RunCommand::purpose() const {
+    return "film to report in one step: track, analyze, report, overlay";
+}
+
+Command::Inputs RunCommand::inputs() const {
+    return {.placeholder = "VIDEO|IMAGE...",
+            .meaning = "one video, or images (PNG, TIFF, JPEG, BMP, PGM) in order",
+            .count = Count::many};
+}
+
+std::vector<OptionTable> RunCommand::options() {
+    OptionTable own("");
+    own.text("output", folder_, "folder for all outputs; by default NAME-results after the film");
+    own.affects(Effect::call);
+    own.flag("overlay", job_.overlay, "also a video of the film with what was found");
+    own.text("title", job_.report.title, "title of the report; by default the label");
+    own.text("label", job_.analyze.label, "name in plots; by default the name of the film");
+    own.number("sphere-mm", job_.report.sphere_mm, "mm", {1e-6, 1e6},
+               "true diameter of the spheres, for lengths in mm besides");
+    own.number("gamma", job_.analyze.adjustment.acceleration, "-", {0, 1e6},
+               "acceleration of the vibration, A omega^2/g");
+    own.flag("figures", job_.report.figures, "write every plot as SVG, PDF and CSV beside the page");
+    describe(job_.track.film, own);
+    own.integer("previews", job_.track.previews, "-", {0, 1000}, "frames that the report shows");
+    own.number("checkpoint-every", checkpoint_every_, "min", {0, 1e6}, "time between checkpoints");
+    tables_ = {own};
+    for (OptionTable& table : tracking::describe(job_.track.tracking)) {
+        tables_.push_back(std::move(table));
+    }
+    for (OptionTable& table : analysis::describe(job_.analyze.analysis)) {
+        tables_.push_back(std::move(table));
+    }
+    return tables_;
+}
+
+Summary RunCommand::run(Session& session) {
+    pipelines::RunJobOptions job = job_;
+    job.folder = folder_.empty() ? pipelines::default_folder(session.inputs).string() : folder_;
+    job.track.resume.every = std::chrono::duration<double>(60 * checkpoint_every_);
+    if (session.common.explain) {
+        pipelines::plan_run(job, session);
+        return explanation(session.plan);
+    }
+    const pipelines::RunJobResult result = pipelines::run_film(job, session);
+    const auto written = job.folder / options_file;
+    write_file(written,
+               config_text(tables_,
+                           fmt::format("Options of a run, for the next one:\n"
+                                       "  grainfield run FILM... -c {}\n"
+                                       "A line that begins with # is the default.",
+                                       written.string())),
+               Overwrite::force);
+    session.outputs.push_back(written);
+    Summary summary{.text = words(result), .facts = {}, .signal = result.signal};
+    summary.text += fmt::format("  {:<10} {}\n", "options", written.string());
+    summary.facts["folder"] = job.folder.string();
+    summary.facts["stages"] = nlohmann::ordered_json::array();
+    for (const pipelines::RunStage& stage : result.stages) {
+        summary.facts["stages"].push_back(
+            {{"stage", stage.name}, {"file", stage.file.string()}, {"kept", stage.is_kept}});
+    }
+    if (result.results) {
+        summary.facts["frames"] = result.results->frames;
+        summary.facts["particles_mean"] = result.results->particles_mean;
+    }
+    return summary;
+}
+
+}  // namespace grainfield::app

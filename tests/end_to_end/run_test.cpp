@@ -1,0 +1,112 @@
+// `grainfield run`: one command from a film to its report.
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/disc_sequence.h"
+#include "tests/support/program.h"
+
+namespace grainfield {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using ::testing::HasSubstr;
+using testing::Outcome;
+using testing::run_grainfield;
+using testing::ScratchFolder;
+
+std::string text_of(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// A film of five frames, run once for all cases.
+class Run : public ::testing::Test {
+ protected:
+    static void SetUpTestSuite() {
+        scratch_ = new ScratchFolder;
+        frames_ = testing::write_disc_sequence(*scratch_, 5);
+        first_ = run({"--sphere-diameter", "11"});
+    }
+    static void TearDownTestSuite() { delete scratch_; }
+
+    static std::string folder() { return *scratch_ / "out"; }
+    static Outcome run(const std::vector<std::string>& options, const std::string& folder_of = "") {
+        std::vector<std::string> words{
+            "run", "--json", "--no-overlay", "--no-figures", "--fps", "25", "-o",
+            folder_of.empty() ? folder() : folder_of};
+        words.insert(words.end(), options.begin(), options.end());
+        words.insert(words.end(), frames_.begin(), frames_.end());
+        return run_grainfield(words);
+    }
+    static bool is_kept(const Outcome& outcome, const std::string& stage) {
+        const json summary = json::parse(outcome.out);
+        for (const json& one : summary["stages"]) {
+            if (one["stage"] == stage) return one["kept"];
+        }
+        return false;
+    }
+
+    static inline ScratchFolder* scratch_ = nullptr;
+    static inline std::vector<std::string> frames_;
+    static inline Outcome first_;
+};
+
+TEST_F(Run, MakesTracksResultsReportAndOptions) {
+    ASSERT_EQ(first_.code, 0) << first_.err;
+    for (const char* name : {"tracks.h5", "results.h5", "report.html", "run.toml"}) {
+        EXPECT_TRUE(fs::exists(fs::path(folder()) / name)) << name;
+    }
+    EXPECT_EQ(json::parse(first_.out)["frames"], 5);
+    EXPECT_THAT(text_of(fs::path(folder()) / "report.html"), HasSubstr("spheres a frame"));
+}
+
+TEST_F(Run, AgainKeepsWhatIsDone) {
+    const fs::path tracks = fs::path(folder()) / "tracks.h5";
+    const auto before = fs::last_write_time(tracks);
+    const Outcome again = run({"--sphere-diameter", "11"});
+    ASSERT_EQ(again.code, 0) << again.err;
+    EXPECT_TRUE(is_kept(again, "track"));
+    EXPECT_TRUE(is_kept(again, "analyze"));
+    EXPECT_EQ(fs::last_write_time(tracks), before);
+}
+
+TEST_F(Run, WithOtherOptionsOfTheAnalysisKeepsTheTracksAlone) {
+    const Outcome other = run({"--sphere-diameter", "11", "--solid-above", "0.8"});
+    ASSERT_EQ(other.code, 0) << other.err;
+    EXPECT_TRUE(is_kept(other, "track"));
+    EXPECT_FALSE(is_kept(other, "analyze"));
+}
+
+TEST_F(Run, DoesNotReplaceTracksOfOtherOptionsUnlessTold) {
+    const Outcome refused = run({"--sphere-diameter", "12"});
+    EXPECT_EQ(refused.code, 4);
+    EXPECT_THAT(refused.err, HasSubstr("sphere-diameter is 12, was 11"));
+    EXPECT_THAT(refused.err, HasSubstr("--force"));
+}
+
+TEST_F(Run, TakesItsOptionsFromTheFileOfTheLastOne) {
+    const std::string options = fs::path(folder()) / "run.toml";
+    ASSERT_THAT(text_of(options), HasSubstr("sphere-diameter = 11"));
+    std::vector<std::string> words{"run", "--json", "-c", options, "-o", *scratch_ / "second"};
+    words.insert(words.end(), frames_.begin(), frames_.end());
+    const Outcome second = run_grainfield(words);
+    ASSERT_EQ(second.code, 0) << second.err;
+    EXPECT_FALSE(fs::exists(fs::path(*scratch_ / "second") / "overlay.mp4")) << "as in the file";
+    const auto without_heading = [](const std::string& text) {
+        return text.substr(text.find("\n\n"));
+    };
+    EXPECT_EQ(without_heading(text_of(fs::path(*scratch_ / "second") / "run.toml")),
+              without_heading(text_of(options)));
+}
+
+}  // namespace
+}  // namespace grainfield

@@ -1,0 +1,57 @@
+#include "report/page/absences.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace grainfield::report {
+namespace {
+
+using testing::HasSubstr;
+
+Results one_frame() {
+    Results run;
+    run.frames = 1;
+    run.observables.resize(2);
+    run.observables[0].name = "msd";
+    run.observables[0].reason = "one frame: nothing has moved yet";
+    run.observables[1].name = "q4";
+    run.observables[1].measurements = {
+        {"q4_mean", "-", 0.4, 0.1, 9, ""},
+        {"order_length", "a", std::nullopt, std::nullopt, 0, "no <decay>"}};
+    return run;
+}
+
+const std::vector<ObservableTitles> titles{
+    {"msd", "Displacement", {}}, {"q4", "Order", {{"order_length", "Length of the order"}}}};
+
+TEST(Absences, TellWhatMoreFramesWouldBringFromTheRest) {
+    const std::vector<Absent> all = absences(one_frame(), titles);
+    ASSERT_EQ(all.size(), 2U);
+    EXPECT_EQ(all[0].what, "displacement");
+    EXPECT_TRUE(all[0].one_frame);
+    EXPECT_EQ(all[1].what, "length of the order");
+    EXPECT_FALSE(all[1].one_frame);
+}
+
+TEST(AbsencesHtml, IsOneLineWithReasonsToUnfold) {
+    const std::string html = absences_html({one_frame()}, {"A"}, titles);
+    EXPECT_THAT(html, HasSubstr("<summary>Not possible with one frame: displacement. Not measured: "
+                                "length of the order.</summary>"));
+    EXPECT_THAT(html, HasSubstr("<li>length of the order: no &lt;decay&gt;</li>"));
+}
+
+TEST(AbsencesHtml, OfRunsThatLackTheSameIsOneLine) {
+    const std::string html = absences_html({one_frame(), one_frame()}, {"A", "B"}, titles);
+    EXPECT_THAT(html, HasSubstr("<summary>A, B: Not possible"));
+    EXPECT_EQ(html.find("<details"), html.rfind("<details"));
+}
+
+TEST(AbsencesHtml, OfACompleteRunIsEmpty) {
+    Results run = one_frame();
+    run.observables.erase(run.observables.begin());
+    run.observables[0].measurements.pop_back();
+    EXPECT_EQ(absences_html({run}, {"A"}, titles), "");
+}
+
+}  // namespace
+}  // namespace grainfield::report

@@ -1,0 +1,110 @@
+#include "report/page/cards.h"
+
+#include <algorithm>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "report/possible_numbers.h"
+#include "tests/report/sample_results.h"
+
+namespace grainfield::report {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+std::vector<std::string> titles_of(const std::vector<Card>& cards) {
+    std::vector<std::string> titles;
+    for (const Card& card : cards) titles.push_back(card.title);
+    return titles;
+}
+
+Results film() {
+    Results run = sample::results({1, 120, 40, true, "A"});
+    run.observables.push_back({"lengths",
+                               {{"apparent_diameter", "px", 8.76, std::nullopt, 0, ""},
+                                {"residual", "-", 0.0586, std::nullopt, 0, ""}},
+                               {},
+                               {},
+                               "",
+                               0});
+    for (ObservableResult& observable : run.observables) {
+        if (observable.name != "phase") continue;
+        observable.measurements.push_back({"liquid_fraction", "-", 0.6, 0.004, 60, ""});
+    }
+    return run;
+}
+
+TEST(Cards, OfAFilmAreTheSixThatAreReadFirst) {
+    const std::vector<Card> cards = make_cards({film()}, std::nullopt);
+    EXPECT_THAT(titles_of(cards),
+                ElementsAre("Spheres a frame", "Particle diameter a", "Frame rate", "Phases",
+                            "Lattice spacing", "Diffusion coefficient"));
+    EXPECT_EQ(cards[1].values[0].value, "10.09 px");
+    EXPECT_EQ(cards[2].values[0].value, "500 frames/s");
+    EXPECT_THAT(cards[2].values[0].detail, HasSubstr("as the film says"));
+    EXPECT_EQ(cards[3].values[0].value, "solid 27.13 ± 0.31 %");
+    EXPECT_EQ(cards[3].values[0].detail, "liquid 60.00 ± 0.40 %, rest 12.9 %");
+    EXPECT_EQ(cards[5].values[0].value, "0.01253 ± 0.00021 a²/s");
+}
+
+TEST(Cards, SayWhereTheFrameRateComesFrom) {
+    Results run = film();
+    RunRecord track;
+    track.command = "track";
+    track.configuration = {{"fps", "500"}};
+    run.sources = {track};
+    EXPECT_THAT(make_cards({run}, std::nullopt)[2].values[0].detail, HasSubstr("given to track"));
+    run.sources[0].configuration = {{"fps", "auto"}};
+    EXPECT_THAT(make_cards({run}, std::nullopt)[2].values[0].detail,
+                HasSubstr("as the film says"));
+}
+
+TEST(Cards, GiveLengthsInMillimetresWhereTheSphereIsKnown) {
+    const std::vector<Card> cards = make_cards({film()}, 1.0);
+    EXPECT_EQ(cards[1].values[0].value, "10.09 px = 1 mm");
+    EXPECT_THAT(cards[1].values[0].detail, HasSubstr("1 px is 0.0991 mm"));
+}
+
+TEST(Cards, OfOneFrameShowOtherNumbersInPlaceOfThoseThatItCannotHave) {
+    Results run = with_possible_numbers(film());
+    run.frames = 1;
+    run = with_possible_numbers(run);
+    const auto titles = titles_of(make_cards({run}, std::nullopt));
+    EXPECT_THAT(titles, Not(testing::Contains("Phases")));
+    EXPECT_THAT(titles, Not(testing::Contains("Frame rate")));
+    EXPECT_THAT(titles, testing::Contains("residual"));
+}
+
+TEST(Cards, OfSeveralRunsNameEach) {
+    const std::string html = cards_html(make_cards({film(), film()}, std::nullopt), {"A", "<B>"});
+    EXPECT_THAT(html, HasSubstr("&lt;B&gt;"));
+    EXPECT_THAT(html, Not(HasSubstr("<B>")));
+}
+
+TEST(Verdict, JudgesTheResidualAndCountsPlaces) {
+    Results run = film();
+    run.particles_mean = 10274.2;
+    EXPECT_EQ(verdict(run, 3), "10,274 spheres a frame; residual 0.059, good; 3 places to look at");
+    EXPECT_EQ(verdict(run, 0), "10,274 spheres a frame; residual 0.059, good; no place stands out");
+    run.observables.back().measurements[1].value = 0.1;
+    EXPECT_THAT(verdict(run, 1), HasSubstr("0.100, fair; 1 place to look at"));
+    run.observables.back().measurements[1].value = 0.2;
+    EXPECT_THAT(verdict(run, 1), HasSubstr("poor"));
+    run.observables.pop_back();
+    EXPECT_EQ(verdict(run, 0), "10,274 spheres a frame") << "no camera, no residual";
+}
+
+TEST(FirstFile, IsThatOfTheOldestStep) {
+    Results run = film();
+    EXPECT_EQ(first_file(run), "layer_4.50.h5");
+    RunRecord track;
+    track.inputs = {{"/films/frame_0.tif", 1, ""}, {"/films/frame_1.tif", 1, ""}};
+    run.sources = {track};
+    EXPECT_EQ(first_file(run), "frame_0.tif and 1 more");
+}
+
+}  // namespace
+}  // namespace grainfield::report

@@ -1,0 +1,72 @@
+#include "report/possible_numbers.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/report/sample_results.h"
+
+namespace grainfield::report {
+namespace {
+
+using testing::HasSubstr;
+
+const Measurement& number(const Results& run, const char* observable, const char* name) {
+    return *run.find(observable)->find_measurement(name);
+}
+
+TEST(PossibleNumbers, OfOneFrameHaveNoPhasesAndNoSAtLongWaves) {
+    const Results run = with_possible_numbers(sample::results({1, 120, 40, false, "A"}));
+    for (const auto& [observable, name] :
+         {std::pair{"phase", "solid_fraction"}, std::pair{"sk", "s_lowest_k"}}) {
+        EXPECT_FALSE(number(run, observable, name).value) << name;
+        EXPECT_FALSE(number(run, observable, name).error) << name;
+        EXPECT_THAT(number(run, observable, name).reason, HasSubstr("one frame"));
+    }
+    EXPECT_TRUE(number(run, "sk", "lowest_k").value) << "fixed by the box";
+    EXPECT_TRUE(number(run, "q4", "lattice_spacing").value);
+}
+
+TEST(PossibleNumbers, OfAFilmStayAsTheyAre) {
+    const Results run = with_possible_numbers(sample::results({1, 120, 40, true, "A"}));
+    EXPECT_TRUE(number(run, "phase", "solid_fraction").value);
+    EXPECT_TRUE(number(run, "sk", "s_lowest_k").value);
+    EXPECT_TRUE(number(run, "msd", "d_liquid").value);
+}
+
+TEST(PossibleNumbers, HaveNoAveragingTimeLongerThanTheFilm) {
+    Results run = sample::results({1, 120, 40, true, "A"});
+    run.frames = 31;
+    run.source.frame_rate = 500;
+    for (ObservableResult& observable : run.observables) {
+        if (observable.name != "phase") continue;
+        observable.measurements = {{"averaging_time", "time unit", 0.4, std::nullopt, 0, ""}};
+    }
+    EXPECT_FALSE(number(with_possible_numbers(run), "phase", "averaging_time").value);
+    run.frames = 201;
+    EXPECT_TRUE(number(with_possible_numbers(run), "phase", "averaging_time").value);
+}
+
+TEST(PossibleNumbers, HaveNoDiffusionOfAFlightNorItsLine) {
+    Results run = sample::results({1, 120, 40, true, "A"});
+    for (ObservableResult& observable : run.observables) {
+        if (observable.name != "msd") continue;
+        observable.measurements = {{"d_liquid", "a^2/time unit", 3, 0.1, 9, ""},
+                                   {"exponent_liquid", "-", 1.92, 0.01, 9, ""},
+                                   {"d_solid", "a^2/time unit", 1, 0.1, 9, ""},
+                                   {"exponent_solid", "-", 1.02, 0.01, 9, ""}};
+        observable.curves.push_back({"msd_fit",
+                                     "",
+                                     {{"t", "time unit", "", {1, 2, 3}},
+                                      {"msd", "a^2", "", {4, 5, 6}}},
+                                     {{"phase", {"liquid", "solid", "liquid"}}}});
+    }
+    run = with_possible_numbers(run);
+    EXPECT_FALSE(number(run, "msd", "d_liquid").value);
+    EXPECT_THAT(number(run, "msd", "d_liquid").reason, HasSubstr("t^1.92"));
+    EXPECT_TRUE(number(run, "msd", "exponent_liquid").value);
+    EXPECT_TRUE(number(run, "msd", "d_solid").value);
+    EXPECT_EQ(run.find("msd")->find_curve("msd_fit")->columns[1].values, std::vector<double>{5});
+}
+
+}  // namespace
+}  // namespace grainfield::report
