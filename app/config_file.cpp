@@ -193,9 +193,9 @@ std::string config_text(const std::vector<OptionTable>& tables, const std::strin
         for (const Option& option : table.rows()) {
             if (option.effect == Effect::call) continue;
             const std::string unit = option.unit.empty() ? "" : fmt::format("[{}] ", option.unit);
-            out += fmt::format("{}{} = {}  # {}{}\n",
-                               option.get() == option.default_value ? "# " : "", option.name,
-                               value_text(option), unit, option.meaning);
+            out +=
+                fmt::format("{}{} = {}  # {}{}\n", option.get() == option.default_value ? "# " : "",
+                            option.name, value_text(option), unit, option.meaning);
         }
     }
     return out;

@@ -49,7 +49,8 @@ std::vector<OptionTable> RunCommand::options() {
                "true diameter of the spheres, for lengths in mm besides");
     own.number("gamma", job_.analyze.adjustment.acceleration, "-", {0, 1e6},
                "acceleration of the vibration, A omega^2/g");
-    own.flag("figures", job_.report.figures, "write every plot as SVG, PDF and CSV beside the page");
+    own.flag("figures", job_.report.figures,
+             "write every plot as SVG, PDF and CSV beside the page");
     describe(job_.track.film, own);
     own.integer("previews", job_.track.previews, "-", {0, 1000}, "frames that the report shows");
     own.number("checkpoint-every", checkpoint_every_, "min", {0, 1e6}, "time between checkpoints");
@@ -74,11 +75,10 @@ Summary RunCommand::run(Session& session) {
     const pipelines::RunJobResult result = pipelines::run_film(job, session);
     const auto written = job.folder / options_file;
     write_file(written,
-               config_text(tables_,
-                           fmt::format("Options of a run, for the next one:\n"
-                                       "  grainfield run FILM... -c {}\n"
-                                       "A line that begins with # is the default.",
-                                       written.string())),
+               config_text(tables_, fmt::format("Options of a run, for the next one:\n"
+                                                "  grainfield run FILM... -c {}\n"
+                                                "A line that begins with # is the default.",
+                                                written.string())),
                Overwrite::force);
     session.outputs.push_back(written);
     Summary summary{.text = words(result), .facts = {}, .signal = result.signal};

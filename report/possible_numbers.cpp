@@ -82,8 +82,8 @@ void withhold_flight(ObservableResult& msd) {
     for (const auto& [phase, exponent] : in_flight) {
         for (Measurement& m : msd.measurements) {
             if (m.name != "d_" + phase && m.name != "offset_" + phase) continue;
-            withhold(m, fmt::format("the MSD grows as t^{:.2f}: flight, not yet diffusion",
-                                    exponent));
+            withhold(m,
+                     fmt::format("the MSD grows as t^{:.2f}: flight, not yet diffusion", exponent));
         }
         erase_line(msd, phase);
     }

@@ -36,8 +36,9 @@ std::vector<FigureHint> VarianceObservable::figures() {
             "Drawn up to half of a periodic box: the fixed number of particles pulls σ² to zero at "
             "ℓ = L",
         .guides = {guide("β = 1", 1), guide("β = 2", 2)},
-        .reading = "How much the number of spheres in a square window varies in time. Along β = 2 "
-                   "density fluctuates as in a liquid; a lower slope means that it is evened out."};
+        .reading =
+            "How much the number of spheres in a square window varies in time. Along β = 2 "
+            "density fluctuates as in a liquid; a lower slope means that it is evened out."};
     variance.guides.front().note = "Guides: σ² ∝ ⟨N⟩^(β/2), in the plane ℓ^β, on a line ℓ^(β/2).";
     return {
         variance,

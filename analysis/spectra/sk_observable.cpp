@@ -51,7 +51,8 @@ std::vector<FigureHint> SkObservable::figures() {
          .may_be_linear = true,
          .title_of_curve = true,
          .reading = "How strongly density varies with wavelength 2π/k. The peak is the spacing of "
-                    "neighbours; a liquid flattens to the left. The lower it falls there, the more even the layer."},
+                    "neighbours; a liquid flattens to the left. The lower it falls there, the more "
+                    "even the layer."},
         {.name = "sk_anisotropy",
          .title = "Anisotropy of S(k)",
          .note = "",

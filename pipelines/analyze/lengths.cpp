@@ -30,10 +30,9 @@ bool is_given_to_track(const RunRecord& record, const std::string& name) {
     const std::string option = name == "apparent_diameter" ? "disc-diameter"
                                : name == "edge_width"      ? "edge-width"
                                                            : "";
-    return !option.empty() &&
-           std::ranges::any_of(record.configuration, [&](const auto& entry) {
-               return entry.first.ends_with("." + option) && entry.second != automatic;
-           });
+    return !option.empty() && std::ranges::any_of(record.configuration, [&](const auto& entry) {
+        return entry.first.ends_with("." + option) && entry.second != automatic;
+    });
 }
 
 }  // namespace

@@ -34,8 +34,9 @@ std::string date_of_page() {
     }
     std::tm day{};
     if (gmtime_r(&now, &day) == nullptr) return "";
-    constexpr std::array months{"January", "February", "March",     "April",   "May",      "June",
-                                "July",    "August",   "September", "October", "November", "December"};
+    constexpr std::array months{"January",   "February", "March",    "April",
+                                "May",       "June",     "July",     "August",
+                                "September", "October",  "November", "December"};
     return fmt::format("{} {} {}", day.tm_mday, months.at(static_cast<std::size_t>(day.tm_mon)),
                        1900 + day.tm_year);
 }

@@ -1,6 +1,7 @@
 #include "pipelines/run/run_job.h"
 
 #include <algorithm>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -68,7 +69,14 @@ void take_over(const Job& stage, Job& job) {
             job.plan.skip(planned.stage, planned.reason, planned.saved);
         }
     }
-    for (const Warning& warning : stage.plan.warnings()) job.plan.warn(warning);
+    for (Warning warning : stage.plan.warnings()) {
+        // Whoever runs all stages has no such option and needs none.
+        constexpr std::string_view advice = "option 'resume' goes on";
+        if (const auto at = warning.text.find(advice); at != std::string::npos) {
+            warning.text.replace(at, advice.size(), "the same command goes on");
+        }
+        job.plan.warn(std::move(warning));
+    }
     std::ranges::copy(stage.outputs, std::back_inserter(job.outputs));
 }
 
@@ -131,8 +139,7 @@ Tracked track(const RunJobOptions& options, const RunFiles& files, Job& job) {
 }
 
 Results analyze(const RunJobOptions& options, const RunFiles& files, Job& job, bool& is_kept) {
-    Job stage =
-        stage_of(job, "analyze", {files.tracks}, options_of_analysis(options.analyze));
+    Job stage = stage_of(job, "analyze", {files.tracks}, options_of_analysis(options.analyze));
     if (is_kept && is_there(files.results)) {
         Results made = io::read_results(files.results);
         if (same_work(made.record, stage.record())) {
@@ -229,7 +236,6 @@ RunJobResult run_film(const RunJobOptions& wanted, Job& job) {
     result.stages.push_back({"track", files.tracks, is_kept});
     if (tracked.result && tracked.result->signal != 0) {
         result.signal = tracked.result->signal;
-        job.plan.warn("stopped; the same command goes on from there");
         return result;
     }
     result.results = analyze(options, files, job, is_kept);

@@ -32,9 +32,9 @@ struct RunFiles {
 
 /// One stage and its file.
 struct RunStage {
-    std::string name;            ///< "track"
+    std::string name;  ///< "track"
     std::filesystem::path file;
-    bool is_kept = false;        ///< as an earlier run left it
+    bool is_kept = false;  ///< as an earlier run left it
 };
 
 struct RunJobResult {

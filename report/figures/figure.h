@@ -31,9 +31,9 @@ struct Figure {
         std::string reason;
     };
 
-    std::string name;   ///< file name of SVG and CSV, id on the page
-    std::string title;  ///< for people
-    std::string note;   ///< what to know when reading it; may be empty
+    std::string name;     ///< file name of SVG and CSV, id on the page
+    std::string title;    ///< for people
+    std::string note;     ///< what to know when reading it; may be empty
     std::string reading;  ///< what it is, how to read it, what is usual; may be empty
     Axis x, y;
     bool may_be_linear = false;  ///< a button switches the logarithmic axes to linear ones
@@ -47,7 +47,8 @@ struct Figure {
 };
 
 /// How a series looks, wherever it is drawn. One run: colour by kind; several: colour by run,
-/// dashes by kind, symbols by both; outlines of histograms, which have none, dashes by both. Guides are grey.
+/// dashes by kind, symbols by both; outlines of histograms, which have none, dashes by both. Guides
+/// are grey.
 struct Style {
     Colour colour;
     std::size_t symbol = 0;  ///< 0 circle, 1 square, 2 diamond, 3 triangle

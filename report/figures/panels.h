@@ -10,7 +10,8 @@ namespace grainfield::report {
 
 /// One figure for each origin, of its runs alone and in colours of their own, where several origins
 /// share the given figure: as the columns of Fig. 2 (`castillo2019`). Origins with data of one run
-/// or none give none. Names end in "_panel1" …, titles in the origin; labels lose the origin they begin with.
+/// or none give none. Names end in "_panel1" …, titles in the origin; labels lose the origin they
+/// begin with.
 std::vector<Figure> panels_by_origin(const Figure& figure,
                                      const std::vector<RunIdentity>& identities);
 

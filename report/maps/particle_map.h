@@ -32,8 +32,8 @@ struct ParticleMap {
     std::string order = "|Q₄|";          ///< what `abs_q4` is called
     std::vector<double> abs_q4;          ///< [-]; empty: not analysed; NaN: undefined
     double time = 0;                     ///< of the frame [time unit]
-    std::optional<double> phase{};       ///< of the vibration, 0 … 1, where its frequency is known
-    std::vector<Place> places{};         ///< places_to_look_at
+    std::optional<double> phase{};  ///< of the vibration, 0 … 1, where its frequency is known
+    std::vector<Place> places{};    ///< places_to_look_at
 };
 
 /// How much of the previews goes into a report.

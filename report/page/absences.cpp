@@ -70,10 +70,8 @@ std::vector<Absent> absences(const Results& run, const std::vector<ObservableTit
             if (!observable.reason.empty()) add(title, observable.reason);
             continue;
         }
-        // With its curve on the page it is not missing as a whole.
-        const Curve* curve = observable.find_curve(observable.name);
-        const bool is_drawn = curve != nullptr && !curve->columns.empty() &&
-                              curve->columns.front().values.size() > 1;
+        // A spectrum is drawn of one frame too: it is not missing as a whole.
+        const bool is_drawn = observable.name == "sk" && observable.find_curve("sk") != nullptr;
         if (missing == size && size > 1 && !is_drawn) {
             add(title, observable.measurements.front().reason);
             continue;
@@ -94,8 +92,8 @@ std::vector<Absent> absences(const Results& run, const std::vector<ObservableTit
         }
     }
     if (run.frames == 1 && run.find("sk") != nullptr && !run.identity.is_field()) {
-        all.push_back({"errors of S(k)", "one frame: errors come from the scatter between frames",
-                       true});
+        all.push_back(
+            {"errors of S(k)", "one frame: errors come from the scatter between frames", true});
     }
     return all;
 }

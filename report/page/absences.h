@@ -11,9 +11,9 @@ namespace grainfield::report {
 
 /// Something that a run does not have.
 struct Absent {
-    std::string what;       ///< "Displacement", "errors of S(k)"
-    std::string reason;     ///< as the analysis says it
-    bool one_frame = false; ///< more frames would bring it
+    std::string what;        ///< "Displacement", "errors of S(k)"
+    std::string reason;      ///< as the analysis says it
+    bool one_frame = false;  ///< more frames would bring it
 };
 
 /// What the results lack: observables and numbers without a value, an observable that has none at

@@ -41,9 +41,9 @@ bool is_of_particles(const Results& run) {
 CardValue spheres(const Results& run, std::optional<double> /*sphere_mm*/) {
     if (!is_of_particles(run)) return {};
     return {count_text(std::round(run.particles_mean)),
-            run.frames == 1 ? "in one frame"
-                            : fmt::format("mean of {} frames",
-                                          count_text(static_cast<double>(run.frames)))};
+            run.frames == 1
+                ? "in one frame"
+                : fmt::format("mean of {} frames", count_text(static_cast<double>(run.frames)))};
 }
 
 CardValue diameter(const Results& run, std::optional<double> sphere_mm) {
@@ -149,9 +149,8 @@ CardValue at_long_waves(const Results& run, std::optional<double> /*sphere_mm*/)
     const Measurement* s = known(run, "sk", "s_lowest_k");
     const Measurement* k = known(run, "sk", "lowest_k");
     if (s == nullptr || k == nullptr) return {};
-    return {number(*s),
-            fmt::format("S(k) at the lowest k, {}",
-                        with_unit(fmt::format("{:.3g}", *k->value), run, *k))};
+    return {number(*s), fmt::format("S(k) at the lowest k, {}",
+                                    with_unit(fmt::format("{:.3g}", *k->value), run, *k))};
 }
 
 CardValue residual(const Results& run, std::optional<double> /*sphere_mm*/) {
@@ -215,8 +214,7 @@ std::string cards_html(const std::vector<Card>& cards, const std::vector<std::st
         if (title[0] >= 'a' && title[0] <= 'z') title[0] = static_cast<char>(title[0] - 'a' + 'A');
         const std::string_view meaning = definition_of(card.title);
         out += "<div class=\"card\"><h3>" +
-               (meaning.empty() ? with_definitions(title)
-                                : defined(escape_html(title), meaning)) +
+               (meaning.empty() ? with_definitions(title) : defined(escape_html(title), meaning)) +
                "</h3>\n";
         for (std::size_t r = 0; r < card.values.size(); ++r) {
             const CardValue& value = card.values[r];

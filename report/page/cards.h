@@ -17,7 +17,7 @@ struct CardValue {
 
 /// A number that is read first.
 struct Card {
-    std::string title;  ///< "Lattice spacing"
+    std::string title;              ///< "Lattice spacing"
     std::vector<CardValue> values;  ///< one a run
 };
 

@@ -15,29 +15,36 @@ using Entry = std::pair<std::string_view, std::string_view>;
 
 // A longer term stands before those that it contains.
 constexpr std::array entries{
-    Entry{"|Q₄|", "Bond-orientational order of a sphere: |⟨exp 4iθ⟩| over its near neighbours at "
-                  "angles θ. 1 in a perfect square lattice, about 0.3 in a liquid."},
+    Entry{"|Q₄|",
+          "Bond-orientational order of a sphere: |⟨exp 4iθ⟩| over its near neighbours at "
+          "angles θ. 1 in a perfect square lattice, about 0.3 in a liquid."},
     Entry{"σ²(ℓ)", "Variance of the number of spheres in square windows of side ℓ."},
     Entry{"σ²", "Variance of the number of spheres in a window."},
-    Entry{"S₀/S₁", "S₀ over S₁ of the fit S(k) = S₀ + S₁ (ka)^α. It goes to zero at the critical "
-                   "point."},
+    Entry{"S₀/S₁",
+          "S₀ over S₁ of the fit S(k) = S₀ + S₁ (ka)^α. It goes to zero at the critical "
+          "point."},
     Entry{"S(k→0)", "What S(k) tends to at long waves, S₀ of the fit S₀ + S₁ (ka)^α."},
-    Entry{"S(k)", "Structure factor: the mean squared amplitude of density waves with wavevector "
-                  "k, over the number of spheres. 1 if spheres ignored one another."},
-    Entry{"S₀", "S(k) at k → 0 by the fit S₀ + S₁ (ka)^α: fluctuations of density at the largest "
-                "scale."},
+    Entry{"S(k)",
+          "Structure factor: the mean squared amplitude of density waves with wavevector "
+          "k, over the number of spheres. 1 if spheres ignored one another."},
+    Entry{"S₀",
+          "S(k) at k → 0 by the fit S₀ + S₁ (ka)^α: fluctuations of density at the largest "
+          "scale."},
     Entry{"S₁", "Prefactor of the fit S(k) = S₀ + S₁ (ka)^α at small k."},
     Entry{"MSD", "Mean squared displacement of a sphere in a lag time."},
     Entry{"Γ", "Acceleration of the vibration over gravity, A ω²/g."},
     Entry{"ε", "Distance to the critical acceleration, (Γ − Γc)/Γc."},
     Entry{"ν", "Distance of the field model to its critical point."},
-    Entry{"residual", "Root mean square of picture less image model, in units of the contrast "
-                      "between sphere and background. Camera noise alone gives 0.01 to 0.03."},
+    Entry{"residual",
+          "Root mean square of picture less image model, in units of the contrast "
+          "between sphere and background. Camera noise alone gives 0.01 to 0.03."},
     Entry{"Diffusion coefficient", "D of MSD = 4 D t + c, fitted to the last decade of lag times."},
-    Entry{"Lattice spacing", "Mean distance of the four neighbours in the solid, seen from above. "
-                             "Two layers of a bilayer interleave, so that it is below a."},
-    Entry{"Phases", "Solid: |Q₄| averaged over the averaging time is 0.7 or more. Liquid: 0.4 or "
-                    "less. The rest lies between."},
+    Entry{"Lattice spacing",
+          "Mean distance of the four neighbours in the solid, seen from above. "
+          "Two layers of a bilayer interleave, so that it is below a."},
+    Entry{"Phases",
+          "Solid: |Q₄| averaged over the averaging time is 0.7 or more. Liquid: 0.4 or "
+          "less. The rest lies between."},
     Entry{"Particle diameter a", "True diameter of a sphere. It is the unit of all lengths."},
     Entry{"Frame rate", "Frames a second. Without it times are in frames."},
 };
@@ -50,8 +57,7 @@ bool stands_alone(std::string_view text, std::size_t at, std::string_view term) 
     const auto joins = [&](std::size_t place, char edge) {
         return is_letter(edge) && place < text.size() && is_letter(text[place]);
     };
-    return !(at > 0 && joins(at - 1, term.front())) &&
-           !joins(at + term.size(), term.back());
+    return !(at > 0 && joins(at - 1, term.front())) && !joins(at + term.size(), term.back());
 }
 
 }  // namespace
@@ -66,8 +72,7 @@ std::string_view definition_of(std::string_view term) {
 std::string defined(const std::string& shown, std::string_view definition) {
     if (definition.empty()) return shown;
     return "<span class=\"term\" tabindex=\"0\">" + shown +
-           "<span class=\"meaning\" role=\"tooltip\">" + escape_html(definition) +
-           "</span></span>";
+           "<span class=\"meaning\" role=\"tooltip\">" + escape_html(definition) + "</span></span>";
 }
 
 std::string with_definitions(std::string_view text) {

@@ -29,8 +29,8 @@ struct KeyNumberRow {
 std::vector<KeyNumberRow> key_numbers(const std::vector<Results>& runs,
                                       const std::vector<ObservableTitles>& titles);
 
-/// The table as HTML, without rows that no run has a value for (`absences`). One run: samples and note in columns of their own; several: one column a run,
-/// notes numbered and listed once below.
+/// The table as HTML, without rows that no run has a value for (`absences`). One run: samples and
+/// note in columns of their own; several: one column a run, notes numbered and listed once below.
 std::string key_numbers_html(const std::vector<KeyNumberRow>& rows,
                              const std::vector<std::string>& labels);
 

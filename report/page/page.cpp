@@ -191,8 +191,8 @@ std::string places_html(const PageContent& content) {
         const ParticleMap& map = content.maps[m];
         for (std::size_t p = 0; p < map.places.size() && count < most; ++p) {
             buttons += fmt::format(
-                "<button type=\"button\" class=\"place\" value=\"{} {}\" title=\"{}\">{}</button>", m,
-                p,
+                "<button type=\"button\" class=\"place\" value=\"{} {}\" title=\"{}\">{}</button>",
+                m, p,
                 escape_html(fmt::format("{}: residual {:.2f} at x = {:.0f}, y = {:.0f} {}",
                                         content.labels[map.run], map.places[p].residual,
                                         map.places[p].position.x, map.places[p].position.y,
@@ -212,8 +212,8 @@ std::string view_html(const PageContent& content, const std::vector<std::size_t>
         options += fmt::format("<option value=\"{}\"{}>{}</option>", r,
                                r == shown ? " selected" : "", escape_html(content.labels[r]));
     }
-    std::string head = fmt::format("<label hidden>Run <select class=\"pick-run\">{}</select></label>",
-                                   options);
+    std::string head =
+        fmt::format("<label hidden>Run <select class=\"pick-run\">{}</select></label>", options);
     if (has_choice) {
         head = fmt::format("<label>Run <select class=\"pick-run\">{}</select></label>", options);
     } else if (runs.size() > 1) {
@@ -239,8 +239,9 @@ std::string map_html(const PageContent& content) {
             runs.push_back(r);
     }
     std::string out = "<section class=\"pictures\"><h2>" + heading + "</h2>\n";
-    out += "<figure id=\"map\"><div class=\"controls\">\n"
-           "<span class=\"marks kinds\" role=\"group\" aria-label=\"Marks\">";
+    out +=
+        "<figure id=\"map\"><div class=\"controls\">\n"
+        "<span class=\"marks kinds\" role=\"group\" aria-label=\"Marks\">";
     const bool only_fields =
         std::ranges::all_of(content.maps, [](const ParticleMap& map) { return map.is_field; });
     for (const char* marks : {"outlines", "centres", "discs", "none"}) {
@@ -264,10 +265,11 @@ std::string map_html(const PageContent& content) {
     for (std::size_t v = 0; v < std::min<std::size_t>(2, runs.size()); ++v) {
         out += view_html(content, runs, runs[v], has_choice);
     }
-    out += "</div>\n"
-           "<label class=\"frames\">Frame <input type=\"range\" class=\"pick-frame\" min=\"0\" "
-           "value=\"0\"><output></output></label>\n"
-           "<p class=\"readout\" aria-live=\"off\"></p>\n";
+    out +=
+        "</div>\n"
+        "<label class=\"frames\">Frame <input type=\"range\" class=\"pick-frame\" min=\"0\" "
+        "value=\"0\"><output></output></label>\n"
+        "<p class=\"readout\" aria-live=\"off\"></p>\n";
     out += places_html(content);
     std::string links;
     for (const ParticleMap& map : content.maps) links += file_links(content, map.name);
@@ -366,8 +368,7 @@ std::string page_html(const PageContent& content) {
                 : cards_html(make_cards(content.runs, content.sphere_mm), content.labels);
         const bool one_run = content.runs.size() == 1;
         out += fmt::format("<div class=\"first{}\">\n", one_run && !cards.empty() ? " beside" : "");
-        const std::string missing =
-            absences_html(content.runs, content.labels, content.titles);
+        const std::string missing = absences_html(content.runs, content.labels, content.titles);
         out += pictures + "<div>" + cards + missing + warnings + "</div></div>\n" + tables;
     } else {
         out += warnings + tables + pictures;

@@ -32,8 +32,8 @@ class Remarks {
     }
     std::string html(const std::string& heading, const std::string& style, std::size_t runs) const {
         if (items_.empty()) return "";
-        std::string out =
-            fmt::format("<section class=\"remarks {0}\" id=\"{0}\"><h2>{1}</h2><ul>\n", style, heading);
+        std::string out = fmt::format(
+            "<section class=\"remarks {0}\" id=\"{0}\"><h2>{1}</h2><ul>\n", style, heading);
         for (const Item& item : items_) {
             out += "<li>" + escape_html(item.text);
             if (runs > 1 && !item.runs.front().empty()) {

@@ -121,7 +121,8 @@ TEST_F(ConfigFile, AFileThatCannotBeReadIsABadInput) {
 }
 
 TEST_F(ConfigFile, WrittenByTheProgramGivesTheSameOptionsBack) {
-    apply("threads = 2\nlabel = \"a \\\"b\\\" \\\\ c\"\nlags = [1, 10]\n[detect]\ndiameter = 9.5\n");
+    apply(
+        "threads = 2\nlabel = \"a \\\"b\\\" \\\\ c\"\nlags = [1, 10]\n[detect]\ndiameter = 9.5\n");
     OptionTable own("");
     own.integer("threads", threads_, "-", {0, 64}, "threads");
     own.text("label", label_, "label");

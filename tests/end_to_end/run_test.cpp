@@ -41,8 +41,8 @@ class Run : public ::testing::Test {
     static std::string folder() { return *scratch_ / "out"; }
     static Outcome run(const std::vector<std::string>& options, const std::string& folder_of = "") {
         std::vector<std::string> words{
-            "run", "--json", "--no-overlay", "--no-figures", "--fps", "25", "-o",
-            folder_of.empty() ? folder() : folder_of};
+            "run",   "--json", "--no-overlay", "--no-figures",
+            "--fps", "25",     "-o",           folder_of.empty() ? folder() : folder_of};
         words.insert(words.end(), options.begin(), options.end());
         words.insert(words.end(), frames_.begin(), frames_.end());
         return run_grainfield(words);

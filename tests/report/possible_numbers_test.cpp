@@ -54,11 +54,11 @@ TEST(PossibleNumbers, HaveNoDiffusionOfAFlightNorItsLine) {
                                    {"exponent_liquid", "-", 1.92, 0.01, 9, ""},
                                    {"d_solid", "a^2/time unit", 1, 0.1, 9, ""},
                                    {"exponent_solid", "-", 1.02, 0.01, 9, ""}};
-        observable.curves.push_back({"msd_fit",
-                                     "",
-                                     {{"t", "time unit", "", {1, 2, 3}},
-                                      {"msd", "a^2", "", {4, 5, 6}}},
-                                     {{"phase", {"liquid", "solid", "liquid"}}}});
+        observable.curves.push_back(
+            {"msd_fit",
+             "",
+             {{"t", "time unit", "", {1, 2, 3}}, {"msd", "a^2", "", {4, 5, 6}}},
+             {{"phase", {"liquid", "solid", "liquid"}}}});
     }
     run = with_possible_numbers(run);
     EXPECT_FALSE(number(run, "msd", "d_liquid").value);

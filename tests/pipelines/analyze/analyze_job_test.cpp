@@ -48,8 +48,9 @@ TEST(AnalyzeJob, MeasuresATableOfPointsAndWritesWhatItReturns) {
     EXPECT_NEAR(*results.find("q4")->find_measurement("q4_mean")->value, 1, 1e-12);
     EXPECT_EQ(results.find("sk"), nullptr) << "not asked for";
     EXPECT_EQ(results.label, "lattice") << "nothing else is known of it";
-    ASSERT_EQ(results.previews.size(), 1U);
-    EXPECT_EQ(results.previews[0].snapshot.frame, 1) << "the last, for want of pictures";
+    ASSERT_EQ(results.previews.size(), 2U) << "both frames: a tracker would keep three";
+    EXPECT_EQ(results.previews[0].snapshot.frame, 0);
+    EXPECT_EQ(results.previews[1].snapshot.frame, 1);
     EXPECT_EQ(results.previews[0].abs_q4.size(), 400U);
     const Results file = io::read_results(options.output);
     EXPECT_EQ(file.find("q4")->find_measurement("q4_mean")->value,

@@ -15,9 +15,10 @@ Figure shared_figure() {
     figure.y.scale = Scale::log;
     figure.runs = {"MD, Γ = 2", "field, 2D, ν = 1", "MD, Γ = 3", "field, 2D, ν = 2"};
     figure.kinds = {{"σ²", Mark::line, true}};
-    figure.series = {
-        {0, 0, {1, 10}, {1, 20}, {}}, {1, 0, {2, 20}, {5, 50}, {}}, {2, 0, {1, 10}, {2, 40}, {}},
-        {3, 0, {2, 20}, {6, 70}, {}}};
+    figure.series = {{0, 0, {1, 10}, {1, 20}, {}},
+                     {1, 0, {2, 20}, {5, 50}, {}},
+                     {2, 0, {1, 10}, {2, 40}, {}},
+                     {3, 0, {2, 20}, {6, 70}, {}}};
     figure.absent = {{1, "why not"}};
     add_power_law(figure, "β = 2", 2, 1, 1, 20);
     return figure;
@@ -64,8 +65,7 @@ TEST(Panels, HalveTheSlopeOfGuidesOnALine) {
 
 TEST(Panels, AreNotMadeForOneOrigin) {
     EXPECT_TRUE(
-        panels_by_origin(shared_figure(),
-                         std::vector<RunIdentity>(4, {.origin = Origin::md}))
+        panels_by_origin(shared_figure(), std::vector<RunIdentity>(4, {.origin = Origin::md}))
             .empty());
     EXPECT_TRUE(panels_by_origin(shared_figure(), {{.origin = Origin::md},
                                                    {.role = RunRole::critical_point},
@@ -90,8 +90,8 @@ TEST(Panels, RunsWithoutDataNeedNoColour) {
     // The guide belongs to no run.
     figure.series.push_back(shared_figure().series.back());
     const Figure present = of_present_runs(figure);
-    EXPECT_EQ(present.runs, (std::vector<std::string>{"field, 2D, ν = 1", "MD, Γ = 3",
-                                                      "field, 2D, ν = 2"}));
+    EXPECT_EQ(present.runs,
+              (std::vector<std::string>{"field, 2D, ν = 1", "MD, Γ = 3", "field, 2D, ν = 2"}));
     ASSERT_EQ(present.series.size(), 4U);
     EXPECT_EQ(present.series[0].run, 0U);
     EXPECT_EQ(present.series[0].y, (std::vector<double>{5, 50}));

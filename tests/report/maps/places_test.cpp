@@ -29,7 +29,7 @@ TEST(Places, JoinNeighboursAndStandWorstFirst) {
     Snapshot snapshot = lattice(10);
     snapshot.quality[0] = 0.09;  // a place of two
     snapshot.quality[1] = 0.2;
-    snapshot.quality[99] = 0.5;   // the far corner
+    snapshot.quality[99] = 0.5;    // the far corner
     snapshot.quality[50] = 0.075;  // less than four medians
     snapshot.quality[51] = std::numeric_limits<double>::quiet_NaN();
     const std::vector<Place> places = places_to_look_at(snapshot, 10);
@@ -43,7 +43,8 @@ TEST(Places, JoinNeighboursAndStandWorstFirst) {
 
 TEST(Places, ReachOverAChainOfNeighbours) {
     Snapshot snapshot = lattice(10);
-    for (std::size_t i = 0; i < 10; ++i) snapshot.quality[i] = 0.2 + 0.01 * static_cast<double>(i % 3);
+    for (std::size_t i = 0; i < 10; ++i)
+        snapshot.quality[i] = 0.2 + 0.01 * static_cast<double>(i % 3);
     const std::vector<Place> places = places_to_look_at(snapshot, 10);
     ASSERT_EQ(places.size(), 1U);
     EXPECT_EQ(places[0].spheres, 10);

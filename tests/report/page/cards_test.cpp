@@ -58,8 +58,7 @@ TEST(Cards, SayWhereTheFrameRateComesFrom) {
     run.sources = {track};
     EXPECT_THAT(make_cards({run}, std::nullopt)[2].values[0].detail, HasSubstr("given to track"));
     run.sources[0].configuration = {{"fps", "auto"}};
-    EXPECT_THAT(make_cards({run}, std::nullopt)[2].values[0].detail,
-                HasSubstr("as the film says"));
+    EXPECT_THAT(make_cards({run}, std::nullopt)[2].values[0].detail, HasSubstr("as the film says"));
 }
 
 TEST(Cards, GiveLengthsInMillimetresWhereTheSphereIsKnown) {

@@ -162,8 +162,7 @@ TEST(Page, PutsTwoRunsSideBySideAndDifferencesBelowTheCurves) {
     differences.name = "differences";
     differences.title = "Differences";
     const std::vector<Table> tables{differences};
-    const std::string page =
-        page_html({"T", runs, labels, figures, maps, "", {}, {}, tables});
+    const std::string page = page_html({"T", runs, labels, figures, maps, "", {}, {}, tables});
     const std::regex view("class=\"view\"");
     EXPECT_EQ(std::distance(std::sregex_iterator(page.begin(), page.end(), view), {}), 2);
     EXPECT_LT(page.find("figure-variance\""), page.find("<section id=\"table-differences\""));
