@@ -47,6 +47,20 @@ ordered_json synthesis_facts(const tracking::TrackSummary& summary) {
             {"ms_per_frame", summary.ms_per_frame.synthesis}};
 }
 
+ordered_json candidate_facts(const std::vector<tracking::SizeCandidate>& weighed) {
+    ordered_json facts = ordered_json::array();
+    for (const tracking::SizeCandidate& candidate : weighed) {
+        facts.push_back(
+            {{"polarity", candidate.polarity == tracking::Polarity::dark ? "dark" : "bright"},
+             {"diameter_px", candidate.diameter},
+             {"edge_width_px", candidate.edge_width},
+             {"explained", candidate.explained.signal},
+             {"explained_charged", candidate.explained.charged},
+             {"positions", candidate.spheres}});
+    }
+    return facts;
+}
+
 std::string words(const Session& session, const TrackJobResult& result) {
     const tracking::TrackSummary& summary = result.summary;
     std::string text =
@@ -60,6 +74,9 @@ std::string words(const Session& session, const TrackJobResult& result) {
         text += fmt::format("  spheres    {}, diameter {:.3f} px, edge width {:.3f} px\n",
                             spheres->polarity == tracking::Polarity::dark ? "dark" : "bright",
                             spheres->diameter, spheres->edge_width);
+    }
+    if (result.weighed.size() > 1) {
+        text += "  weighed    " + tracking::in_words(result.weighed) + "\n";
     }
     if (result.has_residual()) {
         text += fmt::format("  residual   {:.4f} of the contrast (RMS)\n", summary.residual_rms);
@@ -98,6 +115,7 @@ ordered_json facts(const TrackJobResult& result) {
         facts["diameter_px"] = result.spheres->diameter;
         facts["edge_width_px"] = result.spheres->edge_width;
     }
+    facts["candidates"] = candidate_facts(result.weighed);
     const auto& ms = summary.ms_per_frame;
     facts["ms_per_frame"] = {{"detect", ms.detect}, {"refine", ms.refine}, {"link", ms.link},
                              {"read", ms.read},     {"write", ms.write},   {"wall", ms.wall}};

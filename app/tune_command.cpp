@@ -75,9 +75,18 @@ Summary TuneCommand::work(Session& session) {
         return track_command_line(settings, session.inputs);
     };
     const pipelines::TuneJobResult result = pipelines::run_tuning(job_, session);
+    Summary summary;
+    if (result.settings.empty()) {
+        summary.text = fmt::format(
+            "{}: it is not clear what the spheres are; the page shows what was weighed, with "
+            "settings to copy\n  weighed    {}\n",
+            output_, tracking::in_words(result.weighed));
+        summary.facts["frames"] = 0;
+        summary.facts["settings"] = nlohmann::ordered_json::object();
+        return summary;
+    }
     const std::string command_line = job_.in_words(result.settings);
 
-    Summary summary;
     summary.text = fmt::format(
         "{}: {} looked at, {:.1f} spheres a frame, residual {:.4f} of the contrast\n"
         "  settings   {}\n  try        {}\n",

@@ -124,6 +124,7 @@ Checkpoint Tracker::checkpoint(Run& run) {
         checkpoint.texts["warnings"].push_back(warning.text);
         checkpoint.integers["warning codes"].push_back(static_cast<std::int64_t>(warning.code));
     }
+    repeated_.save(checkpoint);
     return checkpoint;
 }
 
@@ -146,6 +147,7 @@ void Tracker::restore(Run& run, const Checkpoint& checkpoint) {
     NumberArchive archive(stored(checkpoint.reals, "state"));
     transfer(archive, run);
     archive.require_end();
+    repeated_.restore(checkpoint);
     const auto texts = checkpoint.texts.find("warnings");
     const auto codes = checkpoint.integers.find("warning codes");
     for (std::size_t i = 0; texts != checkpoint.texts.end() && i < texts->second.size(); ++i) {

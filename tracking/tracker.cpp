@@ -108,13 +108,20 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
     if (options.synthesis && polarity == PolarityChoice::automatic) polarity = PolarityChoice::dark;
     const std::int64_t count = source.count();
     const std::int64_t tries = std::min(count, kCalibrationFrames);
+    RepeatedWarnings failed;
+    weighed_at_ = -1;
     for (std::int64_t i = 0; i < tries && !calibration_; ++i) {
         const std::int64_t index = i * count / tries;
         const Frame frame = source.read(index);
         if (frame.status != FrameStatus::ok) continue;
         RunPlan attempt;
+        std::vector<SizeCandidate> weighed;
         calibration_ = calibrate(frame.image, options_.calibration, options.detection,
-                                 options.refinement, threads_, attempt, options.visible);
+                                 options.refinement, threads_, attempt, options.visible, &weighed);
+        if (calibration_ || !weighed.empty()) {
+            weighed_ = std::move(weighed);
+            weighed_at_ = index;
+        }
         if (calibration_) {
             calibration_frame_ = frame.index;
             for (const PlannedStage& s : attempt.stages()) {
@@ -122,14 +129,17 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
             }
         }
         for (const Warning& warning : attempt.warnings()) {
-            plan.warn(warning.code,
-                      fmt::format("{}, frame {}: {}", source.name(), frame.index, warning.text));
+            if (calibration_) {
+                plan.warn(warning.code, fmt::format("{}, frame {}: {}", source.name(), frame.index,
+                                                    warning.text));
+            } else {
+                failed.add(frame.index, warning.text);
+            }
         }
     }
     if (!calibration_) {
-        plan.warn(
-            fmt::format("{}: no frame to calibrate on among {} tried; no spheres are reported",
-                        source.name(), tries));
+        failed.say(source.name(), plan);
+        plan.warn(fmt::format("{}: no frame to calibrate on among {} tried", source.name(), tries));
         return;
     }
     const int lanes = static_cast<int>(std::min<std::int64_t>(kSideBySide, count));
@@ -354,7 +364,7 @@ Snapshot Tracker::snapshot_of(const Job& job, Run& run) {
                            static_cast<double>(job.frame.image.height())};
     if (!calibration_) return snapshot;
     if (!job.blank.empty()) {
-        plan_.warn(fmt::format("{}, frame {}: {}", source_.name(), job.frame.index, job.blank));
+        repeated_.add(job.frame.index, job.blank);
         return snapshot;
     }
     TrackSummary& summary = run.summary;
@@ -420,7 +430,7 @@ void Tracker::judge(const Located& found, const Frame& frame, TrackSummary& summ
             "sweep (refine.max-sweeps)");
     }
     if (found.position.empty()) {
-        plan_.warn(fmt::format("{}, frame {}: no spheres found", source_.name(), frame.index));
+        repeated_.add(frame.index, "no spheres found");
     } else if (found.residual_rms >
                std::clamp(kPoorInNoise * found.noise, kPoorResidual, kBadResidual)) {
         ++summary.poor_frames;
@@ -477,8 +487,7 @@ void Tracker::finish(Job& job, Run& run, const EachFrame& each_frame) {
     if (job.frame.status != FrameStatus::ok) {
         ++(job.frame.status == FrameStatus::corrupt ? summary.frames_corrupt
                                                     : summary.frames_missing);
-        plan_.warn(
-            fmt::format("{}, frame {}: {}", source_.name(), job.frame.index, job.frame.message));
+        repeated_.add(job.frame.index, job.frame.message);
         return;
     }
     const Snapshot snapshot = snapshot_of(job, run);
@@ -508,6 +517,7 @@ TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress, const EachFram
     first_light_ = {};
     first_optics_.reset();
     begin_stretch();
+    repeated_ = {};
     bilayer_.reset();
     if (options_.layers.height && !synthesis_) {
         if (!options_.layers.camera_distance) {
@@ -569,6 +579,7 @@ TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress, const EachFram
         summary.step_rms = std::sqrt(links.squared_steps / static_cast<double>(links.consecutive));
     }
     for (const std::string& warning : linker.warnings(diameter)) plan_.warn(warning);
+    repeated_.say(source_.name(), plan_);
     summarise(summary);
     return summary;
 }

@@ -21,6 +21,7 @@
 #include "tracking/locate.h"
 #include "tracking/model/image_model.h"
 #include "tracking/model/visible_pixels.h"
+#include "tracking/repeated_warnings.h"
 #include "tracking/synthesis/film_synthesis.h"
 
 namespace grainfield::tracking {
@@ -125,6 +126,10 @@ class Tracker {
     /// All that are looked at: the part's, and those of its first stretch before it.
     FrameSpan frames_to_fit() const;
     TrajectoryInfo info() const;
+    /// What calibration weighed, on the frame at weighed_at() among those selected; the frame that
+    /// was tried last where none could be calibrated on. Empty: nothing disc-shaped was seen.
+    const std::vector<SizeCandidate>& weighed() const { return weighed_; }
+    std::int64_t weighed_at() const { return weighed_at_; }
 
     /// Told of each frame that was tracked, in order, and its position among those selected.
     using EachFrame = std::function<void(const Frame&, const Snapshot&, std::int64_t position)>;
@@ -199,6 +204,9 @@ class Tracker {
     int threads_;
     std::optional<Calibration> calibration_;
     std::int64_t calibration_frame_ = -1;
+    RepeatedWarnings repeated_;  ///< of the frames tracked so far
+    std::vector<SizeCandidate> weighed_;
+    std::int64_t weighed_at_ = 0;
     std::vector<Lane> lanes_;
     IlluminationFollower::State light_, first_light_;
     std::optional<SynthesisedFrame> first_optics_;  ///< nothing but the optics

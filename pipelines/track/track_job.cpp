@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "core/errors.h"
 #include "core/support/interrupt.h"
 #include "io/h5/snapshot_log.h"
 #include "io/input_record.h"
@@ -124,6 +125,18 @@ void plan_part(const Film& film, const Tracker& tracker, RunPlan& plan) {
                                                    counted(before, "frame"))));
 }
 
+/// The film cannot be tracked without more said of it. The warnings say what was weighed.
+void require_calibration(const Tracker& tracker, const FrameSource& frames) {
+    if (tracker.is_calibrated()) return;
+    throw InputError({.problem = fmt::format("no spheres to track in '{}'", frames.name()),
+                      .actual = tracker.weighed().empty()
+                                    ? std::string("nothing like a disc in the frames looked at")
+                                    : "of the image " + tracking::in_words(tracker.weighed()),
+                      .expected = "spheres of one size, clearer than any other reading",
+                      .suggestion = "say which they are: calibrate.disc-diameter, "
+                                    "calibrate.polarity; tune shows what was weighed"});
+}
+
 /// The optics that synthesis found, and how well rendering and image agree with them.
 Curve synthesis_curve(const tracking::SynthesisSummary& found) {
     const tracking::MirrorOptics& optics = found.optics;
@@ -218,6 +231,7 @@ TrackJobResult track_film(const TrackJobOptions& options, Job& job) {
     plan_checkpoints(resumable, frames.count(), job.plan);
 
     Tracker tracker(frames, tracking, job.plan);
+    require_calibration(tracker, frames);
     plan_part(film, tracker, job.plan);
     warn_of_unit(options, tracker, job.plan);
     if (frames.count() > 1) {
@@ -242,6 +256,7 @@ TrackJobResult track_film(const TrackJobOptions& options, Job& job) {
     deadline.reset();
     result.signal = caught_signal();
     result.spheres = spheres_of(tracker);
+    result.weighed = tracker.weighed();
     tracking::TrackSummary& summary = result.summary;
     // Without the tracks that are too short to be written.
     summary.particles_mean = tracks->particles_mean();
@@ -251,8 +266,14 @@ TrackJobResult track_film(const TrackJobOptions& options, Job& job) {
         job.plan.warn(resumable.interrupted(static_cast<double>(done), static_cast<double>(wanted),
                                             "frames", fmt::format("; '{}' holds those", name)));
     }
-    if (summary.frames > 0 && !result.has_residual()) {
-        job.plan.warn("no residual is given: no spheres were found");
+    if (is_complete && result.signal == 0 && !result.has_residual()) {
+        resumable.finish();
+        throw InputError(
+            {.problem = fmt::format("no spheres in any of {}", counted(done, "frame")),
+             .actual = fmt::format("dark or bright discs of D = {:.2f} px were looked for",
+                                   result.spheres->diameter),
+             .expected = "spheres, in tracks of link.minimum-length frames or more",
+             .suggestion = "look at the film with tune"});
     }
     if (result.has_residual()) {
         tracks->add_curve(calibration_curve(result.spheres->diameter, result.spheres->edge_width,

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <vector>
 
 #include "pipelines/film/film.h"
 #include "pipelines/job.h"
@@ -30,8 +31,9 @@ struct SphereImage {
 /// What tracking, or the part of it until a signal, did.
 struct TrackJobResult {
     tracking::TrackSummary summary;
-    std::optional<SphereImage> spheres;  ///< empty: the tracker could not calibrate
-    int signal = 0;                      ///< that ended it early; 0: none
+    std::optional<SphereImage> spheres;            ///< empty: the tracker could not calibrate
+    std::vector<tracking::SizeCandidate> weighed;  ///< of size and polarity, on one frame
+    int signal = 0;                                ///< that ended it early; 0: none
 
     /// Whether summary.residual_rms was measured.
     bool has_residual() const { return spheres && summary.particles_mean > 0; }
@@ -45,7 +47,8 @@ void plan_tracking(const TrackJobOptions& options, Job& job);
 /// complete output, and a checkpoint beside it is what `resume` goes on from (Resumable, log
 /// ".snapshots"): the file in the end is that of a run that was not stopped, byte by byte but for
 /// the wall time. A frame that takes longer than a second is given up at a signal. Throws
-/// OptionError, InputError, OutputError.
+/// OptionError, InputError, OutputError; InputError too if no frame says what its spheres are, or
+/// no frame holds one.
 TrackJobResult track_film(const TrackJobOptions& options, Job& job);
 
 }  // namespace grainfield::pipelines

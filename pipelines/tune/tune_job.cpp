@@ -1,5 +1,7 @@
 #include "pipelines/tune/tune_job.h"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
@@ -8,6 +10,7 @@
 #include "core/errors.h"
 #include "core/support/interrupt.h"
 #include "pipelines/page/report_page.h"
+#include "pipelines/tune/tune_candidates.h"
 #include "pipelines/tune/tune_report.h"
 #include "tracking/survey.h"
 
@@ -95,7 +98,7 @@ TuneJobResult run_tuning(const TuneJobOptions& options, Job& job) {
     const Film film = open_film(job, options.film, tracking);
     tracking.visible = film.visible;
     const tracking::Tracker tracker(*film.frames, tracking, job.plan);
-    if (!tracker.is_calibrated()) {
+    if (!tracker.is_calibrated() && tracker.weighed().empty()) {
         throw InputError(
             {.problem = fmt::format("nothing to tune on in '{}'", job.inputs.front().string()),
              .actual = job.plan.warnings().empty() ? "no spheres were found"
@@ -106,6 +109,16 @@ TuneJobResult run_tuning(const TuneJobOptions& options, Job& job) {
     report::ReportOptions drawn = options.report;
     drawn.observables = false;  // one frame each: nothing is analysed
     ReportPage page(options.output, drawn, job);
+    std::vector<Results> candidates =
+        candidate_runs(*film.frames, tracker.weighed_at(), tracker.weighed(), job);
+    if (!tracker.is_calibrated()) {
+        page.draw(std::move(candidates), job, "Which are the spheres?",
+                  {.tables = {candidates_table(tracker.weighed())}, .figures = {}});
+        page.commit(job);
+        TuneJobResult undecided;
+        undecided.weighed = tracker.weighed();
+        return undecided;
+    }
     const Look look = look_at(options, tracking, *film.frames, tracker, job);
     const Tuning tuning{tracker.model(), tracking, look.surveys};
     TuneJobResult result{.frames = static_cast<std::int64_t>(look.surveys.size()),
@@ -114,11 +127,15 @@ TuneJobResult run_tuning(const TuneJobOptions& options, Job& job) {
                          .diameter = tracker.model().disc.diameter,
                          .edge_width = tracker.model().disc.edge_width,
                          .settings = suggested_settings(tuning, options.film),
-                         .settings_file = fs::path(options.output).replace_extension(".toml")};
-    page.draw(runs_of(look, tracker.info(), result.particles_mean, job), job,
-              "Settings of the tracker",
-              tuning_report(tuning, result.settings,
-                            options.in_words ? options.in_words(result.settings) : std::string()));
+                         .settings_file = fs::path(options.output).replace_extension(".toml"),
+                         .weighed = tracker.weighed()};
+    std::vector<Results> runs = runs_of(look, tracker.info(), result.particles_mean, job);
+    std::ranges::move(candidates, std::back_inserter(runs));
+    report::ReportAdditions additions =
+        tuning_report(tuning, result.settings,
+                      options.in_words ? options.in_words(result.settings) : std::string());
+    additions.tables.push_back(candidates_table(tracker.weighed()));
+    page.draw(std::move(runs), job, "Settings of the tracker", std::move(additions));
     write_file(result.settings_file, toml_of(result.settings), job.overwrite);
     page.commit(job);
     job.outputs.push_back(result.settings_file);

@@ -34,13 +34,17 @@ struct TuneJobResult {
     double edge_width = 0;    ///< w [px]
     std::vector<Setting> settings;
     std::filesystem::path settings_file;
+    /// Sizes and polarities that calibration weighed; without settings none was clear enough.
+    std::vector<tracking::SizeCandidate> weighed;
 };
 
 /// Says in the plan what tracking with these options would do; calibrates for it.
 void plan_tuning(const TuneJobOptions& options, Job& job);
 
 /// Looks at some frames as the tracker would, each from a cold start, and writes the page and the
-/// suggested settings. Throws OptionError, InputError, OutputError, Interrupted.
+/// suggested settings. The page shows what calibration weighed too, each candidate as a picture
+/// with its discs and settings; where none is clear it shows these alone. Throws OptionError,
+/// InputError, OutputError, Interrupted.
 TuneJobResult run_tuning(const TuneJobOptions& options, Job& job);
 
 }  // namespace grainfield::pipelines

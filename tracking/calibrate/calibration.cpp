@@ -8,7 +8,9 @@
 #include <fmt/format.h>
 
 #include "tracking/calibrate/background.h"
+#include "tracking/calibrate/colour_mosaic.h"
 #include "tracking/calibrate/edge_fit.h"
+#include "tracking/calibrate/explained_share.h"
 #include "tracking/calibrate/first_guess.h"
 #include "tracking/calibrate/model_choice.h"
 #include "tracking/refine/disc_kernel.h"
@@ -24,8 +26,8 @@ constexpr double kNarrowestFirstEdge = 0.1;  // [px]
 constexpr double kGood = 0.95;
 /// … if it explains this share of all: the noise of small discs is not well known.
 constexpr double kGoodOfAll = 0.5;
-/// Discs of any size explain up to 0.73 of smooth random textures, those of sharp images over 0.9.
-constexpr double kLeastExplained = 0.8;
+/// … and if the image tells twice as many values apart as were fitted.
+constexpr double kResolved = 2;
 constexpr int kRounds = 4;
 constexpr int kFrameRounds = 2;
 constexpr int kImageRounds = 6;
@@ -73,36 +75,6 @@ Patch clearest_patch(const Image& counts, const ImageModel& model, const Visible
     return patch;
 }
 
-/// Share of the variance of an image that a model explains, 1 − misfit/variance; as it is, and
-/// after the white noise was taken from both.
-struct Explained {
-    double all = 0;
-    double signal = 0;
-};
-
-Explained explained_share(const Image& darkness, const VisiblePixels& visible, double residual_rms,
-                          double noise) {
-    double sum = 0;
-    double squares = 0;
-    double n = 0;
-    for (int y = 0; y < darkness.height(); ++y) {
-        for (int x = 0; x < darkness.width(); ++x) {
-            if (!visible(x, y)) continue;
-            const auto v = static_cast<double>(darkness(x, y));
-            sum += v;
-            squares += v * v;
-            n += 1;
-        }
-    }
-    const double variance = squares / n - (sum / n) * (sum / n);
-    const double misfit = residual_rms * residual_rms;
-    const double white = noise * noise;
-    Explained share;
-    if (variance > 0) share.all = 1 - misfit / variance;
-    if (variance > white) share.signal = 1 - std::max(0.0, misfit - white) / (variance - white);
-    return share;
-}
-
 /// Improves a model on an image, step by step.
 struct Fitter {
     CalibrationOptions options;
@@ -112,8 +84,8 @@ struct Fitter {
     Levels levels;
     std::vector<Vec2> positions = {};  ///< of the last update; the next one starts there
     EdgeFit edges = {};
-    Explained explained = {};    ///< by the positions of the last update
-    VisiblePixels visible = {};  ///< of the image it works on
+    ExplainedShare explained = {};  ///< by the positions of the last update
+    VisiblePixels visible = {};     ///< of the image it works on
 
     /// Locates roughly, then refits disc, dark level and background. True once D and w rest.
     bool update(ImageModel& model, const Image& counts) {
@@ -131,7 +103,8 @@ struct Fitter {
         positions = std::move(scene.fitted);
         const double clear = model.background(counts.width() / 2.0, counts.height() / 2.0);
         const double noise = levels.noise / std::max(std::abs(clear - model.dark_level), 1e-6);
-        explained = explained_share(darkness, visible, scene.residual_rms, noise);
+        explained = explained_share(darkness, visible, scene.residual_rms, noise, model.disc,
+                                    positions.size());
         const DiscProfile before = model.disc;
         fit_image(model, counts);
         return std::abs(model.disc.diameter - before.diameter) < 0.03 &&
@@ -172,6 +145,7 @@ struct Trial {
     ImageModel model;  ///< of the image in which spheres are dark
     Fitter fitter;
     bool is_whole;  ///< the part was all of the frame
+    SizeCandidate candidate = {};
 };
 
 Trial try_guess(const Image& work, const FirstGuess& guess, Fitter fitter) {
@@ -194,59 +168,94 @@ Trial try_guess(const Image& work, const FirstGuess& guess, Fitter fitter) {
         const bool settled = fitter.update(local, patch.image);
         if (settled) break;
     }
-    if (is_whole) return {guess.polarity, local, fitter, true};
+    SizeCandidate candidate{.polarity = guess.polarity,
+                            .diameter = local.disc.diameter,
+                            .edge_width = local.disc.edge_width,
+                            .spheres = static_cast<std::int64_t>(fitter.positions.size()),
+                            .explained = fitter.explained,
+                            .position = fitter.positions,
+                            .x = patch.x,
+                            .y = patch.y,
+                            .width = patch.image.width(),
+                            .height = patch.image.height()};
+    for (Vec2& p : candidate.position) {
+        p += Vec2{static_cast<double>(patch.x), static_cast<double>(patch.y)};
+    }
+    if (is_whole) return {guess.polarity, local, fitter, true, std::move(candidate)};
     model.disc = local.disc;
     model.dark_level = local.dark_level;
-    return {guess.polarity, model, fitter, false};
+    return {guess.polarity, model, fitter, false, std::move(candidate)};
 }
 
-/// The first guess that explains the image, or else the one that explains most of it.
+/// What the user can say that settles it.
+constexpr const char* kGiveThem =
+    "give calibrate.disc-diameter, calibrate.polarity, or both; tune shows the candidates";
+
+void warn_of_mosaic(const Image& counts, const Levels& levels, const VisiblePixels& visible,
+                    RunPlan& plan) {
+    const ColourMosaic mosaic = colour_mosaic(counts, levels.low, levels.high, visible);
+    if (!mosaic.is_there) return;
+    plan.warn(fmt::format(
+        "the image holds the colour mosaic (Bayer pattern) of a colour camera: neighbouring pixels "
+        "differ by {:.1f} % in {:.0f} % of the bright cells of 2 x 2; convert the raw frames to "
+        "grey before tracking, or positions are drawn to the grid of the filter",
+        100 * mosaic.strength, 100 * mosaic.share));
+}
+
+/// The first guess that explains the image beyond doubt, or else the one that explains most of it,
+/// charged for its coordinates; none if that is not enough, or two do it about as well. All that
+/// were tried are left in `weighed`.
 std::optional<Trial> best_trial(const Image& counts, const CalibrationOptions& options,
-                                const Fitter& fitter, RunPlan& plan) {
+                                const Fitter& fitter, RunPlan& plan,
+                                std::vector<SizeCandidate>& weighed) {
     const std::vector<FirstGuess> guesses = first_guesses(
         counts, fitter.levels, options.polarity, options.uniform_tolerance, fitter.visible);
-    std::optional<Trial> best;
+    std::vector<Trial> trials;
     std::optional<Polarity> tried_given;
-    int tried = 0;
     for (const FirstGuess& guess : guesses) {
         if (!options.diameter && guess.size.radius <= 0) continue;
         // With a diameter given, guesses of one polarity are all alike.
         if (options.diameter && tried_given == guess.polarity) continue;
         tried_given = guess.polarity;
-        ++tried;
-        Trial trial = try_guess(guess.polarity == Polarity::bright ? turned_round(counts) : counts,
-                                guess, fitter);
-        if (!best || trial.fitter.explained.all > best->fitter.explained.all)
-            best = std::move(trial);
-        const Explained& explained = best->fitter.explained;
-        if (explained.signal > kGood && explained.all > kGoodOfAll) break;
+        trials.push_back(try_guess(
+            guess.polarity == Polarity::bright ? turned_round(counts) : counts, guess, fitter));
+        weighed.push_back(trials.back().candidate);
+        const ExplainedShare& explained = trials.back().fitter.explained;
+        if (explained.signal > kGood && explained.all > kGoodOfAll &&
+            explained.support > kResolved) {
+            break;
+        }
     }
-    if (!best) {
+    const SizeChoice choice = choose_size(weighed);
+    if (!choice.best) {
+        plan.warn(fmt::format("no disc-shaped objects found; if there are spheres, {}", kGiveThem));
+        return std::nullopt;
+    }
+    Trial& best = trials[*choice.best];
+    if (!options.diameter && !choice.explains_enough) {
         plan.warn(
-            "no disc-shaped objects found; if there are spheres, their diameter is needed "
-            "(calibrate.disc-diameter)");
+            fmt::format("no spheres of one size: {}; at least {:.0f} % are expected. If there are "
+                        "spheres, {}",
+                        in_words(weighed), 100 * kLeastExplained, kGiveThem));
         return std::nullopt;
     }
-    const double percent = 100 * best->fitter.explained.signal;
-    if (!options.diameter && best->fitter.explained.signal < kLeastExplained) {
-        plan.warn(fmt::format(
-            "no spheres of one size: the best discs, D = {:.1f} px, explain {:.0f} % of the "
-            "image; if there are spheres, their diameter and polarity are needed "
-            "(calibrate.disc-diameter, "
-            "calibrate.polarity)",
-            best->model.disc.diameter, std::max(0.0, percent)));
+    const bool is_given = options.diameter && options.polarity != PolarityChoice::automatic;
+    if (choice.rival && !is_given) {
+        plan.warn(fmt::format("two kinds of spheres explain the image about as well: {}; {}",
+                              in_words(weighed), kGiveThem));
         return std::nullopt;
     }
-    if (options.polarity == PolarityChoice::automatic) {
-        plan.run("polarity",
-                 fmt::format("{} spheres: discs of D = {:.1f} px explain {:.1f} % of the image; {} "
-                             "of {} first guesses tried",
-                             best->polarity == Polarity::dark ? "dark" : "bright",
-                             best->model.disc.diameter, percent, tried, guesses.size()));
-    } else {
+    if (options.polarity == PolarityChoice::automatic || !options.diameter) {
+        plan.run("size and polarity",
+                 fmt::format("{} spheres: of the variance of the image {}; {} of {} first guesses "
+                             "tried",
+                             best.polarity == Polarity::dark ? "dark" : "bright", in_words(weighed),
+                             trials.size(), guesses.size()));
+    }
+    if (options.polarity != PolarityChoice::automatic) {
         plan.skip("polarity", "given", "one distance transform");
     }
-    return best;
+    return std::move(best);
 }
 
 }  // namespace
@@ -267,12 +276,17 @@ std::string blank_reason(const Image& counts, const VisiblePixels& visible) {
 std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptions& options,
                                      const DetectionOptions& detection,
                                      const RefinementOptions& refinement, int threads,
-                                     RunPlan& plan, const VisiblePixels& visible) {
+                                     RunPlan& plan, const VisiblePixels& visible,
+                                     std::vector<SizeCandidate>* weighed) {
+    std::vector<SizeCandidate> unseen;
+    std::vector<SizeCandidate>& candidates = weighed != nullptr ? *weighed : unseen;
+    candidates.clear();
     const Levels levels = levels_of(counts, visible);
     if (const std::string reason = blank_reason(levels); !reason.empty()) {
         plan.warn(reason);
         return std::nullopt;
     }
+    warn_of_mosaic(counts, levels, visible, plan);
     const std::optional<Trial> best = best_trial(counts, options,
                                                  {.options = options,
                                                   .detection = detection,
@@ -280,7 +294,7 @@ std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptio
                                                   .threads = threads,
                                                   .levels = levels,
                                                   .visible = visible},
-                                                 plan);
+                                                 plan, candidates);
     if (!best) return std::nullopt;
 
     // From here on in terms of dark spheres; the sign is undone at the end.

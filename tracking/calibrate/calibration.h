@@ -7,6 +7,7 @@
 #include "core/frame.h"
 #include "core/run_plan.h"
 #include "tracking/calibrate/calibration_options.h"
+#include "tracking/calibrate/size_choice.h"
 #include "tracking/locate.h"
 #include "tracking/model/image_model.h"
 #include "tracking/model/visible_pixels.h"
@@ -29,14 +30,18 @@ struct Calibration {
 /// or skipped goes into the plan.
 ///
 /// The shape allows several guesses (first_guesses). They are tried on the patch until one explains
-/// 95 % of the variance of the darkness, white noise subtracted; else the best of them is taken.
+/// 95 % of the variance of the darkness, white noise subtracted, with discs that the image
+/// resolves; else the one that explains most is taken, charged for its coordinates (choose_size).
+/// What was weighed is said in the plan and left in `weighed`.
 ///
 /// Empty, with a warning in the plan, when the frame holds nothing to calibrate on: no contrast
 /// (all black or saturated), nothing above the noise, or, no diameter given, no discs of one size
-/// that explain 80 % of it.
+/// that explain 80 % of it. Also when two answers explain it about as well and neither was given. A
+/// colour mosaic in the image is warned of (colour_mosaic).
 std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptions& options,
                                      const DetectionOptions& detection,
                                      const RefinementOptions& refinement, int threads,
-                                     RunPlan& plan, const VisiblePixels& visible = {});
+                                     RunPlan& plan, const VisiblePixels& visible = {},
+                                     std::vector<SizeCandidate>* weighed = nullptr);
 
 }  // namespace grainfield::tracking

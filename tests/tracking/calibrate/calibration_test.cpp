@@ -109,6 +109,34 @@ TEST(Calibration, ATextureIsNoLayerOfSpheres) {
     }
 }
 
+// In the gaps between dark discs bright blobs of any number explain as much.
+TEST(Calibration, SaysWhatItWeighed) {
+    const auto scene = testing::hard_disc_liquid(500, 500, 16, 0.70, 1);
+    const Image frame = testing::tanh_frame(scene, 16, 1.2, 0.02, 2);
+    RunPlan plan;
+    std::vector<SizeCandidate> weighed;
+    ASSERT_TRUE(calibrate(frame, {}, {}, {}, 2, plan, {}, &weighed));
+    ASSERT_FALSE(weighed.empty());
+    const SizeCandidate& best = weighed[choose_size(weighed).best.value()];
+    EXPECT_EQ(best.polarity, Polarity::dark);
+    EXPECT_GT(best.explained.signal, 0.98);
+    EXPECT_GT(best.explained.support, 2);
+    EXPECT_EQ(best.position.size(), static_cast<std::size_t>(best.spheres));
+    EXPECT_NE(plan.text().find("dark D = 16"), std::string::npos) << plan.text();
+}
+
+TEST(Calibration, NamesTheMosaicOfAColourCamera) {
+    const auto scene = testing::hard_disc_liquid(400, 400, 16, 0.5, 1);
+    Image frame = testing::tanh_frame(scene, 16, 1.2, 0.02, 2);
+    for (int y = 0; y < frame.height(); ++y) {
+        for (int x = 0; x < frame.width(); ++x) frame(x, y) *= (x + y) % 2 == 0 ? 0.8F : 1.0F;
+    }
+    RunPlan plan;
+    calibrated(frame, plan);
+    ASSERT_FALSE(plan.warnings().empty());
+    EXPECT_NE(plan.warnings()[0].text.find("Bayer"), std::string::npos);
+}
+
 TEST(Calibration, GivenValuesAreKept) {
     const auto scene = testing::hard_disc_liquid(300, 300, 14, 0.5, 3);
     const Image frame = testing::tanh_frame(scene, 14, 1.2, 0.02, 2);

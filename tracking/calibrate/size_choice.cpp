@@ -1,0 +1,71 @@
+#include "tracking/calibrate/size_choice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace grainfield::tracking {
+namespace {
+
+constexpr double kSameSize = 0.15;
+constexpr std::size_t kNamed = 3;
+
+std::vector<std::size_t> best_first(const std::vector<SizeCandidate>& candidates) {
+    std::vector<std::size_t> order(candidates.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
+        const ExplainedShare& one = candidates[a].explained;
+        const ExplainedShare& other = candidates[b].explained;
+        return std::pair(one.charged, one.signal) > std::pair(other.charged, other.signal);
+    });
+    return order;
+}
+
+bool is_same(const SizeCandidate& a, const SizeCandidate& b) {
+    return a.polarity == b.polarity &&
+           std::abs(std::log(a.diameter / b.diameter)) < std::log(1 + kSameSize);
+}
+
+}  // namespace
+
+SizeChoice choose_size(const std::vector<SizeCandidate>& candidates) {
+    SizeChoice choice;
+    if (candidates.empty()) return choice;
+    const std::vector<std::size_t> order = best_first(candidates);
+    choice.best = order.front();
+    const SizeCandidate& best = candidates[order.front()];
+    choice.explains_enough = best.explained.signal >= kLeastExplained;
+    for (const std::size_t i : order) {
+        const SizeCandidate& other = candidates[i];
+        if (is_same(best, other) || other.explained.signal < kLeastExplained) continue;
+        if (1 - best.explained.charged > kClose * (1 - other.explained.charged)) {
+            choice.rival = i;
+            break;
+        }
+    }
+    return choice;
+}
+
+std::vector<std::size_t> named_candidates(const std::vector<SizeCandidate>& candidates) {
+    std::vector<std::size_t> named = best_first(candidates);
+    if (named.size() > kNamed) named.resize(kNamed);
+    return named;
+}
+
+std::string in_words(const std::vector<SizeCandidate>& candidates) {
+    std::string words;
+    for (const std::size_t i : named_candidates(candidates)) {
+        const SizeCandidate& candidate = candidates[i];
+        words += fmt::format(
+            "{}{} D = {:.1f} px explains {:.1f} % ({:.1f} % charged for its {} positions)",
+            words.empty() ? "" : "; ", candidate.polarity == Polarity::dark ? "dark" : "bright",
+            candidate.diameter, 100 * std::max(0.0, candidate.explained.signal),
+            100 * candidate.explained.charged, candidate.spheres);
+    }
+    return words;
+}
+
+}  // namespace grainfield::tracking
