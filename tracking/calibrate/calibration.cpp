@@ -282,11 +282,12 @@ std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptio
     std::vector<SizeCandidate>& candidates = weighed != nullptr ? *weighed : unseen;
     candidates.clear();
     const Levels levels = levels_of(counts, visible);
+    // Before the rest: it passes for noise.
+    warn_of_mosaic(counts, levels, visible, plan);
     if (const std::string reason = blank_reason(levels); !reason.empty()) {
         plan.warn(reason);
         return std::nullopt;
     }
-    warn_of_mosaic(counts, levels, visible, plan);
     const std::optional<Trial> best = best_trial(counts, options,
                                                  {.options = options,
                                                   .detection = detection,
