@@ -7,7 +7,7 @@
 #include "core/support/progress.h"
 #include "pipelines/analyze/part_job.h"
 #include "pipelines/interrupt_deadline.h"
-#include "report/page/text.h"
+#include "report/text.h"
 
 namespace grainfield::app {
 

@@ -6,7 +6,7 @@
 
 #include "core/errors.h"
 #include "pipelines/interrupt_deadline.h"
-#include "report/page/text.h"
+#include "report/text.h"
 
 namespace grainfield::app {
 

@@ -10,7 +10,7 @@
 #include "io/h5/results_file.h"
 #include "io/h5/trajectory_file.h"
 #include "io/open_snapshots.h"
-#include "report/page/text.h"
+#include "report/text.h"
 
 namespace grainfield::app {
 

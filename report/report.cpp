@@ -9,9 +9,9 @@
 #include "report/page/differences.h"
 #include "report/page/page.h"
 #include "report/page/paper_table.h"
-#include "report/page/text.h"
 #include "report/possible_numbers.h"
 #include "report/run_labels.h"
+#include "report/text.h"
 
 namespace grainfield::report {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "analysis/spectra/structure_factor.h"
-#include "analysis/statistics/fit.h"
+#include "analysis/statistics/spectrum_fit.h"
 #include "core/option_table.h"
 #include "core/results.h"
 

@@ -29,7 +29,7 @@ struct FitOptions {
 OptionTable describe(FitOptions& options);
 
 /// The observable "fit": S(k) = S0 + S1 (ka)^α over 0 < k ≤ 0.65 k_pp, k_pp the wavevector of the
-/// pre-peak (`castillo2019`; analysis/statistics/fit.h for the likelihood).
+/// pre-peak (`castillo2019`; analysis/statistics/spectrum_fit.h for the likelihood).
 ///
 /// Between walls the modes that fit between them are used (sk_neumann), because plane waves leak.
 /// The fit of the connected estimator stands beside it. With plane waves selected it is the other

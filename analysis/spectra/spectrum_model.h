@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "analysis/statistics/fit.h"
+#include "analysis/statistics/spectrum_fit.h"
 
 namespace grainfield::analysis {
 

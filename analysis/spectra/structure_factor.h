@@ -13,7 +13,7 @@
 #include "analysis/spectra/density_modes.h"
 #include "analysis/spectra/density_transform.h"
 #include "analysis/statistics/blocks.h"
-#include "analysis/statistics/fit.h"
+#include "analysis/statistics/spectrum_fit.h"
 #include "core/density_field.h"
 #include "core/option_table.h"
 #include "core/support/checkpoint.h"

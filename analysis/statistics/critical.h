@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 
-#include "analysis/statistics/fit.h"
+#include "analysis/statistics/spectrum_fit.h"
 #include "core/quantity_titles.h"
 #include "core/results.h"
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "analysis/statistics/fit.h"
+#include "analysis/statistics/spectrum_fit.h"
 
 namespace grainfield::analysis {
 

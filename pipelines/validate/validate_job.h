@@ -7,7 +7,7 @@
 
 #include "pipelines/job.h"
 #include "pipelines/render/optics_use.h"
-#include "pipelines/validate/random/random_optics.h"
+#include "pipelines/validate/random/random_options.h"
 #include "pipelines/validate/validation.h"
 #include "pipelines/validate/validation_scene.h"
 #include "pipelines/validate/validation_thresholds.h"

@@ -8,7 +8,7 @@
 #include "analysis/order/bond_order_options.h"
 #include "pipelines/validate/threshold_table.h"
 #include "pipelines/validate/validation_figures.h"
-#include "report/page/text.h"
+#include "report/text.h"
 
 namespace grainfield::pipelines {
 

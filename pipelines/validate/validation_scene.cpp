@@ -11,7 +11,7 @@
 #include "io/frame_files.h"
 #include "io/open_snapshots.h"
 #include "pipelines/size_check.h"
-#include "pipelines/validate/random/random_optics.h"
+#include "pipelines/validate/random/random_options.h"
 #include "pipelines/validate/validation.h"
 #include "simulate/md/md_simulation.h"
 #include "simulate/md/state/initial_state.h"

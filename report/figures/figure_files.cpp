@@ -11,7 +11,7 @@
 #include "report/figures/gnuplot_script.h"
 #include "report/maps/map_pdf.h"
 #include "report/maps/map_svg.h"
-#include "report/page/text.h"
+#include "report/text.h"
 
 namespace grainfield::report {
 

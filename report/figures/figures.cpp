@@ -12,8 +12,8 @@
 #include "report/figures/hinted_figure.h"
 #include "report/figures/panels.h"
 #include "report/figures/scaled_spectrum.h"
-#include "report/page/text.h"
 #include "report/run_labels.h"
+#include "report/text.h"
 
 namespace grainfield::report {
 

@@ -5,8 +5,8 @@
 #include <optional>
 #include <utility>
 
-#include "report/page/text.h"
 #include "report/run_labels.h"
+#include "report/text.h"
 
 namespace grainfield::report {
 

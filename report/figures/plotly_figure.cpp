@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "report/page/text.h"
+#include "report/text.h"
 
 namespace grainfield::report {
 

@@ -9,8 +9,8 @@
 #include "core/errors.h"
 #include "core/support/parallel.h"
 #include "report/maps/png.h"
-#include "report/page/text.h"
 #include "report/run_labels.h"
+#include "report/text.h"
 
 namespace grainfield::report {
 

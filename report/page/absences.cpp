@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "report/page/text.h"
+#include "report/text.h"
 
 namespace grainfield::report {
 

@@ -9,7 +9,7 @@
 #include "core/run_identity.h"
 #include "report/figures/colours.h"
 #include "report/page/definitions.h"
-#include "report/page/text.h"
+#include "report/text.h"
 
 namespace grainfield::report {
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "report/page/text.h"
+#include "report/text.h"
 
 namespace grainfield::report {
 

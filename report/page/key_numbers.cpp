@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "report/page/text.h"
+#include "report/text.h"
 
 namespace grainfield::report {
 

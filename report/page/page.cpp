@@ -17,8 +17,8 @@
 #include "report/page/embedded.h"
 #include "report/page/key_numbers.h"
 #include "report/page/run_record.h"
-#include "report/page/text.h"
 #include "report/run_labels.h"
+#include "report/text.h"
 
 namespace grainfield::report {
 

@@ -5,7 +5,7 @@
 
 #include "core/option_table.h"
 #include "simulate/render/optics/optics_choice.h"
-#include "simulate/render/view.h"
+#include "simulate/render/projection.h"
 
 namespace grainfield::simulate {
 

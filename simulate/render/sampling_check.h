@@ -4,8 +4,8 @@
 
 #include "core/trajectory.h"
 #include "simulate/render/motion/grain_motion.h"
+#include "simulate/render/projection.h"
 #include "simulate/render/render_options.h"
-#include "simulate/render/view.h"
 
 namespace grainfield::simulate {
 

@@ -8,7 +8,7 @@
 #include "core/support/parallel.h"
 #include "tracking/point_grid.h"
 #include "tracking/synthesis/arrangement_search.h"
-#include "tracking/synthesis/position_errors.h"
+#include "tracking/synthesis/sphere_errors.h"
 #include "tracking/synthesis/synthesis_fit.h"
 
 namespace grainfield::tracking {
@@ -99,7 +99,7 @@ Synthesis synthesise(const Image& counts, const ImageModel& model, double diamet
     result.optics = fit.optics();
     result.residual_rms = fit.rms();
     result.residual_map = fit.residual();
-    const std::vector<SphereError> errors = position_errors(fit, limits, threads);
+    const std::vector<SphereError> errors = sphere_errors(fit, limits, threads);
     std::vector<double> sorted;
     for (const SphereError& e : errors) sorted.push_back(e.residual);
     if (!sorted.empty()) {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "pipelines/validate/random/random_optics.h"
+#include "pipelines/validate/random/random_options.h"
 #include "pipelines/validate/random/scene_score.h"
 
 namespace grainfield::pipelines {

@@ -9,7 +9,7 @@
 #include "core/option_table.h"
 #include "core/run_plan.h"
 #include "core/vec3.h"
-#include "simulate/render/view.h"
+#include "simulate/render/projection.h"
 
 namespace grainfield::simulate {
 

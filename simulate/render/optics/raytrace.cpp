@@ -11,7 +11,7 @@
 
 #include "core/errors.h"
 #include "core/support/parallel.h"
-#include "simulate/render/optics/lens.h"
+#include "simulate/render/optics/lens_aperture.h"
 
 namespace grainfield::simulate {
 

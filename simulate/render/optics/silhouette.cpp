@@ -10,7 +10,7 @@
 
 #include "core/support/parallel.h"
 #include "simulate/render/optics/disc_union.h"
-#include "simulate/render/optics/lens.h"
+#include "simulate/render/optics/lens_aperture.h"
 
 namespace grainfield::simulate {
 

@@ -5,8 +5,8 @@
 
 #include "core/frame.h"
 #include "simulate/noise.h"
+#include "simulate/render/projection.h"
 #include "simulate/render/render_options.h"
-#include "simulate/render/view.h"
 
 namespace grainfield::simulate {
 

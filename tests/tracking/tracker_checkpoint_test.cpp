@@ -1,4 +1,4 @@
-#include "tracking/track_state.h"
+#include "tracking/tracker_checkpoint.h"
 
 #include <tuple>
 
@@ -26,7 +26,7 @@ T restored(const std::vector<double>& numbers) {
 }
 
 // The names do not compile unless they are all members that there are.
-TEST(TrackState, EveryMemberOfWhatWasLocatedSurvives) {
+TEST(TrackerCheckpoint, EveryMemberOfWhatWasLocatedSurvives) {
     Located before;
     {
         auto& [position, error, residual, explained, residual_rms, correlation, noise, passes,
@@ -59,7 +59,7 @@ TEST(TrackState, EveryMemberOfWhatWasLocatedSurvives) {
     EXPECT_EQ(after.refine_seconds, 0.5);
 }
 
-TEST(TrackState, EveryMemberOfTheSummarySurvives) {
+TEST(TrackerCheckpoint, EveryMemberOfTheSummarySurvives) {
     TrackSummary before;
     before.frames = 1;
     before.particles_mean = 2.5;
@@ -84,7 +84,7 @@ TEST(TrackState, EveryMemberOfTheSummarySurvives) {
     EXPECT_EQ(after.brightest, 6.5);
 }
 
-TEST(TrackState, WhatSynthesisFoundSurvives) {
+TEST(TrackerCheckpoint, WhatSynthesisFoundSurvives) {
     SynthesisedFrame before;
     before.position = {{1, 2}, {3, 4}};
     before.error = {{0.1, 0.2}, {0.3, 0.4}};
@@ -110,7 +110,7 @@ TEST(TrackState, WhatSynthesisFoundSurvives) {
     EXPECT_EQ(after.added, 7);
 }
 
-TEST(TrackState, TheStateOfTheLinkerSurvives) {
+TEST(TrackerCheckpoint, TheStateOfTheLinkerSurvives) {
     LinkState before;
     before.tracks = {{1, 2, {3, 4}, {5, 6}, Vec2{7, 8}}, {9, 10, {11, 12}, {13, 14}, {}}};
     before.next_id = 15;
@@ -128,7 +128,7 @@ TEST(TrackState, TheStateOfTheLinkerSurvives) {
     EXPECT_EQ(after.summary.subnets.reduced, 21);
 }
 
-TEST(TrackState, NumbersThatAreMissingAreRefused) {
+TEST(TrackerCheckpoint, NumbersThatAreMissingAreRefused) {
     std::vector<double> numbers = saved(Located{});
     numbers.pop_back();
     EXPECT_THROW(restored<Located>(numbers), InputError);

@@ -1,4 +1,4 @@
-#include "tracking/synthesis/position_errors.h"
+#include "tracking/synthesis/sphere_errors.h"
 
 #include <algorithm>
 #include <cmath>
@@ -37,8 +37,8 @@ double correlated_pixels(const Image& residual) {
     return own > 0 ? std::max(1.0, all / own) : 1;
 }
 
-std::vector<SphereError> position_errors(SynthesisFit& fit, const SynthesisLimits& limits,
-                                         int threads) {
+std::vector<SphereError> sphere_errors(SynthesisFit& fit, const SynthesisLimits& limits,
+                                       int threads) {
     const std::size_t n = fit.spheres().size();
     std::vector<SphereError> errors(n);
     if (n == 0) return errors;

@@ -1,4 +1,4 @@
-#include "analysis/statistics/fit.h"
+#include "analysis/statistics/spectrum_fit.h"
 
 #include <cmath>
 #include <numbers>

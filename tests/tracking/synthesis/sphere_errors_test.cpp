@@ -1,4 +1,4 @@
-#include "tracking/synthesis/position_errors.h"
+#include "tracking/synthesis/sphere_errors.h"
 
 #include <cmath>
 
@@ -21,11 +21,11 @@ Image white_noise(int width, int height) {
     return noise;
 }
 
-TEST(PositionErrors, WhiteNoiseIsIndependentFromPixelToPixel) {
+TEST(SphereErrors, WhiteNoiseIsIndependentFromPixelToPixel) {
     EXPECT_NEAR(correlated_pixels(white_noise(300, 300)), 1, 0.05);
 }
 
-TEST(PositionErrors, ABlurCorrelatesAsManyPixelsAsItSpreadsOver) {
+TEST(SphereErrors, ABlurCorrelatesAsManyPixelsAsItSpreadsOver) {
     // The mean of 3 × 3: its correlation sums to 9.
     const Image sharp = white_noise(302, 302);
     Image spread(300, 300);
@@ -40,7 +40,7 @@ TEST(PositionErrors, ABlurCorrelatesAsManyPixelsAsItSpreadsOver) {
 // From the truth, where the rendering is linear in the step. The step itself leaves misfits of the
 // rays' grid that are correlated, so that κ widens errors that white noise alone would not. σ is
 // the larger of the residual about a sphere and its median, a tenth above the noise.
-TEST(PositionErrors, PullsOfOneStepOnFramesOfTheModelAreOneBeforeTheyAreWidened) {
+TEST(SphereErrors, PullsOfOneStepOnFramesOfTheModelAreOneBeforeTheyAreWidened) {
     constexpr double kScale = 12;  // [px/a]
     Pull plane;
     Pull height;
@@ -51,7 +51,7 @@ TEST(PositionErrors, PullsOfOneStepOnFramesOfTheModelAreOneBeforeTheyAreWidened)
         fit.start(layer.spheres, layer.optics);
         const SynthesisLimits limits{.height = layer.height, .most_rounds = 1};
         fit.refine(limits);
-        const std::vector<SphereError> errors = position_errors(fit, limits, 2);
+        const std::vector<SphereError> errors = sphere_errors(fit, limits, 2);
         const double wide = std::sqrt(correlated_pixels(fit.residual()));
         for (std::size_t i = 0; i < errors.size(); ++i) {
             const Point3& p = layer.spheres[i];

@@ -1,4 +1,4 @@
-#include "pipelines/validate/random/random_optics.h"
+#include "pipelines/validate/random/random_options.h"
 
 #include "core/errors.h"
 

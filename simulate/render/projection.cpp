@@ -1,4 +1,4 @@
-#include "simulate/render/view.h"
+#include "simulate/render/projection.h"
 
 #include <algorithm>
 

@@ -4,7 +4,7 @@
 
 #include "core/vec2.h"
 #include "simulate/render/optics/optics.h"
-#include "simulate/render/view.h"
+#include "simulate/render/projection.h"
 
 namespace grainfield::simulate {
 

@@ -1,4 +1,4 @@
-#include "report/page/text.h"
+#include "report/text.h"
 
 #include <cmath>
 #include <csignal>

@@ -16,8 +16,8 @@ struct SphereError {
 /// C = A⁻¹ σ² κ. σ: RMS residual within 0.6 a, at least the median over all spheres; κ: the sum of
 /// the residual's spatial correlation over 7 × 7 lags, 1 for white noise: a misfit of the model is
 /// not independent from pixel to pixel.
-std::vector<SphereError> position_errors(SynthesisFit& fit, const SynthesisLimits& limits,
-                                         int threads);
+std::vector<SphereError> sphere_errors(SynthesisFit& fit, const SynthesisLimits& limits,
+                                       int threads);
 
 /// κ of an image.
 double correlated_pixels(const Image& residual);

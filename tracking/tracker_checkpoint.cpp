@@ -1,4 +1,4 @@
-#include "tracking/track_state.h"
+#include "tracking/tracker_checkpoint.h"
 
 #include <string>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "simulate/render/optics/lens.h"
+#include "simulate/render/optics/lens_aperture.h"
 
 #include <cmath>
 
