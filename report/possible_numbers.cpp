@@ -103,4 +103,23 @@ Results with_possible_numbers(Results run) {
     return run;
 }
 
+void leave_out_incomparable(std::vector<Results>& runs) {
+    const auto is_raw = [](const Results& run) {
+        return run.frames == 1 && !run.box.is_periodic() && !run.identity.is_field();
+    };
+    const auto has_spectrum = [&](const Results& run) {
+        const ObservableResult* sk = run.find("sk");
+        return sk != nullptr && sk->find_curve("sk") != nullptr && !is_raw(run);
+    };
+    if (std::ranges::none_of(runs, has_spectrum)) return;
+    for (Results& run : runs) {
+        if (!is_raw(run)) continue;
+        for (ObservableResult& observable : run.observables) {
+            if (observable.name != "sk" && observable.name != "s4") continue;
+            observable.curves.clear();
+            observable.reason = "one frame: its S(k) is that of the walls, orders above the others";
+        }
+    }
+}
+
 }  // namespace grainfield::report

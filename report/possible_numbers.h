@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "core/results.h"
 
 namespace grainfield::report {
@@ -13,5 +15,9 @@ namespace grainfield::report {
 ///
 /// Files written by `analyze` keep all of them.
 Results with_possible_numbers(Results run);
+
+/// Beside runs that have S(k), a walled run of one frame, whose mean density cannot be subtracted,
+/// loses its own: that of the walls, which would stretch the axes a thousandfold.
+void leave_out_incomparable(std::vector<Results>& runs);
 
 }  // namespace grainfield::report

@@ -43,6 +43,7 @@ void write_report(const std::vector<Results>& given, const ReportOptions& option
     std::vector<Results> runs;
     runs.reserve(given.size());
     for (const Results& run : given) runs.push_back(with_possible_numbers(run));
+    leave_out_incomparable(runs);
     const std::vector<std::string> labels = run_labels(runs);
     const std::vector<RunIdentity> identities = identities_of(runs);
     std::vector<Table> tables;

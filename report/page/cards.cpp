@@ -259,7 +259,7 @@ std::string verdict(const Results& run, std::size_t places) {
 std::string first_file(const Results& run) {
     const RunRecord& first = run.sources.empty() ? run.record : run.sources.front();
     if (first.inputs.empty()) return clean_text(run.source.source);
-    const std::string name =
+    std::string name =
         std::filesystem::path(clean_text(first.inputs.front().name)).filename().string();
     if (first.inputs.size() == 1) return name;
     return fmt::format("{} and {} more", name, first.inputs.size() - 1);

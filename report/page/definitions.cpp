@@ -38,6 +38,13 @@ constexpr std::array entries{
     Entry{"residual",
           "Root mean square of picture less image model, in units of the contrast "
           "between sphere and background. Camera noise alone gives 0.01 to 0.03."},
+    Entry{"Bond-orientational order",
+          "|Q₄| of a sphere: |⟨exp 4iθ⟩| over its near neighbours at angles θ."},
+    Entry{"Mean squared displacement", "⟨|r(t₀ + t) − r(t₀)|²⟩ over spheres and times t₀."},
+    Entry{"Structure factor",
+          "S(k): the mean squared amplitude of density waves with wavevector k, over the number of "
+          "spheres. 1 if spheres ignored one another."},
+    Entry{"Number variance", "σ²(ℓ): variance of the number of spheres in windows of side ℓ."},
     Entry{"Diffusion coefficient", "D of MSD = 4 D t + c, fitted to the last decade of lag times."},
     Entry{"Lattice spacing",
           "Mean distance of the four neighbours in the solid, seen from above. "

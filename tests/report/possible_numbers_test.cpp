@@ -68,5 +68,17 @@ TEST(PossibleNumbers, HaveNoDiffusionOfAFlightNorItsLine) {
     EXPECT_EQ(run.find("msd")->find_curve("msd_fit")->columns[1].values, std::vector<double>{5});
 }
 
+TEST(LeaveOutIncomparable, TakesTheWallsOfOneFrameOutOfTheSpectraOfOthers) {
+    std::vector<Results> runs{sample::results({1, 120, 40, true, "film"}),
+                              sample::results({2, 120, 40, false, "frame"})};
+    leave_out_incomparable(runs);
+    EXPECT_NE(runs[0].find("sk")->find_curve("sk"), nullptr);
+    EXPECT_EQ(runs[1].find("sk")->find_curve("sk"), nullptr);
+    EXPECT_THAT(runs[1].find("sk")->reason, HasSubstr("walls"));
+    std::vector<Results> alone{sample::results({2, 120, 40, false, "frame"})};
+    leave_out_incomparable(alone);
+    EXPECT_NE(alone[0].find("sk")->find_curve("sk"), nullptr) << "all there is";
+}
+
 }  // namespace
 }  // namespace grainfield::report
