@@ -10,6 +10,7 @@
 #include "io/h5/results_file.h"
 #include "io/h5/trajectory_file.h"
 #include "io/open_snapshots.h"
+#include "pipelines/track/calibration_file.h"
 #include "report/text.h"
 
 namespace grainfield::app {
@@ -209,6 +210,32 @@ Summary describe_fingerprint(const std::filesystem::path& path) {
     return summary;
 }
 
+Summary describe_calibration(const std::filesystem::path& path) {
+    const tracking::KeptCalibration kept = pipelines::read_calibration(path);
+    const tracking::ImageModel& model = kept.model;
+    Sheet sheet(fmt::format("{}: kept calibration", path.string()));
+    sheet.add("kind", "kind", std::string("calibration"));
+    sheet.add("width", "width", kept.width, fmt::format("{} px", kept.width));
+    sheet.add("height", "height", kept.height, fmt::format("{} px", kept.height));
+    sheet.add("polarity", "spheres",
+              std::string(model.polarity == tracking::Polarity::dark ? "dark" : "bright"));
+    sheet.add("diameter_px", "diameter", model.disc.diameter,
+              fmt::format("{:.3f} px", model.disc.diameter));
+    sheet.add("edge_width_px", "edge width", model.disc.edge_width,
+              fmt::format("{:.3f} px", model.disc.edge_width));
+    sheet.add("meeting_edges", "meeting edges", std::string(model.overlap->name()));
+    sheet.add("profile", "profile",
+              std::string(model.correction.is_zero() ? model.disc.shape->name() : "learned"));
+    const double clear = model.background(0.5 * kept.width, 0.5 * kept.height);
+    sheet.add("background", "background", clear,
+              fmt::format("{:.1f} counts in the middle, {}", clear,
+                          model.background.is_uniform() ? "uniform" : "a surface"));
+    sheet.add("core", "core", model.dark_level, fmt::format("{:.1f} counts", model.dark_level));
+    sheet.add("residual", "residual", kept.check.residual,
+              fmt::format("{:.4f} of the contrast", kept.check.residual));
+    return sheet.take();
+}
+
 Summary describe_frames(Session& session) {
     const auto frames = io::open_frames(session.inputs, {});
     Sheet sheet(fmt::format("{}: camera frames", frames->name()));
@@ -261,6 +288,7 @@ Summary InfoCommand::run(Session& session) {
         case io::FileKind::unknown:
             break;
     }
+    if (path.extension() == ".toml") return describe_calibration(path);
     return describe_frames(session);
 }
 

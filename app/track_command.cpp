@@ -161,6 +161,10 @@ std::vector<OptionTable> TrackCommand::options() {
              "with no-link: frames of the whole film, as FIRST:END:STEP; by default all, in the "
              "same steps");
     own.integer("previews", job_.previews, "-", {0, 1000}, "frames kept in the output to look at");
+    own.text("calibration", job_.calibration,
+             "use the calibration that another run kept in this file");
+    own.text("save-calibration", job_.save_calibration,
+             "keep all that is estimated in this file (TOML), for films to come");
     own.flag("resume", job_.resume.resume, "go on from OUTPUT.checkpoint if it is there");
     own.affects(Effect::call);  // a run that was gone on with is recorded as one
     own.number("checkpoint-every", checkpoint_every_, "min", {0, 1e6}, "time between checkpoints");

@@ -105,43 +105,12 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
     require_diameter(options);
     // Mirrors before a panel are dark.
     PolarityChoice& polarity = options_.calibration.polarity;
-    if (options.synthesis && polarity == PolarityChoice::automatic) polarity = PolarityChoice::dark;
+    if (options.synthesis && !options.kept && polarity == PolarityChoice::automatic) {
+        polarity = PolarityChoice::dark;
+    }
+    options_.kept ? use_kept() : calibrate_film();
+    if (!calibration_) return;
     const std::int64_t count = source.count();
-    const std::int64_t tries = std::min(count, kCalibrationFrames);
-    RepeatedWarnings failed;
-    weighed_at_ = -1;
-    for (std::int64_t i = 0; i < tries && !calibration_; ++i) {
-        const std::int64_t index = i * count / tries;
-        const Frame frame = source.read(index);
-        if (frame.status != FrameStatus::ok) continue;
-        RunPlan attempt;
-        std::vector<SizeCandidate> weighed;
-        calibration_ = calibrate(frame.image, options_.calibration, options.detection,
-                                 options.refinement, threads_, attempt, options.visible, &weighed);
-        if (calibration_ || !weighed.empty()) {
-            weighed_ = std::move(weighed);
-            weighed_at_ = index;
-        }
-        if (calibration_) {
-            calibration_frame_ = frame.index;
-            for (const PlannedStage& s : attempt.stages()) {
-                s.runs ? plan.run(s.stage, s.reason) : plan.skip(s.stage, s.reason, s.saved);
-            }
-        }
-        for (const Warning& warning : attempt.warnings()) {
-            if (calibration_) {
-                plan.warn(warning.code, fmt::format("{}, frame {}: {}", source.name(), frame.index,
-                                                    warning.text));
-            } else {
-                failed.add(frame.index, warning.text);
-            }
-        }
-    }
-    if (!calibration_) {
-        failed.say(source.name(), plan);
-        plan.warn(fmt::format("{}: no frame to calibrate on among {} tried", source.name(), tries));
-        return;
-    }
     const int lanes = static_cast<int>(std::min<std::int64_t>(kSideBySide, count));
     for (int lane = 0; lane < lanes; ++lane) {
         lanes_.push_back({Locator(source.width(), source.height(), model(), threads_),
@@ -165,6 +134,83 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
                              kWarmStep));
     }
     plan_heights(plan);
+}
+
+/// On the first usable frame of some that are spread over the film.
+void Tracker::calibrate_film() {
+    const std::int64_t count = source_.count();
+    const std::int64_t tries = std::min(count, kCalibrationFrames);
+    RepeatedWarnings failed;
+    weighed_at_ = -1;
+    for (std::int64_t i = 0; i < tries && !calibration_; ++i) {
+        const std::int64_t index = i * count / tries;
+        const Frame frame = source_.read(index);
+        if (frame.status != FrameStatus::ok) continue;
+        RunPlan attempt;
+        std::vector<SizeCandidate> weighed;
+        calibration_ =
+            calibrate(frame.image, options_.calibration, options_.detection, options_.refinement,
+                      threads_, attempt, options_.visible, &weighed);
+        if (calibration_ || !weighed.empty()) {
+            weighed_ = std::move(weighed);
+            weighed_at_ = index;
+        }
+        if (calibration_) {
+            calibration_frame_ = frame.index;
+            for (const PlannedStage& s : attempt.stages()) {
+                s.runs ? plan_.run(s.stage, s.reason) : plan_.skip(s.stage, s.reason, s.saved);
+            }
+        }
+        for (const Warning& warning : attempt.warnings()) {
+            if (calibration_) {
+                plan_.warn(warning.code, fmt::format("{}, frame {}: {}", source_.name(),
+                                                     frame.index, warning.text));
+            } else {
+                failed.add(frame.index, warning.text);
+            }
+        }
+    }
+    if (!calibration_) {
+        failed.say(source_.name(), plan_);
+        plan_.warn(
+            fmt::format("{}: no frame to calibrate on among {} tried", source_.name(), tries));
+        return;
+    }
+    if (!options_.keeps) return;
+    // Films that use it do not know where the spheres of this one were.
+    calibration_->positions.clear();
+    calibration_frame_ = -1;
+}
+
+void Tracker::use_kept() {
+    const KeptCalibration& kept = *options_.kept;
+    kept.require_size(source_.width(), source_.height(), source_.name());
+    if (const CalibrationOptions& given = options_.calibration; given != CalibrationOptions{}) {
+        throw OptionError({.problem = "a kept calibration leaves nothing to estimate",
+                           .actual = "options of the section calibrate are given as well",
+                           .expected = "either of them",
+                           .suggestion = "leave out the options, or calibrate again"});
+    }
+    for (std::int64_t i = 0; i < source_.count(); ++i) {
+        const Frame frame = source_.read(i);
+        if (frame.status != FrameStatus::ok || !blank_reason(frame.image, options_.visible).empty())
+            continue;
+        const CalibrationCheck now = check(kept.model, frame.image, options_.visible, threads_);
+        for (const std::string& warning : differences(kept.check, now)) {
+            plan_.warn(fmt::format("{}, frame {}: {}", source_.name(), frame.index, warning));
+        }
+        break;
+    }
+    calibration_ = Calibration{kept.model, {}};
+    plan_.skip("calibration", "kept from another run", "two or more fits of one frame");
+}
+
+KeptCalibration Tracker::to_keep() {
+    const Frame frame = source_.read(weighed_at_);
+    return {.model = model(),
+            .width = source_.width(),
+            .height = source_.height(),
+            .check = check(model(), frame.image, options_.visible, threads_)};
 }
 
 void Tracker::plan_heights(RunPlan& plan) {

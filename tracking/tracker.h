@@ -15,6 +15,7 @@
 #include "core/trajectory.h"
 #include "tracking/calibrate/calibration.h"
 #include "tracking/calibrate/illumination.h"
+#include "tracking/calibrate/kept_calibration.h"
 #include "tracking/layers/bilayer.h"
 #include "tracking/link/linker.h"
 #include "tracking/link/long_tracks.h"
@@ -38,7 +39,9 @@ struct TrackOptions {
     std::int64_t stretch = 200;             ///< [frames] that start from one another
     std::optional<FrameSpan> part;          ///< measured, not linked; empty: all, and linked
     VisiblePixels visible;                  ///< pixels that are looked at
-    int threads = 0;                        ///< 0: all
+    std::optional<KeptCalibration> kept;    ///< instead of a calibration on this film
+    bool keeps = false;  ///< start as films will that use the calibration: frame 0 knows nothing
+    int threads = 0;     ///< 0: all
 };
 
 /// Every option of tracking, one table a stage ("calibrate", "detect", "refine", "link", "layers",
@@ -112,7 +115,9 @@ class Tracker {
     /// Calibrates; what was decided goes into `plan`. The source must outlive the tracker. A source
     /// without any usable frame gives a tracker that writes empty snapshots, with warnings. Throws
     /// OptionError if the height of the cell, or synthesis, is asked for without the true diameter
-    /// of the spheres, and if synthesis is asked for with a mask or bright spheres.
+    /// of the spheres, if synthesis is asked for with a mask or bright spheres, or if a kept
+    /// calibration comes with options that estimate or give what it holds; InputError if it is of
+    /// frames of another size.
     Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan);
 
     Tracker(const Tracker&) = delete;
@@ -130,6 +135,9 @@ class Tracker {
     /// was tried last where none could be calibrated on. Empty: nothing disc-shaped was seen.
     const std::vector<SizeCandidate>& weighed() const { return weighed_; }
     std::int64_t weighed_at() const { return weighed_at_; }
+    /// What films to come need to be measured alike, from the frame calibrated on. Call only if
+    /// is_calibrated().
+    KeptCalibration to_keep();
 
     /// Told of each frame that was tracked, in order, and its position among those selected.
     using EachFrame = std::function<void(const Frame&, const Snapshot&, std::int64_t position)>;
@@ -195,6 +203,8 @@ class Tracker {
     void report(const Job& job, Snapshot& snapshot, TrackSummary& summary);
     void link(const Job& job, Run& run, Snapshot& snapshot);
     void plan_heights(RunPlan& plan);
+    void calibrate_film();
+    void use_kept();
     void judge(const Located& found, const Frame& frame, TrackSummary& summary);
     void summarise(const TrackSummary& summary);
 

@@ -12,6 +12,7 @@
 #include "io/input_record.h"
 #include "pipelines/analyze/lengths.h"
 #include "pipelines/interrupt_deadline.h"
+#include "pipelines/track/calibration_file.h"
 #include "pipelines/track/film_part.h"
 #include "pipelines/track/kept_tracks.h"
 
@@ -49,7 +50,10 @@ Resumable::Identity identity_of(const TrackJobOptions& options, const Job& job) 
     compared.emplace_back("no-link", options.film.is_part ? "true" : "false");
     compared.emplace_back("part-of", options.film.part_of);
     compared.emplace_back("seed", std::to_string(job.seed));
-    for (const std::string& picture : pictures_of(options.film)) {
+    std::vector<std::string> files = pictures_of(options.film);
+    if (!options.calibration.empty()) files.push_back(options.calibration);
+    compared.emplace_back("calibration is kept", options.save_calibration.empty() ? "no" : "yes");
+    for (const std::string& picture : files) {
         const RunRecord::Input record = io::describe_input(picture);
         throw_if_interrupted("tracking");
         compared.emplace_back(fmt::format("content of '{}'", picture),
@@ -196,12 +200,20 @@ class Resumption {
     std::vector<std::int64_t> previews_;
 };
 
+/// The options of the tracker, with the calibration that is kept.
+tracking::TrackOptions tracking_of(const TrackJobOptions& options, const Job& job) {
+    tracking::TrackOptions tracking = options.tracking;
+    tracking.threads = job.threads;
+    tracking.keeps = !options.save_calibration.empty();
+    if (!options.calibration.empty()) tracking.kept = read_calibration(options.calibration);
+    return tracking;
+}
+
 }  // namespace
 
 void plan_tracking(const TrackJobOptions& options, Job& job) {
     Resumable resumable(job, identity_of(options, job), options.resume);
-    tracking::TrackOptions tracking = options.tracking;
-    tracking.threads = job.threads;
+    tracking::TrackOptions tracking = tracking_of(options, job);
     const Film film = open_film(job, options.film, tracking);
     tracking.visible = film.visible;
     if (film.part) tracking.part = film.part->span;
@@ -221,8 +233,7 @@ TrackJobResult track_film(const TrackJobOptions& options, Job& job) {
     LastAct last_act(job, resumable);
     std::optional<InterruptDeadline> deadline;
     deadline.emplace([&](int) { return last_act(); });
-    tracking::TrackOptions tracking = options.tracking;
-    tracking.threads = job.threads;
+    tracking::TrackOptions tracking = tracking_of(options, job);
     const Film film = open_film(job, options.film, tracking);
     WatchedFrames& frames = *film.frames;
     tracking.visible = film.visible;
@@ -287,6 +298,10 @@ TrackJobResult track_film(const TrackJobOptions& options, Job& job) {
     }
     tracks->finish(job.record());
     job.outputs.push_back(options.output);
+    if (!options.save_calibration.empty()) {
+        write_file(options.save_calibration, text_of(tracker.to_keep()), job.overwrite);
+        job.outputs.emplace_back(options.save_calibration);
+    }
     if (is_complete) resumable.finish();
     return result;
 }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "pipelines/film/film.h"
@@ -19,6 +20,8 @@ struct TrackJobOptions {
     std::int64_t previews = 3;  ///< frames kept in the output to look at
     ResumeOptions resume{.resume = false, .every = std::chrono::minutes(1)};
     tracking::TrackOptions tracking;
+    std::string calibration;       ///< file of a kept calibration to use; empty: calibrate
+    std::string save_calibration;  ///< file to keep the calibration in; empty: not kept
 };
 
 /// The spheres as the calibrated image model has them.

@@ -28,6 +28,8 @@ struct CalibrationOptions {
     const OverlapRule* meeting_edges = nullptr;
     ProfileChoice profile;
     double uniform_tolerance = 0.003;  ///< background counts as uniform below this variation [-]
+
+    bool operator==(const CalibrationOptions&) const = default;
 };
 
 OptionTable describe(CalibrationOptions& options);

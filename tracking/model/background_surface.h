@@ -17,6 +17,9 @@ class BackgroundSurface {
     /// Of a polynomial of that degree: (degree + 1)(degree + 2)/2.
     static int terms_of(int degree) { return (degree + 1) * (degree + 2) / 2; }
     int terms() const { return static_cast<int>(coefficients_.size()); }
+    int degree() const { return degree_; }
+    /// c_ij, i slowest, as the constructor takes them.
+    const std::vector<double>& coefficients() const { return coefficients_; }
     bool is_uniform() const { return coefficients_.size() <= 1; }
     BackgroundSurface negated() const;
     /// (1 − share) B + share · level.
