@@ -91,5 +91,16 @@ TEST(BeadTransport, FindsTheBlackBeadsAndKeepsTheirIdentities) {
     EXPECT_EQ(switches, 0);
 }
 
+// Bright discs of 6 px would explain more of the frame, with more coordinates than it can show.
+TEST(BeadTransport, TheBlackBeadsAreFoundWithoutAWord) {
+    if (!std::filesystem::exists(kFilm)) GTEST_SKIP() << "no " << kFilm;
+    const testing::ScratchFolder folder;
+    const testing::Outcome outcome =
+        testing::run_grainfield({"track", kFilm / "frame000.tif", "-o", folder / "t.h5"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_NE(outcome.out.find("spheres    dark, diameter 28.1"), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("weighed    dark D = 28.1 px"), std::string::npos) << outcome.out;
+}
+
 }  // namespace
 }  // namespace grainfield
