@@ -63,8 +63,8 @@ TEST_F(KeptCalibration, GivesTheSamePositionsToTheBit) {
 }
 
 TEST_F(KeptCalibration, APartOfTheFilmIsMeasuredByIt) {
-    const Outcome part = track({frames_[2]}, {"--json", "-o", folder_ / "b.h5", "--calibration",
-                                              folder_ / "cal.toml"});
+    const Outcome part = track(
+        {frames_[2]}, {"--json", "-o", folder_ / "b.h5", "--calibration", folder_ / "cal.toml"});
     ASSERT_EQ(part.code, 0) << part.err;
     const Outcome info = run_grainfield({"info", "--json", folder_ / "cal.toml"});
     ASSERT_EQ(info.code, 0) << info.err;
@@ -110,9 +110,8 @@ TEST_F(KeptCalibration, SaysThatSizeOrResidualAreOthers) {
 }
 
 TEST_F(KeptCalibration, GoesWithNoOptionOfTheCalibration) {
-    const Outcome outcome =
-        track(frames_, {"-o", folder_ / "c.h5", "--calibration", folder_ / "cal.toml",
-                        "--disc-diameter", "9"});
+    const Outcome outcome = track(frames_, {"-o", folder_ / "c.h5", "--calibration",
+                                            folder_ / "cal.toml", "--disc-diameter", "9"});
     EXPECT_EQ(outcome.code, 2);
     EXPECT_THAT(outcome.err, HasSubstr("leaves nothing to estimate"));
 }
