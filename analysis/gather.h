@@ -2,7 +2,9 @@
 
 #include <vector>
 
-#include "analysis/analysis.h"
+#include "analysis/analysis_options.h"
+#include "analysis/measure_settings.h"
+#include "analysis/observable.h"
 #include "analysis/run.h"
 #include "core/box.h"
 #include "core/run_plan.h"

@@ -29,6 +29,10 @@ MirrorCell::MirrorCell(const EmbreeDevice& /*device*/, std::span<const SphereSce
 
 MirrorCell::~MirrorCell() = default;
 
+double MirrorCell::panel(Vec3 /*origin*/, Vec3 /*direction*/) const {
+    return 0;
+}
+
 MirrorCell::Seen MirrorCell::look(const LightPath& /*ray*/, std::int64_t& /*rays*/) const {
     return {};
 }
