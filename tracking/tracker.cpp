@@ -446,10 +446,11 @@ void Tracker::report(const Job& job, Snapshot& snapshot, TrackSummary& summary) 
     snapshot.quality = found.residual;
     snapshot.position_error = found.error;
     for (std::size_t j = 0; j < found.error.size(); ++j) {
-        // Where the image model is wrong, its misfit limits the position, not the camera's noise,
+        // Where the image model is wrong, its misfit limits the position beside the camera's noise,
         // and it is alike in neighbouring pixels.
-        snapshot.position_error[j] *=
-            std::sqrt(found.correlation) * std::max(found.noise, found.residual[j]);
+        const double noise = found.noise * found.noise;
+        const double misfit = std::max(0.0, found.residual[j] * found.residual[j] - noise);
+        snapshot.position_error[j] *= std::sqrt(noise + found.correlation * misfit);
     }
 
     if (bilayer_) bilayer_->admit(snapshot, found.explained);
@@ -593,8 +594,9 @@ TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress, const EachFram
     } else {
         find_first_light();
     }
-    const std::int64_t end = span().end;
-    while (run.next < end && caught_signal() == 0) {
+    // Of a stream the end is known when it is reached.
+    const auto is_more = [&] { return run.next < span().end; };
+    while (is_more() && caught_signal() == 0) {
         const auto begin = Clock::now();
         if (run.next % options_.stretch == 0) begin_stretch();
         std::vector<Job> jobs = read(run);
@@ -604,11 +606,11 @@ TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress, const EachFram
             job.position < span().begin ? keep(job) : finish(job, run, each_frame);
         }
         summary.ms_per_frame.wall += milliseconds_since(begin);
-        if (resumption.save && run.next < end && resumption.is_due()) {
+        if (resumption.save && is_more() && resumption.is_due()) {
             resumption.save(checkpoint(run));
         }
     }
-    if (resumption.save && run.next < end) resumption.save(checkpoint(run));
+    if (resumption.save && is_more()) resumption.save(checkpoint(run));
     long_tracks.finish();
     progress.finish();
     const double n = std::max<double>(1, static_cast<double>(summary.frames));

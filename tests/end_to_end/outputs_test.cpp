@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -97,13 +98,14 @@ TEST_F(Outputs, OfTracksSayThatLengthsAreInApparentDiametersUnlessTheSizeIsGiven
     EXPECT_EQ(given.err.find(words), std::string::npos) << given.err;
 }
 
-TEST_F(Outputs, OfABlackFrameHaveNoResidualAndSayWhy) {
+TEST_F(Outputs, OfABlackFrameAreRefusedAndSayWhy) {
     testing::write_png(folder_ / "black.png", Image(64, 64));
     const Outcome outcome =
         run_grainfield({"track", folder_ / "black.png", "-o", folder_ / "b.h5", "--json"});
-    EXPECT_EQ(outcome.code, 0) << outcome.err;
-    EXPECT_THAT(outcome.out, HasSubstr("\"residual_rms\": null"));
-    EXPECT_THAT(outcome.err, HasSubstr("no residual"));
+    EXPECT_EQ(outcome.code, 3) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("no spheres to track"));
+    EXPECT_THAT(outcome.err, HasSubstr("no contrast"));
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "b.h5"));
 }
 
 TEST_F(Outputs, OfAPeriodicTableNeedItsBox) {

@@ -20,6 +20,8 @@ constexpr double kLeastMotion = 0.01;
 constexpr double kReach = 4.5;
 /// A frame is linked again if its steps ask for so much more range.
 constexpr double kWorthwhile = 1.2;
+/// Particles that tell how far errors enter steps.
+constexpr std::size_t kStepSample = 1000;
 
 void require_linkable(const LinkState& state, std::int64_t frame,
                       const std::vector<Vec2>& positions, const std::vector<Vec2>& errors) {
@@ -70,6 +72,32 @@ std::vector<Vec2> usable(std::vector<Vec2> errors, double most) {
         if (!is_error(e.y)) e.y = typical;
     }
     return errors;
+}
+
+/// By how much errors enter the steps, at most 1. What an image model gets wrong about a sphere it
+/// gets wrong in the next frame too: such an error is no part of a step. If the median of
+/// |step|²/(e_track² + e_particle²) to the nearest track is below that of errors alone, 2 ln 2, the
+/// errors are that much less.
+double share_in_steps(const Places& from, const Places& to, double range) {
+    if (from.error.empty() || to.error.empty() || from.position.empty()) return 1;
+    const PointGrid grid(from.position, range);
+    const std::size_t stride = (to.position.size() - 1) / kStepSample + 1;
+    std::vector<double> ratio;
+    for (std::size_t i = 0; i < to.position.size(); i += stride) {
+        double nearest = range * range;
+        double errors = 0;
+        grid.near(to.position[i], range, [&](std::uint32_t t, Vec2 p) {
+            const double squared = squared_norm(p - to.position[i]);
+            if (squared >= nearest) return;
+            nearest = squared;
+            errors = 0.5 * (squared_norm(from.error[t]) + squared_norm(to.error[i]));
+        });
+        if (errors > 0) ratio.push_back(nearest / errors);
+    }
+    if (ratio.empty()) return 1;
+    const auto middle = ratio.begin() + static_cast<std::ptrdiff_t>(ratio.size() / 2);
+    std::nth_element(ratio.begin(), middle, ratio.end());
+    return std::min(1.0, std::sqrt(*middle / (2 * std::numbers::ln2)));
 }
 
 }  // namespace
@@ -193,7 +221,7 @@ bool Linker::has_long_steps(std::int64_t frame, const Choice& choice, const Plac
 std::vector<std::int64_t> Linker::link(std::int64_t frame, const std::vector<Vec2>& positions,
                                        const std::vector<Vec2>& given_errors) {
     require_linkable(state_, frame, positions, given_errors);
-    const std::vector<Vec2> errors = usable(given_errors, least_range_);
+    std::vector<Vec2> errors = usable(given_errors, least_range_);
     forget(frame);
     std::vector<Track>& tracks = state_.tracks;
     const std::vector<Vec2> predicted =
@@ -202,8 +230,13 @@ std::vector<std::int64_t> Linker::link(std::int64_t frame, const std::vector<Vec
     if (!errors.empty()) {
         for (const Track& track : tracks) track_errors.push_back(track.error);
     }
+    const std::vector<Vec2> whole_errors = errors;
+    const Places whole{positions, whole_errors};
     const Places from{predicted, track_errors};
     const Places to{positions, errors};
+    const double share = share_in_steps(from, to, least_range_);
+    for (Vec2& e : track_errors) e *= share;
+    for (Vec2& e : errors) e *= share;
     const double squared_error = mean_square(errors);
     Choice choice = choose(frame, from, to, range_for(state_.motion, squared_error));
     const double wanted = range_for(choice.motion, squared_error);
@@ -220,11 +253,11 @@ std::vector<std::int64_t> Linker::link(std::int64_t frame, const std::vector<Vec
     state_.summary.crowded += choice.candidates.crowded_tracks;
     state_.summary.subnets.add(choice.counts);
     count_rivals(frame, choice, ids);
-    follow(frame, choice, from, to);
+    follow(frame, choice, from, whole);
     for (std::size_t i = 0; i < positions.size(); ++i) {
         if (ids[i] >= 0) continue;
         ids[i] = state_.next_id++;
-        tracks.push_back({ids[i], frame, positions[i], to.error_of(i), std::nullopt});
+        tracks.push_back({ids[i], frame, positions[i], whole.error_of(i), std::nullopt});
         ++state_.summary.started;
     }
     if (choice.motion > 0) state_.motion = choice.motion;

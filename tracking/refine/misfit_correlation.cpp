@@ -13,6 +13,7 @@ namespace {
 constexpr double kMostProducts = 1.2e7;
 constexpr double kMostExplained = 0.7;  // beyond it the first order says nothing
 constexpr std::size_t kMostDiscs = 400;
+constexpr double kLeastMisfit = 0.05;  // of the residual's variance
 
 /// a(Δ) of ∂P/∂x and ∂P/∂y together, for −lags ≤ Δx ≤ lags and 0 ≤ Δy ≤ lags, row by row.
 std::vector<double> derivative_correlation(const DiscProfile& disc, int lags) {
@@ -88,7 +89,7 @@ double misfit_at_edges(const JointFit& fit) {
     return squares > 0 ? at_edges * pixels / (weights * squares) : 1;
 }
 
-double misfit_correlation(const JointFit& fit) {
+double misfit_correlation(const JointFit& fit, double noise) {
     const DiscScene& scene = fit.scene();
     const std::size_t discs = fit.positions().size();
     const int width = scene.darkness().width();
@@ -125,7 +126,6 @@ double misfit_correlation(const JointFit& fit) {
             }
         }
     }
-    if (!(all > own)) return std::max(1.0, edges);
     double squares = 0;
     std::size_t term = 0;
     for (int dy = 0; dy <= lags; ++dy) {
@@ -137,7 +137,12 @@ double misfit_correlation(const JointFit& fit) {
     const double explained = 2 * static_cast<double>(discs) /
                              (static_cast<double>(width) * height) * squares /
                              (own_weight * own_weight);
-    return std::max(1.0, edges * (1 + (all / own - 1) / (1 - std::min(explained, kMostExplained))));
+    const double whole = edges * (1 + (all / own - 1) / (1 - std::min(explained, kMostExplained)));
+    const double variance =
+        own / (own_weight * static_cast<double>(rows) * static_cast<double>(width - 2 * lags));
+    const double misfit = variance - noise * noise;
+    if (!(misfit > kLeastMisfit * variance)) return 1;
+    return std::max(1.0, (whole * variance - noise * noise) / misfit);
 }
 
 }  // namespace grainfield::tracking

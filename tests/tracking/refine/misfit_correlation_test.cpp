@@ -31,7 +31,7 @@ Image noise(int width, int height, int side, std::uint64_t seed) {
 }
 
 double correlation_of(const Image& image) {
-    return misfit_correlation(JointFit(image, kDisc, 1));
+    return misfit_correlation(JointFit(image, kDisc, 1), 0);
 }
 
 TEST(MisfitCorrelation, OfWhiteNoiseIsOneToTwoPercent) {
@@ -93,14 +93,25 @@ JointFit fitted(const DiscProfile& drawn, double sigma) {
     return fit;
 }
 
+TEST(MisfitCorrelation, KnowsTheWhiteNoiseBesideTheMisfit) {
+    Image image = noise(800, 800, 4, 7);
+    const double alone = correlation_of(image);
+    const Image white = noise(800, 800, 1, 8);
+    for (std::size_t i = 0; i < image.size(); ++i) image.pixels()[i] += white.pixels()[i];
+    const JointFit both(image, kDisc, 1);
+    EXPECT_NEAR(misfit_correlation(both, 0.05) / alone, 1, 0.1);
+    EXPECT_LT(misfit_correlation(both, 0) / alone, 0.7);
+}
+
 TEST(MisfitCorrelation, OfDiscsOfTheRightProfileIsOne) {
-    EXPECT_NEAR(misfit_correlation(fitted(kDisc, 0.02)), 1, 0.03);
+    EXPECT_NEAR(misfit_correlation(fitted(kDisc, 0.02), 0), 1, 0.03);
+    EXPECT_EQ(misfit_correlation(fitted(kDisc, 0.02), 0.02), 1);
 }
 
 TEST(MisfitCorrelation, OfDiscsOfAWrongSizeLiesAtTheEdges) {
     const JointFit fit = fitted({.diameter = 13, .edge_width = 2}, 0.005);
     EXPECT_GT(misfit_at_edges(fit), 1.2);
-    EXPECT_GT(misfit_correlation(fit), 2);
+    EXPECT_GT(misfit_correlation(fit, 0.005), 2);
 }
 
 TEST(MisfitCorrelation, OfAFrameTooSmallToTellIsOne) {
