@@ -112,7 +112,7 @@ TuneJobResult run_tuning(const TuneJobOptions& options, Job& job) {
     std::vector<Results> candidates =
         candidate_runs(*film.frames, tracker.weighed_at(), tracker.weighed(), job);
     if (!tracker.is_calibrated()) {
-        page.draw(std::move(candidates), job, "Which are the spheres?",
+        page.draw(candidates, job, "Which are the spheres?",
                   {.tables = {candidates_table(tracker.weighed())}, .figures = {}});
         page.commit(job);
         TuneJobResult undecided;
@@ -135,7 +135,7 @@ TuneJobResult run_tuning(const TuneJobOptions& options, Job& job) {
         tuning_report(tuning, result.settings,
                       options.in_words ? options.in_words(result.settings) : std::string());
     additions.tables.push_back(candidates_table(tracker.weighed()));
-    page.draw(std::move(runs), job, "Settings of the tracker", std::move(additions));
+    page.draw(runs, job, "Settings of the tracker", additions);
     write_file(result.settings_file, toml_of(result.settings), job.overwrite);
     page.commit(job);
     job.outputs.push_back(result.settings_file);

@@ -11,7 +11,9 @@ EmbreeDevice::EmbreeDevice() : handle_(nullptr) {
                        .suggestion = "use silhouettes (optics = \"silhouette\")"});
 }
 
-EmbreeDevice::~EmbreeDevice() = default;
+EmbreeDevice::~EmbreeDevice() {
+    handle_ = nullptr;
+}
 
 // Without a device there is no cell.
 MirrorCell::MirrorCell(const EmbreeDevice& /*device*/, std::span<const SphereScene> instants,
