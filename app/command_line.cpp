@@ -305,8 +305,8 @@ int run_command_line(int argc, const char* const* argv,
     app.formatter(std::make_shared<HelpFormatter>());
     app.set_version_flag("--version", std::string("grainfield ") + kVersion);
     app.require_subcommand(1);
-    constexpr std::string_view missing = GRAINFIELD_MISSING;
-    if (!missing.empty()) app.footer(fmt::format("This build is without: {}.", missing));
+    constexpr const char* missing = GRAINFIELD_MISSING;
+    if (*missing != '\0') app.footer(fmt::format("This build is without: {}.", missing));
     std::vector<std::unique_ptr<BoundCommand>> bound;
     std::vector<std::string> names;
     for (auto& command : commands) {
