@@ -330,7 +330,7 @@ Located Locator::report(Frame& frame) {
     const double border = frame.detection.border * model_.disc.diameter;
     const double tolerance = frame.refinement.tolerance;
     const std::vector<double> residuals = fit_.residuals(frame.gain);
-    found.correlation = misfit_correlation(fit_, found.noise);
+    found.correlation = misfit_correlation(fit_, found.noise, frame.gain);
     const std::vector<double>& explained = fit_.explained();
     const std::vector<PositionCovariance> covariances = solver_.covariance(threads_);
     for (std::size_t j = 0; j < residuals.size(); ++j) {

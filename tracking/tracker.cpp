@@ -460,7 +460,8 @@ void Tracker::link(const Job& job, Run& run, Snapshot& snapshot) {
     TrackSummary& summary = run.summary;
     const auto begin = Clock::now();
     snapshot.id = run.linker.link(job.position, snapshot.position, snapshot.position_error);
-    if (bilayer_) bilayer_->label(snapshot);
+    // Without spheres nothing contradicts what is known of the layers.
+    if (bilayer_ && snapshot.size() > 0) bilayer_->label(snapshot);
     summary.ms_per_frame.link += milliseconds_since(begin);
 }
 
@@ -591,9 +592,9 @@ TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress, const EachFram
     if (resumption.from != nullptr) {
         restore(run, *resumption.from);
         progress.resume_at(run.next - frames_to_fit().begin);
-    } else {
-        find_first_light();
     }
+    // Stopped before it was found, a run that goes on has it to find still.
+    if (!first_light_.has_reference) find_first_light();
     // Of a stream the end is known when it is reached.
     const auto is_more = [&] { return run.next < span().end; };
     while (is_more() && caught_signal() == 0) {

@@ -250,8 +250,10 @@ RunJobResult run_film(const RunJobOptions& wanted, Job& job) {
     } else if (result.results->frames < 2) {
         job.plan.skip("overlay", "one frame, which the report shows", "a video of the film");
     } else {
-        const bool is_drawn = !tracked.result && is_there(files.overlay);
+        const bool is_drawn = is_kept && is_there(files.overlay);
         if (!is_drawn) result.signal = draw(files, job);
+        // A film cut short would pass for the whole.
+        if (result.signal != 0) fs::remove(files.overlay);
         result.stages.push_back({"overlay", files.overlay, is_drawn});
     }
     return result;

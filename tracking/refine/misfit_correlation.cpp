@@ -3,64 +3,96 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
-#include <vector>
+
+#include "core/support/random.h"
 
 namespace grainfield::tracking {
 namespace {
 
-/// Products of two pixels that are summed: C(Δ) is known to a part in a hundred of C(0) or better.
-constexpr double kMostProducts = 1.2e7;
-constexpr double kMostExplained = 0.7;  // beyond it the first order says nothing
+// Squared scores of 2,000 places tell their mean to 2 %. Large windows are fewer, for the time.
+constexpr double kMostPlaces = 2000;
+constexpr double kLeastPlaces = 100;
+constexpr double kMostProducts = 2e7;
 constexpr std::size_t kMostDiscs = 400;
-constexpr double kLeastMisfit = 0.05;  // of the residual's variance
+constexpr double kMostExplained = 0.7;  // beyond it the first order says nothing
+constexpr double kLeastMisfit = 0.05;   // of the residual's variance
 
-/// a(Δ) of ∂P/∂x and ∂P/∂y together, for −lags ≤ Δx ≤ lags and 0 ≤ Δy ≤ lags, row by row.
-std::vector<double> derivative_correlation(const DiscProfile& disc, int lags) {
-    const int reach = static_cast<int>(std::ceil(disc.reach()));
-    const int side = 2 * reach + 1;
-    std::vector<double> across(static_cast<std::size_t>(side) * static_cast<std::size_t>(side));
-    std::vector<double> down(across.size());
-    const auto at = [&](int x, int y) {
-        return static_cast<std::size_t>(y) * static_cast<std::size_t>(side) +
-               static_cast<std::size_t>(x);
-    };
-    for (int y = 0; y < side; ++y) {
-        for (int x = 0; x < side; ++x) {
-            const double r = std::hypot(x - reach, y - reach);
-            if (r == 0) continue;
-            const double slope = disc.slope(r) / r;
-            across[at(x, y)] = slope * (x - reach);
-            down[at(x, y)] = slope * (y - reach);
-        }
-    }
-    std::vector<double> correlation;
-    for (int dy = 0; dy <= lags; ++dy) {
-        for (int dx = -lags; dx <= lags; ++dx) {
-            double sum = 0;
-            for (int y = 0; y + dy < side; ++y) {
-                for (int x = std::max(0, -dx); x < std::min(side, side - dx); ++x) {
-                    sum += across[at(x, y)] * across[at(x + dx, y + dy)] +
-                           down[at(x, y)] * down[at(x + dx, y + dy)];
-                }
+/// ∂P/∂x and ∂P/∂y of a disc in the middle of a window.
+struct Derivative {
+    int reach = 0;
+    int side = 0;
+    std::vector<float> across, down;
+    double squares = 0;  ///< Σ |J|²
+
+    explicit Derivative(const DiscProfile& disc)
+        : reach(static_cast<int>(std::ceil(disc.reach()))), side(2 * reach + 1) {
+        for (int y = -reach; y <= reach; ++y) {
+            for (int x = -reach; x <= reach; ++x) {
+                const double r = std::hypot(x, y);
+                const double slope = r > 0 ? disc.slope(r) / r : 0;
+                across.push_back(static_cast<float>(slope * x));
+                down.push_back(static_cast<float>(slope * y));
+                squares += slope * slope * r * r;
             }
-            correlation.push_back(sum);
         }
     }
-    return correlation;
+
+    double window() const { return static_cast<double>(side) * side; }
+
+    /// a(Δ).
+    double correlation(int dx, int dy) const {
+        double sum = 0;
+        for (int y = std::max(0, -dy); y < std::min(side, side - dy); ++y) {
+            const auto here = static_cast<std::ptrdiff_t>(y) * side;
+            const std::ptrdiff_t there = here + static_cast<std::ptrdiff_t>(dy) * side + dx;
+            float row = 0;
+            const int last = std::min(side, side - dx);
+#pragma omp simd reduction(+ : row)
+            for (int x = std::max(0, -dx); x < last; ++x) {
+                row += across[static_cast<std::size_t>(here + x)] *
+                           across[static_cast<std::size_t>(there + x)] +
+                       down[static_cast<std::size_t>(here + x)] *
+                           down[static_cast<std::size_t>(there + x)];
+            }
+            sum += static_cast<double>(row);
+        }
+        return sum;
+    }
+
+    /// Σ_Δ a(Δ)²/a(0)², on a grid of lags that is coarser for larger discs [px].
+    double correlated_pixels() const {
+        const double lags = std::clamp(kMostProducts / window(), kLeastPlaces, 4 * window());
+        const int step = static_cast<int>(std::ceil(2 * side / std::sqrt(lags)));
+        double sum = 0;
+        for (int dy = -(2 * reach / step) * step; dy < side; dy += step) {
+            for (int dx = -(2 * reach / step) * step; dx < side; dx += step) {
+                const double a = correlation(dx, dy) / squares;
+                sum += a * a;
+            }
+        }
+        return sum * step * step;
+    }
+};
+
+bool is_hidden(const DiscScene& scene, int x, int y) {
+    return !(scene.transmission().row(y)[x] > 0.0F);
 }
 
-void residual_row(const DiscScene& scene, int y, std::vector<float>& row) {
-    const float* darkness = scene.darkness().row(y);
-    const float* transmission = scene.transmission().row(y);
-    for (std::size_t x = 0; x < row.size(); ++x) row[x] = darkness[x] - 1.0F + transmission[x];
+float residual(const DiscScene& scene, int x, int y) {
+    return scene.darkness().row(y)[x] - 1.0F + scene.transmission().row(y)[x];
 }
 
-}  // namespace
+/// Variances of the residual within reach of discs.
+struct Misfit {
+    double usual = 0;     ///< V
+    double at_edges = 0;  ///< V_e
+};
 
-double misfit_at_edges(const JointFit& fit) {
+/// Of 400 to 800 discs spread over the list, or of all.
+Misfit misfit_about(const JointFit& fit, const std::vector<double>& gain) {
     const DiscScene& scene = fit.scene();
-    const int reach = static_cast<int>(std::ceil(scene.disc().reach()));
+    const DiscProfile& disc = scene.disc();
+    const int reach = static_cast<int>(std::ceil(disc.reach()));
     const std::vector<Vec2>& discs = fit.positions();
     const std::size_t stride = std::max<std::size_t>(1, discs.size() / kMostDiscs);
     double at_edges = 0;
@@ -68,81 +100,102 @@ double misfit_at_edges(const JointFit& fit) {
     double squares = 0;
     double pixels = 0;
     for (std::size_t i = 0; i < discs.size(); i += stride) {
+        if (!is_finite(discs[i])) continue;
         const int cx = static_cast<int>(std::lround(discs[i].x));
         const int cy = static_cast<int>(std::lround(discs[i].y));
-        const int x1 = std::min(scene.darkness().width() - 1, cx + reach);
         for (int y = std::max(0, cy - reach);
              y <= std::min(scene.darkness().height() - 1, cy + reach); ++y) {
-            for (int x = std::max(0, cx - reach); x <= x1; ++x) {
+            for (int x = std::max(0, cx - reach);
+                 x <= std::min(scene.darkness().width() - 1, cx + reach); ++x) {
                 const double r = std::hypot(x - discs[i].x, y - discs[i].y);
-                if (r > scene.disc().reach()) continue;
-                const auto left = static_cast<double>(scene.darkness().row(y)[x] - 1.0F +
-                                                      scene.transmission().row(y)[x]);
-                const double slope = scene.disc().slope(r);
+                if (r > disc.reach() || is_hidden(scene, x, y)) continue;
+                const auto left = static_cast<double>(residual(scene, x, y));
+                const double slope = disc.slope(r);
                 at_edges += slope * slope * left * left;
                 weights += slope * slope;
                 squares += left * left;
                 pixels += 1;
             }
         }
+        if (!gain.empty()) squares -= gain[i];
     }
-    return squares > 0 ? at_edges * pixels / (weights * squares) : 1;
+    if (!(pixels > 0 && weights > 0)) return {};
+    return {.usual = std::max(0.0, squares / pixels), .at_edges = at_edges / weights};
 }
 
-double misfit_correlation(const JointFit& fit, double noise) {
+}  // namespace
+
+double misfit_correlation(const JointFit& fit, double noise, const std::vector<double>& gain) {
     const DiscScene& scene = fit.scene();
-    const std::size_t discs = fit.positions().size();
     const int width = scene.darkness().width();
     const int height = scene.darkness().height();
-    const int lags = static_cast<int>(std::ceil(scene.disc().diameter));
-    if (width < 4 * lags || height < 4 * lags) return 1;
-    const std::vector<double> weight = derivative_correlation(scene.disc(), lags);
-    const double rows_wanted =
-        kMostProducts / (static_cast<double>(weight.size()) * (width - 2 * lags));
-    const int rows = std::clamp(static_cast<int>(rows_wanted), 1, height - lags);
-    const double edges = misfit_at_edges(fit);
-    std::vector<std::vector<float>> band(static_cast<std::size_t>(lags) + 1,
-                                         std::vector<float>(static_cast<std::size_t>(width)));
-    double own = 0;
-    double all = 0;
-    for (int k = 0; k < rows; ++k) {
-        const int first = static_cast<int>(static_cast<std::int64_t>(k) * (height - lags) / rows);
-        for (int dy = 0; dy <= lags; ++dy) {
-            residual_row(scene, first + dy, band[static_cast<std::size_t>(dy)]);
-        }
-        const float* here = band.front().data() + lags;
-        std::size_t term = 0;
-        for (int dy = 0; dy <= lags; ++dy) {
-            for (int dx = -lags; dx <= lags; ++dx, ++term) {
-                if (dy == 0 && dx < 0) continue;
-                const float* there = band[static_cast<std::size_t>(dy)].data() + lags + dx;
-                float sum = 0;
-#pragma omp simd reduction(+ : sum)
-                for (int x = 0; x < width - 2 * lags; ++x) sum += here[x] * there[x];
-                const double product = weight[term] * static_cast<double>(sum);
-                const bool is_own = dy == 0 && dx == 0;
-                if (is_own) own += product;
-                all += is_own ? product : 2 * product;
-            }
-        }
-    }
+    const std::vector<Vec2>& discs = fit.positions();
+    const double white = noise * noise;
+    const Misfit about = misfit_about(fit, gain);
+    if (!(about.usual - white > kLeastMisfit * about.usual)) return 1;
+
+    const Derivative derivative(scene.disc());
+    const int reach = derivative.reach;
+    const double wanted =
+        std::clamp(kMostProducts / derivative.window(), kLeastPlaces, kMostPlaces);
+    const double diameter = scene.disc().diameter;
+    RandomStream random(1, "misfit correlation");
+    double scores = 0;
     double squares = 0;
-    std::size_t term = 0;
-    for (int dy = 0; dy <= lags; ++dy) {
-        for (int dx = -lags; dx <= lags; ++dx, ++term) {
-            squares += (dy == 0 ? 1 : 2) * weight[term] * weight[term];
+    double places = 0;
+    // Windows that the border or a mask cuts are drawn again, but not for ever.
+    for (int draw = 0; places < wanted && draw < 4 * static_cast<int>(wanted); ++draw) {
+        const auto i = std::min(
+            discs.size() - 1,
+            static_cast<std::size_t>(random.uniform() * static_cast<double>(discs.size())));
+        const double right = (random.uniform() - 0.5) * diameter;
+        const double down = (random.uniform() - 0.5) * diameter;
+        if (!is_finite(discs[i])) continue;
+        const int x0 = static_cast<int>(std::lround(discs[i].x + right)) - reach;
+        const int y0 = static_cast<int>(std::lround(discs[i].y + down)) - reach;
+        if (x0 < 0 || y0 < 0 || x0 + derivative.side > width || y0 + derivative.side > height) {
+            continue;
         }
+        double across = 0;
+        double along = 0;
+        double sum = 0;
+        int hidden = 0;
+        for (int v = 0; v < derivative.side; ++v) {
+            const float* dark = scene.darkness().row(y0 + v) + x0;
+            const float* through = scene.transmission().row(y0 + v) + x0;
+            const auto first =
+                static_cast<std::size_t>(v) * static_cast<std::size_t>(derivative.side);
+            const float* jx = derivative.across.data() + first;
+            const float* jy = derivative.down.data() + first;
+            float row_x = 0;
+            float row_y = 0;
+            float row = 0;
+#pragma omp simd reduction(+ : row_x, row_y, row, hidden)
+            for (int u = 0; u < derivative.side; ++u) {
+                const float left = dark[u] - 1.0F + through[u];
+                row_x += jx[u] * left;
+                row_y += jy[u] * left;
+                row += left * left;
+                hidden += through[u] > 0.0F ? 0 : 1;
+            }
+            across += static_cast<double>(row_x);
+            along += static_cast<double>(row_y);
+            sum += static_cast<double>(row);
+        }
+        if (hidden > 0) continue;
+        scores += across * across + along * along;
+        squares += sum;
+        places += 1;
     }
-    const double own_weight = weight[static_cast<std::size_t>(lags)];
-    const double explained = 2 * static_cast<double>(discs) /
-                             (static_cast<double>(width) * height) * squares /
-                             (own_weight * own_weight);
-    const double whole = edges * (1 + (all / own - 1) / (1 - std::min(explained, kMostExplained)));
-    const double variance =
-        own / (own_weight * static_cast<double>(rows) * static_cast<double>(width - 2 * lags));
-    const double misfit = variance - noise * noise;
-    if (!(misfit > kLeastMisfit * variance)) return 1;
-    return std::max(1.0, (whole * variance - noise * noise) / misfit);
+    if (places < kLeastPlaces) return 1;
+    const double mean = squares / (places * derivative.window());
+    if (!(mean - white > kLeastMisfit * mean)) return 1;
+    const double explained = 2 * static_cast<double>(discs.size()) / std::max(1.0, scene.pixels()) *
+                             derivative.correlated_pixels();
+    const double whole =
+        scores / (places * derivative.squares) / (1 - std::min(explained, kMostExplained));
+    const double edges = (about.at_edges - white) / (about.usual - white);
+    return std::max(1.0, edges * (whole - white) / (mean - white));
 }
 
 }  // namespace grainfield::tracking

@@ -22,16 +22,21 @@ constexpr int kOpticsSearches = 3;
 constexpr double kUnusual = 2;       // medians of the residual: a sphere is in doubt
 constexpr double kSameSphere = 0.3;  // [a]
 
-/// Moves a sphere in doubt back to the disc that it began as; the way back enters its error.
-void stand_back(const PointGrid& discs, double range, Vec2& position, Vec2& error) {
+/// Moves a sphere in doubt back to the disc that it began as, if no other stands there; the way
+/// back enters its error.
+void stand_back(const PointGrid& discs, double range, std::vector<char>& is_taken, Vec2& position,
+                Vec2& error) {
     const Vec2 fitted = position;
     double nearest = range * range;
-    discs.near(fitted, range, [&](std::uint32_t, Vec2 disc) {
+    std::size_t chosen = is_taken.size();
+    discs.near(fitted, range, [&](std::uint32_t j, Vec2 disc) {
         const double squared = squared_norm(disc - fitted);
-        if (squared >= nearest) return;
+        if (squared >= nearest || is_taken[j] != 0) return;
         nearest = squared;
         position = disc;
+        chosen = j;
     });
+    if (chosen < is_taken.size()) is_taken[chosen] = 1;
     error = {std::hypot(error.x, position.x - fitted.x),
              std::hypot(error.y, position.y - fitted.y)};
 }
@@ -108,6 +113,7 @@ Synthesis synthesise(const Image& counts, const ImageModel& model, double diamet
     }
     const double usual = sorted.empty() ? 0 : sorted[sorted.size() / 2];
     const PointGrid discs(start.position, kSameSphere * diameter);
+    std::vector<char> is_taken(start.position.size(), 0);
     for (std::size_t i = 0; i < fit.spheres().size(); ++i) {
         const Point3& p = fit.spheres()[i];
         result.position.push_back(
@@ -118,7 +124,9 @@ Synthesis synthesise(const Image& counts, const ImageModel& model, double diamet
         result.residual.push_back(errors[i].residual);
         if (!(errors[i].residual > kUnusual * usual)) continue;
         ++result.doubtful;
-        stand_back(discs, kSameSphere * diameter, result.position.back(), result.error.back());
+        stand_back(discs, kSameSphere * diameter, is_taken, result.position.back(),
+                   result.error.back());
+        result.z.back() = 0.5 * top;
         result.z_error.back() = std::max(result.z_error.back(), top / std::sqrt(12.0));
     }
     return result;
