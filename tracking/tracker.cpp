@@ -15,18 +15,12 @@
 namespace grainfield::tracking {
 namespace {
 
-/// How many frames are tried for calibration before giving up.
-constexpr std::int64_t kCalibrationFrames = 10;
 /// Frames are fitted in twos; the second starts from spheres two frames old.
 constexpr std::int64_t kSideBySide = 2;
 /// Above this RMS step a cold search is the cheaper one [D].
 constexpr double kWarmStep = 0.25;
 /// A frame whose light was misjudged by more is fitted again [contrast].
 constexpr double kLightAccuracy = 0.02;
-constexpr double kNotableLight = 0.05;
-constexpr double kPoorResidual = 0.12;
-constexpr double kPoorInNoise = 2;
-constexpr double kBadResidual = 0.25;
 
 using Clock = std::chrono::steady_clock;
 double milliseconds_since(Clock::time_point start) {
@@ -108,8 +102,24 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
     if (options.synthesis && !options.kept && polarity == PolarityChoice::automatic) {
         polarity = PolarityChoice::dark;
     }
-    options_.kept ? use_kept() : calibrate_film();
-    if (!calibration_) return;
+    if (options_.kept) {
+        if (const CalibrationOptions& given = options_.calibration; given != CalibrationOptions{}) {
+            throw OptionError({.problem = "a kept calibration leaves nothing to estimate",
+                               .actual = "options of the section calibrate are given as well",
+                               .expected = "either of them",
+                               .suggestion = "leave out the options, or calibrate again"});
+        }
+        film_ = use_kept(*options_.kept, source, options_.visible, threads_, plan);
+    } else {
+        film_ = calibrate_film(source, options_.calibration, options_.detection,
+                               options_.refinement, options_.visible, threads_, plan);
+        if (options_.keeps && is_calibrated()) {
+            // Films that use it do not know where the spheres of this one were.
+            film_.calibration->positions.clear();
+            film_.frame = -1;
+        }
+    }
+    if (!is_calibrated()) return;
     const std::int64_t count = source.count();
     const int lanes = static_cast<int>(std::min<std::int64_t>(kSideBySide, count));
     for (int lane = 0; lane < lanes; ++lane) {
@@ -134,83 +144,6 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
                              kWarmStep));
     }
     plan_heights(plan);
-}
-
-/// On the first usable frame of some that are spread over the film.
-void Tracker::calibrate_film() {
-    const std::int64_t count = source_.count();
-    const std::int64_t tries = std::min(count, kCalibrationFrames);
-    RepeatedWarnings failed;
-    weighed_at_ = -1;
-    for (std::int64_t i = 0; i < tries && !calibration_; ++i) {
-        const std::int64_t index = i * count / tries;
-        const Frame frame = source_.read(index);
-        if (frame.status != FrameStatus::ok) continue;
-        RunPlan attempt;
-        std::vector<SizeCandidate> weighed;
-        calibration_ =
-            calibrate(frame.image, options_.calibration, options_.detection, options_.refinement,
-                      threads_, attempt, options_.visible, &weighed);
-        if (calibration_ || !weighed.empty()) {
-            weighed_ = std::move(weighed);
-            weighed_at_ = index;
-        }
-        if (calibration_) {
-            calibration_frame_ = frame.index;
-            for (const PlannedStage& s : attempt.stages()) {
-                s.runs ? plan_.run(s.stage, s.reason) : plan_.skip(s.stage, s.reason, s.saved);
-            }
-        }
-        for (const Warning& warning : attempt.warnings()) {
-            if (calibration_) {
-                plan_.warn(warning.code, fmt::format("{}, frame {}: {}", source_.name(),
-                                                     frame.index, warning.text));
-            } else {
-                failed.add(frame.index, warning.text);
-            }
-        }
-    }
-    if (!calibration_) {
-        failed.say(source_.name(), plan_);
-        plan_.warn(
-            fmt::format("{}: no frame to calibrate on among {} tried", source_.name(), tries));
-        return;
-    }
-    if (!options_.keeps) return;
-    // Films that use it do not know where the spheres of this one were.
-    calibration_->positions.clear();
-    calibration_frame_ = -1;
-}
-
-void Tracker::use_kept() {
-    const KeptCalibration& kept = *options_.kept;
-    kept.require_size(source_.width(), source_.height(), source_.name());
-    if (const CalibrationOptions& given = options_.calibration; given != CalibrationOptions{}) {
-        throw OptionError({.problem = "a kept calibration leaves nothing to estimate",
-                           .actual = "options of the section calibrate are given as well",
-                           .expected = "either of them",
-                           .suggestion = "leave out the options, or calibrate again"});
-    }
-    for (std::int64_t i = 0; i < source_.count(); ++i) {
-        const Frame frame = source_.read(i);
-        if (frame.status != FrameStatus::ok || !blank_reason(frame.image, options_.visible).empty())
-            continue;
-        const CalibrationCheck now = check(kept.model, frame.image, options_.visible, threads_);
-        for (const std::string& warning : differences(kept.check, now)) {
-            plan_.warn(fmt::format("{}, frame {}: {}", source_.name(), frame.index, warning));
-        }
-        break;
-    }
-    calibration_ = Calibration{kept.model, {}};
-    plan_.skip("calibration", "kept from another run", "two or more fits of one frame");
-}
-
-KeptCalibration Tracker::to_keep() {
-    const Frame frame = source_.read(weighed_at_);
-    return {.model = model(),
-            .width = source_.width(),
-            .height = source_.height(),
-            .check = check(model(), frame.image, options_.visible, threads_)};
 }
 
 void Tracker::plan_heights(RunPlan& plan) {
@@ -240,7 +173,8 @@ TrajectoryInfo Tracker::info() const {
     info.length_unit = LengthUnit::pixel;
     info.frame_rate = source_.frame_rate();
     info.time_unit = info.frame_rate ? TimeUnit::second : TimeUnit::frame;
-    info.diameter = options_.sphere_diameter.value_or(calibration_ ? model().disc.diameter : 1.0);
+    info.diameter =
+        options_.sphere_diameter.value_or(is_calibrated() ? model().disc.diameter : 1.0);
     info.diameter_origin =
         options_.sphere_diameter ? DiameterOrigin::given : DiameterOrigin::apparent;
     info.source = source_.name();
@@ -271,7 +205,7 @@ std::vector<Tracker::Job> Tracker::read(Run& run) {
 }
 
 void Tracker::fit(std::vector<Job>& jobs) {
-    if (!calibration_) return;
+    if (!is_calibrated()) return;
     for (Job& job : jobs) {
         if (job.frame.status == FrameStatus::ok) {
             job.blank = blank_reason(job.frame.image, options_.visible);
@@ -353,7 +287,7 @@ void Tracker::begin_stretch() {
 
 std::vector<Vec2> Tracker::start_for(const Job& job) const {
     // The calibration has been there already.
-    if (job.frame.index == calibration_frame_) return calibration_->positions;
+    if (job.frame.index == film_.frame) return film_.calibration->positions;
     const std::int64_t frames = job.position - previous_.position;
     if (frames > kSideBySide ||
         static_cast<double>(frames) * previous_.step_rms > kWarmStep * model().disc.diameter) {
@@ -370,19 +304,19 @@ void Tracker::fit(Job& job, Lane& lane) const {
     job.ms.detect += milliseconds_since(begin);
     std::vector<Vec2> places = start_for(job);
     // Before the first step is known it is taken to be a large one.
-    double step = frame.index == calibration_frame_ ? 0
+    double step = frame.index == film_.frame ? 0
                   : previous_.step_rms > 0
                       ? static_cast<double>(job.position - previous_.position) * previous_.step_rms
                       : kWarmStep * model().disc.diameter;
     DetectionOptions detection = options_.detection;
     // The calibration looked for most spheres only.
-    if (frame.index == calibration_frame_) detection.cores = CoreSearch::this_frame;
+    if (frame.index == film_.frame) detection.cores = CoreSearch::this_frame;
     for (int attempt = 0; attempt < 2; ++attempt) {
         begin = Clock::now();
         job.found = lane.locator.locate(
             [&](int y, float* row) { model().darkness_row(frame.image, light, y, row); }, detection,
             options_.refinement, places, step);
-        if (attempt == 0) job.is_warm = job.found.warm && frame.index != calibration_frame_;
+        if (attempt == 0) job.is_warm = job.found.warm && frame.index != film_.frame;
         // Drawing and what every frame needs besides count as refinement.
         job.ms.detect += 1e3 * job.found.detect_seconds;
         job.ms.refine += milliseconds_since(begin) - 1e3 * job.found.detect_seconds;
@@ -408,7 +342,7 @@ Snapshot Tracker::snapshot_of(const Job& job, Run& run) {
     snapshot.box.origin = {-0.5, -0.5};
     snapshot.box.length = {static_cast<double>(job.frame.image.width()),
                            static_cast<double>(job.frame.image.height())};
-    if (!calibration_) return snapshot;
+    if (!is_calibrated()) return snapshot;
     if (!job.blank.empty()) {
         repeated_.add(job.frame.index, job.blank);
         return snapshot;
@@ -425,7 +359,7 @@ Snapshot Tracker::snapshot_of(const Job& job, Run& run) {
         summary.ms_per_frame.refine += job.ms.refine;
         summary.ms_per_frame.synthesis += job.ms.synthesis;
     }
-    judge(found, job.frame, summary);
+    judge(found, job.frame, summary, repeated_, plan_);
     report(job, snapshot, summary);
     if (!options_.part) link(job, run, snapshot);
     if (bilayer_) summary.layers = bilayer_->summary();
@@ -465,70 +399,6 @@ void Tracker::link(const Job& job, Run& run, Snapshot& snapshot) {
     summary.ms_per_frame.link += milliseconds_since(begin);
 }
 
-void Tracker::judge(const Located& found, const Frame& frame, TrackSummary& summary) {
-    summary.residual_rms += found.residual_rms;
-    summary.unsettled += found.unsettled;
-    summary.rejected += found.rejected;
-    if (!found.settled_detection) {
-        plan_.warn("some frames still gained or lost spheres when the search was ended");
-    }
-    if (static_cast<double>(found.unsettled) > 1e-3 * static_cast<double>(found.position.size())) {
-        plan_.warn(
-            "in some frames more than 0.1 % of the spheres still moved after the last "
-            "sweep (refine.max-sweeps)");
-    }
-    if (found.position.empty()) {
-        repeated_.add(frame.index, "no spheres found");
-    } else if (found.residual_rms >
-               std::clamp(kPoorInNoise * found.noise, kPoorResidual, kBadResidual)) {
-        ++summary.poor_frames;
-        if (found.residual_rms > summary.worst_residual) {
-            summary.worst_residual = found.residual_rms;
-            summary.worst_frame = frame.index;
-        }
-    }
-}
-
-/// What a user should know of the frames as a whole.
-void Tracker::summarise(const TrackSummary& summary) {
-    if (summary.rejected > 0) {
-        plan_.warn(
-            fmt::format("{} positions left out in {} frames: they had not settled to within "
-                        "their own error",
-                        summary.rejected, summary.frames));
-    }
-    if (summary.poor_frames > 0) {
-        plan_.warn(fmt::format(
-            "the image model explains {} of {} frames badly, worst frame {}: RMS residual {:.2f} "
-            "of the contrast (0.02 to 0.08 is usual); look at the overlay in the report, and at "
-            "calibrate.polarity, calibrate.disc-diameter and calibrate.edge-width",
-            summary.poor_frames, summary.frames, summary.worst_frame, summary.worst_residual));
-    }
-    const Bilayer::Summary& layers = summary.layers;
-    if (const std::int64_t n = layers.rejected_pairs + layers.rejected_triples; n > 0) {
-        plan_.warn(fmt::format(
-            "{} detections left out: no room for them between the plates ({} in pairs, {} in "
-            "triples){}",
-            n, layers.rejected_pairs, layers.rejected_triples,
-            layers.is_exact ? "" : "; perhaps not the fewest possible"));
-    }
-    if (layers.contradictory > 0) {
-        plan_.warn(fmt::format(
-            "{} of {} positions have no layer because their overlaps contradict each other; is "
-            "layers.height or track.sphere-diameter too small, or a sphere false?",
-            layers.contradictory, layers.spheres));
-    }
-    warn_of(summary.synthesis, plan_);
-    if (summary.repeated > 0) {
-        plan_.warn(fmt::format("{} frames repeat the one before", summary.repeated));
-    }
-    if (summary.dimmest < 1 - kNotableLight || summary.brightest > 1 + kNotableLight) {
-        plan_.warn(fmt::format(
-            "the contrast varies between {:.2f} and {:.2f} of the first frame's; it was followed",
-            summary.dimmest, summary.brightest));
-    }
-}
-
 /// Links and writes what was found, and keeps it for the frames to come.
 void Tracker::finish(Job& job, Run& run, const EachFrame& each_frame) {
     TrackSummary& summary = run.summary;
@@ -549,7 +419,7 @@ void Tracker::finish(Job& job, Run& run, const EachFrame& each_frame) {
 }
 
 void Tracker::keep(Job& job) {
-    if (!calibration_ || !job.is_usable()) return;
+    if (!is_calibrated() || !job.is_usable()) return;
     previous_.step_rms =
         previous_.position == job.position - 1
             ? step_between(previous_.found.fitted, job.found.fitted, model().disc.diameter)
@@ -580,7 +450,7 @@ TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress, const EachFram
                                     .axis = {0.5 * static_cast<double>(source_.width() - 1),
                                              0.5 * static_cast<double>(source_.height() - 1)}});
     }
-    const double diameter = calibration_ ? model().disc.diameter : 1.0;
+    const double diameter = is_calibrated() ? model().disc.diameter : 1.0;
     Run run{.linker = Linker(options_.link, diameter),
             .long_tracks = LongTracks(sink, options_.part ? 1 : options_.link.minimum_length,
                                       options_.link.memory),
@@ -614,22 +484,10 @@ TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress, const EachFram
     if (resumption.save && is_more()) resumption.save(checkpoint(run));
     long_tracks.finish();
     progress.finish();
-    const double n = std::max<double>(1, static_cast<double>(summary.frames));
-    summary.particles_mean = run.particles / n;
-    summary.residual_rms /= n;
-    for (double* t :
-         {&summary.ms_per_frame.read, &summary.ms_per_frame.detect, &summary.ms_per_frame.refine,
-          &summary.ms_per_frame.synthesis, &summary.ms_per_frame.link, &summary.ms_per_frame.write,
-          &summary.ms_per_frame.wall}) {
-        *t /= n;
-    }
-    const LinkSummary& links = linker.summary();
-    if (links.consecutive > 0) {
-        summary.step_rms = std::sqrt(links.squared_steps / static_cast<double>(links.consecutive));
-    }
+    average(summary, run.particles, linker.summary());
     for (const std::string& warning : linker.warnings(diameter)) plan_.warn(warning);
     repeated_.say(source_.name(), plan_);
-    summarise(summary);
+    warn_of(summary, plan_);
     return summary;
 }
 

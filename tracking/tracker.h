@@ -14,6 +14,7 @@
 #include "core/support/progress.h"
 #include "core/trajectory.h"
 #include "tracking/calibrate/calibration.h"
+#include "tracking/calibrate/film_calibration.h"
 #include "tracking/calibrate/illumination.h"
 #include "tracking/calibrate/kept_calibration.h"
 #include "tracking/layers/bilayer.h"
@@ -24,6 +25,7 @@
 #include "tracking/model/visible_pixels.h"
 #include "tracking/repeated_warnings.h"
 #include "tracking/synthesis/film_synthesis.h"
+#include "tracking/track_summary.h"
 
 namespace grainfield::tracking {
 
@@ -47,31 +49,6 @@ struct TrackOptions {
 /// Every option of tracking, one table a stage ("calibrate", "detect", "refine", "link", "layers",
 /// "synthesis", "track").
 std::vector<OptionTable> describe(TrackOptions& options);
-
-/// Where the time of a run went, per frame.
-struct FrameTimes {
-    double read = 0, detect = 0, refine = 0, synthesis = 0, link = 0, write = 0;  ///< [ms]
-    double wall = 0;  ///< by the clock [ms]; less than the sum where frames are fitted side by side
-};
-
-struct TrackSummary {
-    std::int64_t frames = 0;  ///< tracked
-    std::int64_t frames_corrupt = 0, frames_missing = 0;
-    double particles_mean = 0;
-    double residual_rms = 0;     ///< of image − model, mean over frames [contrast]
-    double step_rms = 0;         ///< RMS displacement between consecutive frames [px]; 0: one frame
-    std::int64_t unsettled = 0;  ///< spheres still moving after the last sweep, all frames
-    std::int64_t rejected = 0;   ///< of those, left out: they moved by more than their error
-    std::int64_t warm_frames = 0;       ///< started from the positions of the frame before
-    std::int64_t repeated = 0;          ///< frames that repeat the one before: not fitted again
-    std::int64_t poor_frames = 0;       ///< that the image model explains badly
-    std::int64_t worst_frame = 0;       ///< of those
-    double worst_residual = 0;          ///< RMS residual of that frame [contrast]
-    double dimmest = 1, brightest = 1;  ///< contrast of the frames relative to the first [-]
-    Bilayer::Summary layers;            ///< zeros without a height of the cell
-    SynthesisSummary synthesis;         ///< zeros without synthesis
-    FrameTimes ms_per_frame;
-};
 
 /// What a saved run of the tracker calls itself (Checkpoint::kind), with the version of what it
 /// holds.
@@ -123,9 +100,9 @@ class Tracker {
     Tracker(const Tracker&) = delete;
     Tracker& operator=(const Tracker&) = delete;
 
-    bool is_calibrated() const { return calibration_.has_value(); }
+    bool is_calibrated() const { return film_.calibration.has_value(); }
     /// Call only if is_calibrated().
-    const ImageModel& model() const { return calibration_->model; }
+    const ImageModel& model() const { return film_.calibration->model; }
     /// Tells calibrations apart: the frame used and the numbers of the model. Empty without one.
     std::vector<double> calibration_numbers() const;
     /// All that are looked at: the part's, and those of its first stretch before it.
@@ -133,11 +110,13 @@ class Tracker {
     TrajectoryInfo info() const;
     /// What calibration weighed, on the frame at weighed_at() among those selected; the frame that
     /// was tried last where none could be calibrated on. Empty: nothing disc-shaped was seen.
-    const std::vector<SizeCandidate>& weighed() const { return weighed_; }
-    std::int64_t weighed_at() const { return weighed_at_; }
+    const std::vector<SizeCandidate>& weighed() const { return film_.weighed; }
+    std::int64_t weighed_at() const { return film_.weighed_at; }
     /// What films to come need to be measured alike, from the frame calibrated on. Call only if
     /// is_calibrated().
-    KeptCalibration to_keep();
+    KeptCalibration to_keep() {
+        return tracking::to_keep(film_, source_, options_.visible, threads_);
+    }
 
     /// Told of each frame that was tracked, in order, and its position among those selected.
     using EachFrame = std::function<void(const Frame&, const Snapshot&, std::int64_t position)>;
@@ -203,20 +182,13 @@ class Tracker {
     void report(const Job& job, Snapshot& snapshot, TrackSummary& summary);
     void link(const Job& job, Run& run, Snapshot& snapshot);
     void plan_heights(RunPlan& plan);
-    void calibrate_film();
-    void use_kept();
-    void judge(const Located& found, const Frame& frame, TrackSummary& summary);
-    void summarise(const TrackSummary& summary);
 
     FrameSource& source_;
     TrackOptions options_;
     RunPlan& plan_;
     int threads_;
-    std::optional<Calibration> calibration_;
-    std::int64_t calibration_frame_ = -1;
+    FilmCalibration film_;
     RepeatedWarnings repeated_;  ///< of the frames tracked so far
-    std::vector<SizeCandidate> weighed_;
-    std::int64_t weighed_at_ = 0;
     std::vector<Lane> lanes_;
     IlluminationFollower::State light_, first_light_;
     std::optional<SynthesisedFrame> first_optics_;  ///< nothing but the optics

@@ -99,14 +99,14 @@ void Tracker::transfer(NumberArchive& archive, Run& run) {
 
 /// What the calibration must give again.
 std::vector<double> Tracker::calibration_numbers() const {
-    if (!calibration_) return {};
-    std::vector<double> numbers{static_cast<double>(calibration_frame_),
+    if (!is_calibrated()) return {};
+    std::vector<double> numbers{static_cast<double>(film_.frame),
                                 static_cast<double>(model().polarity),
                                 static_cast<double>(number_of(*model().overlap)),
                                 model().disc.diameter,
                                 model().disc.edge_width,
                                 model().dark_level,
-                                static_cast<double>(calibration_->positions.size()),
+                                static_cast<double>(film_.calibration->positions.size()),
                                 model().correction.spacing};
     numbers.insert(numbers.end(), model().correction.value.begin(), model().correction.value.end());
     return numbers;

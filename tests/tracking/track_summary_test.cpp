@@ -1,0 +1,85 @@
+#include "tracking/track_summary.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace grainfield::tracking {
+namespace {
+
+Located found_with(double residual, double noise) {
+    Located found;
+    found.position = {{1, 1}};
+    found.residual_rms = residual;
+    found.noise = noise;
+    found.settled_detection = true;
+    return found;
+}
+
+Frame frame_number(std::int64_t index) {
+    Frame frame;
+    frame.index = index;
+    return frame;
+}
+
+bool says(const RunPlan& plan, const std::string& words) {
+    for (const Warning& warning : plan.warnings()) {
+        if (warning.text.find(words) != std::string::npos) return true;
+    }
+    return false;
+}
+
+TEST(TrackSummary, CountsFramesThatAreBadlyExplainedAndNamesTheWorst) {
+    TrackSummary summary;
+    RepeatedWarnings repeated;
+    RunPlan plan;
+    judge(found_with(0.05, 0.01), frame_number(3), summary, repeated, plan);
+    judge(found_with(0.19, 0.10), frame_number(4), summary, repeated, plan);  // twice the noise
+    EXPECT_EQ(summary.poor_frames, 0);
+    judge(found_with(0.13, 0.01), frame_number(5), summary, repeated, plan);
+    judge(found_with(0.26, 0.30), frame_number(6), summary, repeated, plan);
+    judge(found_with(0.14, 0.01), frame_number(7), summary, repeated, plan);
+    EXPECT_EQ(summary.poor_frames, 3);
+    EXPECT_EQ(summary.worst_frame, 6);
+    EXPECT_EQ(summary.worst_residual, 0.26);
+    summary.frames = 5;
+    warn_of(summary, plan);
+    EXPECT_TRUE(says(plan, "explains 3 of 5 frames badly, worst frame 6"));
+}
+
+TEST(TrackSummary, GivesMeansOverFrames) {
+    TrackSummary summary;
+    summary.frames = 4;
+    summary.residual_rms = 0.2;
+    summary.ms_per_frame.refine = 60;
+    LinkSummary links;
+    links.consecutive = 8;
+    links.squared_steps = 32;
+    average(summary, 100, links);
+    EXPECT_DOUBLE_EQ(summary.residual_rms, 0.05);
+    EXPECT_DOUBLE_EQ(summary.ms_per_frame.refine, 15);
+    EXPECT_DOUBLE_EQ(summary.particles_mean, 25);
+    EXPECT_DOUBLE_EQ(summary.step_rms, 2);
+}
+
+TEST(TrackSummary, OfNoFramesIsFinite) {
+    TrackSummary summary;
+    average(summary, 0, {});
+    EXPECT_EQ(summary.particles_mean, 0);
+    EXPECT_EQ(summary.step_rms, 0);
+}
+
+TEST(TrackSummary, WarnsOfLightThatVariesByMoreThanATwentieth) {
+    TrackSummary summary;
+    summary.dimmest = 0.96;
+    RunPlan quiet;
+    warn_of(summary, quiet);
+    EXPECT_TRUE(quiet.warnings().empty());
+    summary.brightest = 1.06;
+    RunPlan plan;
+    warn_of(summary, plan);
+    EXPECT_TRUE(says(plan, "between 0.96 and 1.06"));
+}
+
+}  // namespace
+}  // namespace grainfield::tracking
