@@ -7,7 +7,7 @@
 
 #include "core/errors.h"
 #include "core/support/progress.h"
-#include "pipelines/recorded_options.h"
+#include "pipelines/configuration.h"
 
 namespace grainfield::app {
 

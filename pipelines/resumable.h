@@ -8,8 +8,8 @@
 
 #include "core/support/checkpoint.h"
 #include "io/h5/record_log.h"
+#include "pipelines/configuration.h"
 #include "pipelines/job.h"
-#include "pipelines/recorded_options.h"
 
 namespace grainfield::pipelines {
 

@@ -18,7 +18,7 @@
 #include "io/h5/trajectory_file.h"
 #include "io/text/wavevector_csv.h"
 #include "pipelines/analyze/lengths.h"
-#include "pipelines/recorded_options.h"
+#include "pipelines/configuration.h"
 #include "pipelines/track/film_part.h"
 
 namespace grainfield::pipelines {

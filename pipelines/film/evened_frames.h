@@ -6,7 +6,7 @@
 #include "core/frame_source.h"
 #include "core/run_plan.h"
 #include "io/passed_frames.h"
-#include "pipelines/film/background.h"
+#include "pipelines/film/background_options.h"
 #include "tracking/calibrate/film_background.h"
 
 namespace grainfield::pipelines {

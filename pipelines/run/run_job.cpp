@@ -11,9 +11,9 @@
 #include "core/support/interrupt.h"
 #include "io/h5/results_file.h"
 #include "io/h5/trajectory_file.h"
+#include "pipelines/configuration.h"
 #include "pipelines/overlay/overlay_job.h"
 #include "pipelines/page/report_page.h"
-#include "pipelines/recorded_options.h"
 
 namespace grainfield::pipelines {
 

@@ -344,7 +344,7 @@ TEST(Tracker, ReportedErrorsHoldOnFramesOfACameraThatItDidNotImagine) {
     EXPECT_GT(width(liquid), 0.7);
     EXPECT_LT(width(liquid), 1.3);
     // Where edges of both layers overlap, the tanh disc is wrong in a way that no residual shows:
-    // errors there are 2.2 times the reported ones (docs/tracking/refinement.md, "Validity").
+    // errors there are 2.2 times the reported ones (docs/tracking/errors.md, "Validity").
     EXPECT_GT(width(crystal), 0.7);
     EXPECT_LT(width(crystal), 2.4);
 }

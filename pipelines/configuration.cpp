@@ -1,4 +1,4 @@
-#include "pipelines/recorded_options.h"
+#include "pipelines/configuration.h"
 
 #include <algorithm>
 

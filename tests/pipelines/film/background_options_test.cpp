@@ -1,4 +1,4 @@
-#include "pipelines/film/background.h"
+#include "pipelines/film/background_options.h"
 
 #include <gtest/gtest.h>
 
