@@ -224,8 +224,12 @@ MdJobResult run_md(const MdJobOptions& options, Job& job) {
         }
     }
     job.outputs.push_back(resumable.checkpoint_path());
-    job.plan.warn(
-        resumable.interrupted(simulation.periods_done(), options.md.run.periods, "periods"));
+    const double done = simulation.periods_done();
+    std::string text = resumable.interrupted(done, options.md.run.periods, "periods");
+    if (done < options.md.run.periods) {
+        text += fmt::format(", and with run.periods = {:g} writes what there is", done);
+    }
+    job.plan.warn(std::move(text));
     result.signal = caught_signal();
     return result;
 }

@@ -60,7 +60,9 @@ OptionTable describe(InitialOptions& o) {
 OptionTable describe(RunOptions& o) {
     OptionTable t("run");
     t.number("periods", o.periods, "-", {0, 1e9},
-             "length of the run in periods 2π/ω; where nothing vibrates, in sqrt(a/g)");
+             "length of the run in periods 2π/ω; where nothing vibrates, in sqrt(a/g); a resumed "
+             "run may end sooner or later");
+    t.affects(Effect::extent);
     t.number("discard", o.discard, "-", {0, 1e9}, "periods before the first snapshot");
     t.number("snapshot-every", o.snapshot_every, "-", {1e-3, 1e9}, "periods between snapshots");
     t.number("snapshot-phase", o.snapshot_phase, "-", {0, 1},

@@ -327,6 +327,7 @@ Checkpoint MdSimulation::checkpoint() const {
     c.reals["series"] = series_.numbers(settled_rows_);
     c.reals["energy"] = {energy_start_, energy_now_};
     c.reals["kinetic"] = {settled_kinetic_.sum, settled_kinetic_.slices};
+    c.reals["periods"] = {periods_done()};
     c.reals["counts"] = {max_overlap_, deepest_pair_, deepest_plate_, outdated_, backwards_};
     c.integers["id"].assign(state_.id.begin(), state_.id.end());
     // Samples on the window's border belong to the window that ends there.
@@ -352,6 +353,17 @@ void MdSimulation::restore(const Checkpoint& c, const std::string& file) {
     const auto& progress = from.integers("progress", 3);
     for (const std::int64_t p : progress) {
         if (p < 0) from.refuse("progress", std::to_string(p), "≥ 0");
+    }
+    const double done = from.reals("periods", 1)[0];
+    const auto settled = static_cast<double>(progress[0] * window_length(n));
+    if (options_.run.periods < done) {
+        from.refuse("periods", fmt::format("{:g} periods are done", done),
+                    fmt::format("at most the {:g} of run.periods", options_.run.periods));
+    }
+    // The last window of a run ends with it. What follows would be cut into others.
+    if (done != settled && options_.run.periods != done) {
+        from.refuse("periods", fmt::format("the run ended after {:g} periods", done),
+                    fmt::format("run.periods = {:g}", done));
     }
     const auto& series = from.reals("series");
     MdSeries restored(system_, static_cast<std::int64_t>(n));

@@ -8,7 +8,7 @@
 namespace grainfield::pipelines {
 namespace {
 
-TEST(RecordedOptions, GiveEveryOptionThatTheResultDependsOnUnderItsSection) {
+TEST(Configuration, GiveEveryOptionThatTheResultDependsOnUnderItsSection) {
     int memory = 2;
     double fps = 25;
     bool strict = true;
@@ -28,7 +28,7 @@ TEST(RecordedOptions, GiveEveryOptionThatTheResultDependsOnUnderItsSection) {
     EXPECT_EQ(physics_of({own, link}), (Configuration{{"fps", "25"}, {"link.memory", "3"}}));
 }
 
-TEST(RecordedOptions, OfAFieldLetTheRecordingGrowInAResume) {
+TEST(Configuration, OfAFieldLetTheRecordingGrowInAResume) {
     simulate::FieldOptions a, b;
     b.record.record = 77;
     EXPECT_EQ(physics_of(simulate::describe(a)), physics_of(simulate::describe(b)));
@@ -36,15 +36,16 @@ TEST(RecordedOptions, OfAFieldLetTheRecordingGrowInAResume) {
     EXPECT_NE(physics_of(simulate::describe(a)), physics_of(simulate::describe(b)));
 }
 
-TEST(RecordedOptions, OfMolecularDynamicsLetTheStripsChangeInAResume) {
+TEST(Configuration, OfMolecularDynamicsLetStripsAndLengthChangeInAResume) {
     simulate::MdOptions a, b;
     b.run.tiles = 7;
-    EXPECT_EQ(physics_of(simulate::describe(a)), physics_of(simulate::describe(b)));
     b.run.periods += 1;
+    EXPECT_EQ(physics_of(simulate::describe(a)), physics_of(simulate::describe(b)));
+    b.run.discard += 1;
     EXPECT_NE(physics_of(simulate::describe(a)), physics_of(simulate::describe(b)));
 }
 
-TEST(RecordedOptions, AreReplacedByThoseOfOneRunWhereTheyAreRecorded) {
+TEST(Configuration, AreReplacedByThoseOfOneRunWhereTheyAreRecorded) {
     simulate::FieldOptions field;
     field.model.nu = 0.25;
     Configuration recorded{{"seed", "4"}, {"model.nu", "0.01"}, {"model.old", "1"}};

@@ -87,6 +87,50 @@ TEST(MdSimulation, GoesOnFromACheckpointBitByBit) {
     EXPECT_EQ(whole.events(), second.events());
 }
 
+TEST(MdSimulation, MayEndLaterOrSoonerThanTheCheckpointWasMadeFor) {
+    MdOptions options = small();
+    RunPlan plan;
+    MdSimulation shorter = make(options, plan);
+    Collector resumed;
+    for (int i = 0; i < 3; ++i) shorter.run_window(resumed);
+    ASSERT_FALSE(shorter.is_done());
+
+    MdOptions longer = options;
+    longer.run.periods += 7;
+    MdSimulation whole = make(longer, plan);
+    Collector expected;
+    while (!whole.is_done()) whole.run_window(expected);
+    MdSimulation second(longer, {}, 2, plan);
+    second.restore(shorter.checkpoint());
+    while (!second.is_done()) second.run_window(resumed);
+    ASSERT_EQ(resumed.snapshots.size(), expected.snapshots.size());
+    EXPECT_EQ(resumed.snapshots.back().position, expected.snapshots.back().position);
+
+    MdOptions now = options;
+    now.run.periods = shorter.periods_done();
+    MdSimulation ended(now, {}, 2, plan);
+    ended.restore(shorter.checkpoint());
+    EXPECT_TRUE(ended.is_done());
+    now.run.periods -= 1;
+    MdSimulation before(now, {}, 2, plan);
+    EXPECT_THROW(before.restore(shorter.checkpoint()), InputError);
+}
+
+TEST(MdSimulation, IsNotLengthenedWhereItsLastWindowWasCutShort) {
+    MdOptions options = small();
+    options.run.periods += 0.5;
+    RunPlan plan;
+    MdSimulation done = make(options, plan);
+    Collector sink;
+    while (!done.is_done()) done.run_window(sink);
+    MdSimulation same(options, {}, 2, plan);
+    same.restore(done.checkpoint());
+    EXPECT_TRUE(same.is_done());
+    options.run.periods += 10;
+    MdSimulation longer(options, {}, 2, plan);
+    EXPECT_THROW(longer.restore(done.checkpoint()), InputError);
+}
+
 TEST(MdSimulation, RefusesACheckpointThatLacksSomething) {
     const MdOptions options = small();
     RunPlan plan;
