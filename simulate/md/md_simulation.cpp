@@ -303,6 +303,7 @@ void MdSimulation::settle() {
     settled_rows_ = series_.size();
     settled_last_ = last_sample_sums_;
     settled_kinetic_ = kinetic_;
+    settled_energy_ = energy_now_;
 }
 
 Checkpoint MdSimulation::checkpoint() const {
@@ -325,7 +326,7 @@ Checkpoint MdSimulation::checkpoint() const {
     c.reals["sums"] = sums_;
     c.reals["sums_at_last_sample"] = settled_last_;
     c.reals["series"] = series_.numbers(settled_rows_);
-    c.reals["energy"] = {energy_start_, energy_now_};
+    c.reals["energy"] = {energy_start_, settled_energy_};
     c.reals["kinetic"] = {settled_kinetic_.sum, settled_kinetic_.slices};
     c.reals["periods"] = {periods_done()};
     c.reals["counts"] = {max_overlap_, deepest_pair_, deepest_plate_, outdated_, backwards_};
@@ -387,7 +388,7 @@ void MdSimulation::restore(const Checkpoint& c, const std::string& file) {
     series_ = std::move(restored);
     series_.restore(series, settled_last_);
     energy_start_ = energy[0];
-    energy_now_ = energy[1];
+    energy_now_ = settled_energy_ = energy[1];
     kinetic_ = settled_kinetic_ = {kinetic[0], kinetic[1]};
     max_overlap_ = counts[0];
     deepest_pair_ = counts[1];

@@ -94,6 +94,7 @@ class MdSimulation {
     };
     Kinetic kinetic_;
     Kinetic settled_kinetic_;
+    double settled_energy_ = 0;
 };
 
 /// Throws PhysicsError with grain, partner, time and depth of the deepest contact of a window that

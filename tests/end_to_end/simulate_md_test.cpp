@@ -6,6 +6,7 @@
 #include <thread>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -24,9 +25,9 @@ using testing::program;
 using testing::ScratchFolder;
 using testing::with;
 
-std::vector<std::string> small_run(const std::string& output) {
+std::vector<std::string> small_run(const std::string& output, const std::string& periods = "400") {
     return {"simulate",         "md",   "-o",         output, "--grains",  "400",
-            "--length-x",       "20.5", "--length-y", "20.5", "--periods", "400",
+            "--length-x",       "20.5", "--length-y", "20.5", "--periods", periods,
             "--snapshot-every", "7.3",  "--json"};
 }
 
@@ -173,6 +174,23 @@ TEST(SimulateMd, StopsWithinTwoSecondsAndGoesOnAsIfNothingHadHappened) {
     EXPECT_EQ(content(folder, "cut"), content(folder, "whole"));
 }
 
+TEST(SimulateMd, ThatWasStoppedMayEndWhereItStands) {
+    const ScratchFolder folder;
+    const Process process(program(small_run(folder / "cut.h5", "100000")));
+    process.let_work(std::chrono::milliseconds(400), SIGINT);
+    process.send(SIGINT);
+    const Outcome stopped = process.wait();
+    ASSERT_EQ(stopped.code, 130) << stopped.err;
+    const json before = json::parse(stopped.out);
+    const std::string periods = fmt::format("{:.17g}", before["periods"].get<double>());
+    EXPECT_THAT(stopped.err, HasSubstr("with --periods = " + periods + " writes what there is"));
+    const Outcome ended =
+        testing::run_grainfield(with(small_run(folder / "cut.h5", periods), {"--resume"}));
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    EXPECT_LT(json::parse(ended.out)["energy_audit_relative_error"], 1e-10);
+    EXPECT_EQ(folder.entries(), 1U);
+}
+
 TEST(SimulateMd, SurvivesKills) {
     const ScratchFolder folder;
     ASSERT_EQ(testing::run_grainfield(small_run(folder / "whole.h5")).code, 0);
@@ -296,8 +314,10 @@ TEST(SimulateMd, StopsWithinAWindowThatLastsLong) {
     const Outcome outcome = process.wait();
     EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
     EXPECT_EQ(outcome.code, 143) << outcome.err;
-    EXPECT_THAT(outcome.err, HasSubstr("interrupted after 0 of 20 periods; --resume goes on from there, and with "
-                          "--periods = 0 writes what there is"));
+    EXPECT_THAT(
+        outcome.err,
+        HasSubstr("interrupted after 0 of 20 periods; --resume goes on from there, and with "
+                  "--periods = 0 writes what there is"));
     EXPECT_TRUE(std::filesystem::exists(folder / "a.h5.checkpoint"));
 }
 
