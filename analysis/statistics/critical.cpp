@@ -23,7 +23,16 @@ void add_interval(CriticalFit& fit) {
     const double a2 = fit.intercept * fit.intercept - fit.intercept_error * fit.intercept_error;
     const double root = ab * ab - a2 * b2;
     if (!(b2 > 0) || !(root >= 0)) {
-        fit.reason = "the slope vanishes within its error: no interval";
+        // Two errors of the slope are asked for. They fall as the root of the length of the runs,
+        // and as the range of the control parameter grows.
+        const double ratio = 2 * fit.slope_error / std::abs(fit.slope);
+        fit.reason = ratio < 100
+                         ? fmt::format(
+                               "the slope vanishes within its error: no interval; runs {:.0f} "
+                               "times as long, "
+                               "or {:.1f} times the range of the control parameter, would give one",
+                               std::ceil(ratio * ratio), ratio)
+                         : "S0/S1 is the same at all values of the control parameter: no interval";
         return;
     }
     fit.interval = Interval{(-ab - std::sqrt(root)) / b2, (-ab + std::sqrt(root)) / b2};

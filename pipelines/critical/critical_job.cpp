@@ -75,11 +75,24 @@ RunIdentity critical_identity(const std::vector<Results>& results) {
 
 // S0/S1 means something only where S grows with k: by more than the error of S1, else the ratio may
 // be anything.
-constexpr const char* no_rise =
-    "S does not grow with k in its range: S1 is not positive, or below its error";
-
 bool rises(double s1, double error) {
     return s1 > 0 && s1 > error;
+}
+
+// Why a run without a rise is left out, and what would show one: errors fall as the root of the
+// number of independent snapshots.
+std::string no_rise(double s1, double error) {
+    const std::string what =
+        fmt::format("S does not grow with k in its range: S1 = {:.2g} ± {:.2g}", s1, error);
+    if (!(s1 > 0)) {
+        return what + fmt::format(
+                          ", where {:.2g} would be seen; no length of the run makes up for "
+                          "an S that falls: is the fit's end (fit.k-max) too far out?",
+                          2 * error);
+    }
+    const double factor = std::ceil(4 * error * error / (s1 * s1));
+    return what +
+           fmt::format("; a run {:.0f} times as long would tell it from zero, if it stays", factor);
 }
 
 struct Gathered {
@@ -100,7 +113,7 @@ Gathered as_fitted(const std::vector<Results>& results, const std::vector<double
             gathered.points.push_back({x[i], *m->value, *m->error});
             continue;
         }
-        const std::string why = falls            ? no_rise
+        const std::string why = falls            ? no_rise(*s1->value, s1->error.value_or(0))
                                 : fit == nullptr ? "it has no fit; analyse it again (a density "
                                                    "field with a range of the fit)"
                                 : !fit->reason.empty()     ? fit->reason
@@ -133,7 +146,8 @@ Gathered with_shared_exponent(const std::vector<Results>& results, const std::ve
             continue;
         }
         if (!rises(fits[i].s1, fits[i].error[1])) {
-            plan.warn(fmt::format("'{}' is left out: {}", results[i].label, no_rise));
+            plan.warn(fmt::format("'{}' is left out: {}", results[i].label,
+                                  no_rise(fits[i].s1, fits[i].error[1])));
             continue;
         }
         gathered.points.push_back({x[i], fits[i].ratio(), fits[i].ratio_error()});

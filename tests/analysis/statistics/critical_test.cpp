@@ -63,7 +63,12 @@ TEST(Critical, GivesReasonsInPlaceOfNumbers) {
     const std::vector<CriticalPoint> flat{{1, 0.1, 0.1}, {2, 0.1, 0.1}, {3, 0.1001, 0.1}};
     const CriticalFit fit = fit_critical(flat, CriticalLine::free);
     EXPECT_FALSE(fit.interval.has_value());
-    EXPECT_NE(fit.reason, "");
+    EXPECT_NE(fit.reason.find("the same at all values"), std::string::npos);
+    // The slope is 0.05 ± 0.0707: 2.83 times too uncertain.
+    const std::vector<CriticalPoint> weak{{1, 0.1, 0.1}, {2, 0.15, 0.1}, {3, 0.2, 0.1}};
+    EXPECT_NE(fit_critical(weak, CriticalLine::free)
+                  .reason.find("runs 8 times as long, or 2.8 times the range"),
+              std::string::npos);
     for (const Measurement& m :
          critical_result(flat, CriticalLine::free, "nu", std::nullopt).measurements) {
         if (!m.value || !m.error) {

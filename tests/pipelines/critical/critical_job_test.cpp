@@ -1,6 +1,7 @@
 #include "pipelines/critical/critical_job.h"
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,7 +20,8 @@ using ::testing::HasSubstr;
 
 // Results whose S0/S1 is 0.7 (ν − 5.2), ν standing in the record.
 std::filesystem::path write_run(const std::filesystem::path& path, double nu, bool has_fit = true,
-                                const RunIdentity& identity = {}) {
+                                const RunIdentity& identity = {},
+                                std::optional<Measurement> s1 = std::nullopt) {
     Results run;
     run.identity = identity;
     run.label = path.stem().string();
@@ -27,6 +29,7 @@ std::filesystem::path write_run(const std::filesystem::path& path, double nu, bo
     ObservableResult fit;
     fit.name = "fit";
     fit.measurements = {{"s0_over_s1", "-", 0.7 * (nu - 5.2), 0.01, 100, ""}};
+    if (s1) fit.measurements.push_back(*s1);
     if (!has_fit) {
         fit.measurements.clear();
         fit.reason = "no pre-peak";
@@ -87,6 +90,19 @@ TEST(CriticalJob, FindsWhereS0OverS1VanishesFromValuesOrFromTheRecords) {
         EXPECT_THAT(out.record.warnings[0].text, HasSubstr("no pre-peak"));
         EXPECT_EQ(found.warnings.size(), 1U);
     }
+}
+
+TEST(CriticalJob, SaysHowMuchLongerARunWithoutARiseWouldHaveToBe) {
+    const testing::ScratchFolder folder;
+    const std::vector<std::filesystem::path> inputs{
+        write_run(folder / "a.h5", 6), write_run(folder / "b.h5", 7),
+        write_run(folder / "weak.h5", 8, true, {}, Measurement{"s1", "-", 0.2, 0.5, 100, ""}),
+        write_run(folder / "falling.h5", 9, true, {}, Measurement{"s1", "-", -1, 0.5, 100, ""})};
+    const Found found = find(folder, inputs, by_value({6, 7, 8, 9}));
+    EXPECT_EQ(found.result.runs, 2U);
+    ASSERT_EQ(found.warnings.size(), 2U);
+    EXPECT_THAT(found.warnings[0], HasSubstr("S1 = 0.2 ± 0.5; a run 25 times as long"));
+    EXPECT_THAT(found.warnings[1], HasSubstr("S1 = -1 ± 0.5, where 1 would be seen"));
 }
 
 TEST(CriticalJob, SaysWhatIsWrongWithTheControlParameter) {
