@@ -31,7 +31,7 @@ void add_interval(CriticalFit& fit) {
                                "the slope vanishes within its error: no interval; runs {:.0f} "
                                "times as long, "
                                "or {:.1f} times the range of the control parameter, would give one",
-                               std::ceil(ratio * ratio), ratio)
+                               std::ceil(ratio * ratio - 1e-9), ratio)
                          : "S0/S1 is the same at all values of the control parameter: no interval";
         return;
     }

@@ -90,7 +90,7 @@ std::string no_rise(double s1, double error) {
                           "an S that falls: is the fit's end (fit.k-max) too far out?",
                           2 * error);
     }
-    const double factor = std::ceil(4 * error * error / (s1 * s1));
+    const double factor = std::ceil(4 * error * error / (s1 * s1) - 1e-9);
     return what +
            fmt::format("; a run {:.0f} times as long would tell it from zero, if it stays", factor);
 }
