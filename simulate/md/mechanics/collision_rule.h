@@ -35,7 +35,8 @@ inline Impulse impulse_of(const Vec3& n, const Vec3& u, double m_eff, double res
     const double un = dot(u, n);
     Impulse result;
     result.normal = -m_eff * (1 + restitution) * un;
-    result.loss = 0.5 * m_eff * (1 - restitution * restitution) * un * un;
+    // 1 − e² as a product, which keeps its digits for e → 1.
+    result.loss = 0.5 * m_eff * ((1 - restitution) * (1 + restitution)) * un * un;
     result.j = result.normal * n;
     if constexpr (tangential == Tangential::smooth) return result;
     const Vec3 ut = u - un * n;

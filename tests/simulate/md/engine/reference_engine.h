@@ -34,10 +34,12 @@ class ReferenceEngine {
         }
         if (next.time >= end_) return false;
         apply(next);
+        time_ = next.time;
         return true;
     }
 
     std::int64_t collisions() const { return collisions_; }
+    double time() const { return time_; }  ///< of the last event
     Vec3 position(std::size_t i, double t) const {
         Vec3 r = grain_[i].r;
         Vec3 v = grain_[i].v;
@@ -177,6 +179,7 @@ class ReferenceEngine {
     std::vector<Grain> grain_;
     std::vector<Vec3> spin_;
     std::int64_t collisions_ = 0;
+    double time_ = 0;
 };
 
 }  // namespace grainfield::simulate
