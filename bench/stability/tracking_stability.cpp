@@ -1,5 +1,5 @@
-// Errors of positions far from where the fit starts, in a crystal whose holes close, and in noise as
-// strong as the contrast, beside simpler methods. Prints plot,series,x,y.
+// Errors of positions far from where the fit starts, in a crystal whose holes close, and in noise
+// as strong as the contrast, beside simpler methods. Prints plot,series,x,y.
 //   bench.stability.tracking [start] [spacing] [noise]
 #include <algorithm>
 #include <cmath>
@@ -224,10 +224,9 @@ std::vector<Vec2> crystal(int side, double spacing, double jitter) {
     RandomStream random(1, "stability crystal");
     for (double v = -side; v < side; v += spacing) {
         for (double u = -side; u < side; u += spacing) {
-            const Vec2 p{side / 2.0 + u * std::cos(0.3) - v * std::sin(0.3) +
-                             jitter * random.normal(),
-                         side / 2.0 + u * std::sin(0.3) + v * std::cos(0.3) +
-                             jitter * random.normal()};
+            const Vec2 p{
+                side / 2.0 + u * std::cos(0.3) - v * std::sin(0.3) + jitter * random.normal(),
+                side / 2.0 + u * std::sin(0.3) + v * std::cos(0.3) + jitter * random.normal()};
             if (std::min(p.x, p.y) >= 0 && std::max(p.x, p.y) <= side - 1) sites.push_back(p);
         }
     }
@@ -256,7 +255,7 @@ void far_starts() {
                 print_row(std::string("start ") + name, series, far,
                           rms_to_nearest(found, truth, side, 2 * kDiameter) / kDiameter);
             };
-            print("ours", located(image, start, far * kDiameter / std::numbers::sqrt2));
+            print("ours", located(image, start, far * kDiameter));
             print("ours, sweeps alone", swept(image, start));
             print("naive, Gauss–Newton", plain_gauss_newton(image, start));
             print("naive, centroid", centroids(image, start));
@@ -356,8 +355,7 @@ void strong_noise() {
                                                         side, kDiameter);
             print_row("noise", name, noise, score.rms);
             const auto n = static_cast<double>(score.matched + score.missed);
-            print_row("lost", name + ", missed", noise, static_cast<double>(score.missed) / n);
-            print_row("lost", name + ", false", noise, static_cast<double>(score.spurious) / n);
+            print_row("lost", name, noise, static_cast<double>(score.missed + score.spurious) / n);
         };
         RunPlan plan;
         LocateOptions options;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include <gtest/gtest.h>
@@ -262,6 +263,30 @@ TEST(Locate, AStartThatLeavesMuchUnexplainedIsForgotten) {
     const Located warm = c.locate(quarter);
     EXPECT_FALSE(warm.warm);
     EXPECT_EQ(warm.position, cold.position);
+}
+
+// Half a diameter away a sphere of a crystal is nearer to the place of another.
+TEST(Locate, AStartThatIsFarFromEverySphereLosesNone) {
+    LayerScene crystal{256, 256, 16, {}, {}, 0};
+    RandomStream random(1, "far starts");
+    for (double y = 4; y < 256; y += 0.78 * 16) {
+        for (double x = 4; x < 256; x += 0.78 * 16) {
+            crystal.position.push_back(Vec2{x, y} + 0.5 * Vec2{random.normal(), random.normal()});
+        }
+    }
+    Locator locator(256, 256, {{16, 1.2}}, 2);
+    Image darkness = testing::tanh_frame(crystal, 16, 1.2, 0.02, 1);
+    for (float& v : darkness.pixels()) v = (200 - v) / 170;
+    for (const double far : {0.3, 0.4, 0.45, 0.5}) {
+        std::vector<Vec2> start = crystal.position;
+        for (Vec2& p : start) {
+            const double angle = 2 * std::numbers::pi * random.uniform();
+            p += 16 * far * Vec2{std::cos(angle), std::sin(angle)};
+        }
+        const auto s = scored(locator.locate(darkness, {}, {}, start, 16 * far), crystal);
+        EXPECT_EQ(s.missed, 0) << far;
+        EXPECT_EQ(s.spurious, 0) << far;
+    }
 }
 
 TEST(Locate, TheResultDoesNotDependOnTheNumberOfThreads) {

@@ -222,6 +222,23 @@ TEST(SceneStress, OneSphereAndNone) {
     EXPECT_FALSE(none.warnings.empty());
 }
 
+TEST(SceneStress, NoiseThatHidesTheSizeIsRefusedUnlessTheDiameterIsGiven) {
+    const auto scene = testing::isolated_discs(192, 192, 16, 32, 1);
+    const Image frame = lit_frame(scene, 1.2, 80, everywhere(90), everywhere(0.25 * 90));
+    const Tracked blind = tracked({frame});
+    ASSERT_FALSE(blind.warnings.empty());
+    EXPECT_NE(blind.warnings[0].text.find("give calibrate.disc-diameter"), std::string::npos)
+        << blind.warnings[0].text;
+    for (const Snapshot& snapshot : blind.snapshots) EXPECT_EQ(snapshot.size(), 0U);
+    TrackOptions options;
+    options.calibration.diameter = 16;
+    const Tracked told = tracked({frame}, options);
+    const PositionScore score =
+        score_positions(told.snapshots.at(0).position, scene.position, 4, 192, 192, 16);
+    EXPECT_EQ(score.missed, 0);
+    EXPECT_EQ(score.spurious, 0);
+}
+
 TEST(SceneStress, PureNoiseHoldsNoSphere) {
     for (const double sigma : {0.6, 2.0, 10.0, 40.0}) {
         const Tracked result = tracked({testing::noise_frame(256, 256, 120, sigma, 0, 7)});

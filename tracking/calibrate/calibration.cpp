@@ -28,6 +28,12 @@ constexpr double kGood = 0.95;
 constexpr double kGoodOfAll = 0.5;
 /// … and if the image tells twice as many values apart as were fitted.
 constexpr double kResolved = 2;
+/// Single pixels of noise pass for small discs where the levels, which noise alone sets 5.2 σ
+/// apart, are nearer than this many σ …
+constexpr double kTellsSize = 9;
+/// … and discs leave more than this. Discs of 3 px make 9 σ too, but leave their noise alone
+/// [contrast].
+constexpr double kMostLeft = 0.16;
 constexpr int kRounds = 4;
 constexpr int kFrameRounds = 2;
 constexpr int kImageRounds = 6;
@@ -310,6 +316,15 @@ std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptio
             const bool settled = fitter.update(model, work);
             if (settled) break;
         }
+    }
+    if (!options.diameter && model.residual_rms > kMostLeft &&
+        levels.high - levels.low < kTellsSize * levels.noise) {
+        plan.warn(fmt::format(
+            "too noisy to tell the size of the spheres: the noise is {:.2f} of the span of the "
+            "image, discs of D = {:.1f} px leave {:.2f} of the contrast; give "
+            "calibrate.disc-diameter",
+            levels.noise / (levels.high - levels.low), model.disc.diameter, model.residual_rms));
+        return std::nullopt;
     }
     const EdgeFit& edges = fitter.edges;
     if (edges.pixels == 0) {

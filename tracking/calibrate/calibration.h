@@ -36,8 +36,9 @@ struct Calibration {
 ///
 /// Empty, with a warning in the plan, when the frame holds nothing to calibrate on: no contrast
 /// (all black or saturated), nothing above the noise, or, no diameter given, no discs of one size
-/// that explain 80 % of it. Also when two answers explain it about as well and neither was given. A
-/// colour mosaic in the image is warned of (colour_mosaic).
+/// that explain 80 % of it, or so much noise that it passes for discs. Also when two answers
+/// explain it about as well and neither was given. A colour mosaic in the image is warned of
+/// (colour_mosaic).
 std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptions& options,
                                      const DetectionOptions& detection,
                                      const RefinementOptions& refinement, int threads,

@@ -12,6 +12,7 @@ namespace {
 constexpr int kRowSpacing = 2;
 constexpr double kFarthest = 0.3;   // [D]
 constexpr double kMostWrong = 0.2;  // of the image
+constexpr double kMostFar = 0.25;   // of the discs
 
 int rows_of_blocks(int height, int factor, int spacing) {
     return (height / factor - 1) / spacing + 1;
@@ -130,10 +131,16 @@ CoarseSearch::Approach CoarseSearch::approach(const PaddedImage& darkness,
     result.discs.explained = approach_.explained();
     for (double& e : result.discs.explained) e *= factor_ * factor_ * kRowSpacing;
     const double farthest = kFarthest * diameter_;
+    std::size_t far = 0;
     for (std::size_t j = 0; j < places.size(); ++j) {
         const Vec2 p = in_frame(approach_.positions()[j]);
         const bool is_near = squared_norm(p - start[j]) < farthest * farthest;
+        if (!is_near) ++far;
         result.discs.position.push_back(is_near ? p : start[j]);
+    }
+    if (static_cast<double>(far) > kMostFar * static_cast<double>(places.size())) {
+        result.is_near = false;
+        result.discs = {};
     }
     return result;
 }

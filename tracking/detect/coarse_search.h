@@ -44,7 +44,7 @@ class CoarseSearch {
     /// Spheres that have moved since `start`, refined to a few hundredths of a pixel on every
     /// second row of blocks. Nothing is added or removed. A disc that goes far stays at its start:
     /// the fine search judges by its own pixels. Not near if the misfit of half a sphere or more is
-    /// left on a fifth of the image.
+    /// left on a fifth of the image, or if a quarter of the discs go far.
     Approach approach(const PaddedImage& darkness, const std::vector<Vec2>& start,
                       const RefinementOptions& rough);
 

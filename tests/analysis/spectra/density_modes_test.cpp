@@ -59,6 +59,24 @@ TEST(DensityModes, EqualTheSumOfExponentialsTo1e12) {
     }
 }
 
+// Both patterns have exactly the same differences from their corners.
+TEST(DensityModes, AreTheSameBitsABillionDiametersAway) {
+    RandomStream random(2, "far modes");
+    const Vec2 far{1e9, -1e9};
+    std::vector<Vec2> points;
+    std::vector<Vec2> moved;
+    for (int i = 0; i < 500; ++i) {
+        moved.push_back(far + Vec2{random.uniform(0, 20), random.uniform(0, 20)});
+        points.push_back(moved.back() - far);
+    }
+    const ModeGrid grid({2 * std::numbers::pi / 20, 2 * std::numbers::pi / 20}, 4);
+    EXPECT_EQ(density_modes(moved, far, grid), density_modes(points, {}, grid));
+    // Phases of raw coordinates are off by some 1e-7.
+    const auto raw = density_modes(moved, {}, grid);
+    EXPECT_GT(std::abs(std::norm(raw.back()) - std::norm(density_modes(points, {}, grid).back())),
+              1e-9);
+}
+
 TEST(WeightedModes, EqualTheWeightedSumOfExponentials) {
     RandomStream random(2, "modes");
     const Box box{{-4, 9}, {30, 20}, {Boundary::periodic, Boundary::periodic}, 0};

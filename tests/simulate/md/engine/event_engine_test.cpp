@@ -219,6 +219,26 @@ TEST(EventEngine, NeitherOverlapsNorPenetratesBeyondRounding) {
     EXPECT_LT(deepest, 1e-13);
 }
 
+// 3e3 sqrt(a/g) into a window, times have 5e-13 between them.
+TEST(EventEngine, WindowsOfTenPeriodsKeepTheDigitsThatOneWindowForTheWholeRunLoses) {
+    const MdOptions options = layer(6, 3, 3);
+    const MdSystem system = options.system();
+    const double period = system.period();
+    const auto engine = make_engine(system, {});
+    const auto deepest = [&](double periods, int windows) {
+        GrainState state = start(options);
+        double depth = 0;
+        for (int w = 0; w < windows; ++w) {
+            run(*engine, state, periods * period, 1);
+            const Ledger& ledger = engine->ledger();
+            depth = std::max({depth, ledger.deepest_pair.depth / 2, ledger.deepest_plate.depth});
+        }
+        return depth;
+    };
+    EXPECT_GT(deepest(2500, 1), 1e-13);
+    EXPECT_LT(deepest(10, 250), 1e-14);
+}
+
 TEST(EventEngine, NoneOneAndTwoGrains) {
     for (const std::int64_t grains : {0, 1, 2}) {
         const MdOptions options = layer(grains, 3, 3);

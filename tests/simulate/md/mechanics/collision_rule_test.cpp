@@ -95,6 +95,18 @@ TEST(CollisionRule, LosesTheEnergyThatItSaysAndNeverGains) {
     }
 }
 
+TEST(CollisionRule, TheLossKeepsItsDigitsHoweverElasticTheGrains) {
+    for (const double inelastic : {1e-3, 1e-6, 1e-9, 1e-12, 1e-15}) {
+        ContactLaw law;
+        law.restitution = 1 - inelastic;
+        const auto e = static_cast<long double>(law.restitution);
+        const Impulse impulse =
+            impulse_of<Tangential::smooth>({1, 0, 0}, {-0.7, 0, 0}, 0.5, law.restitution, law);
+        const auto wanted = static_cast<double>(0.25L * (1 - e) * (1 + e) * 0.7L * 0.7L);
+        EXPECT_NEAR(impulse.loss / wanted, 1, 1e-15) << inelastic;
+    }
+}
+
 TEST(CollisionRule, ReversesTheNormalVelocityByRestitution) {
     RandomStream random(3, "collisions");
     for (int i = 0; i < trials; ++i) {

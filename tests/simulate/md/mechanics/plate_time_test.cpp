@@ -1,6 +1,7 @@
 #include "simulate/md/mechanics/plate_time.h"
 
 #include <cmath>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -50,6 +51,25 @@ TEST(PlateTime, FindsTheFirstContactWithEitherPlate) {
         if (hit.time < g.t + 5) {
             ASSERT_LT(std::abs(gap(s, g, hit.time, hit.high ? -1 : +1)), 3e-15L);
         }
+    }
+}
+
+// Where the plate throws as hard as gravity pulls, gap, rate and curvature vanish together.
+TEST(PlateTime, FindsTheFirstContactOfTinyHopsAtTheOnsetOfFlight) {
+    RandomStream random(4, "plates");
+    for (int i = 0; i < 300; ++i) {
+        const double excess = std::pow(10.0, random.uniform(-6, 0));
+        const MdSystem s = vibrating((1 + excess) / 25, 5, 1e3);
+        const PlateSolver solver(s);
+        Grain g;
+        g.t = (std::numbers::pi / 2 + 0.3 * random.normal()) / 5 + 2;
+        g.r.z = 0.5 + s.amplitude * std::sin(5 * g.t) + std::pow(10.0, random.uniform(-9, -4));
+        g.v.z = 5 * s.amplitude * std::cos(5 * g.t) + std::pow(10.0, random.uniform(-6, -2));
+        const auto hit = solver.first_hit<Plates::vibrating, true>(g, g.t + 5);
+        const double end = std::min(hit.time, g.t + 5);
+        for (double t = g.t; t < end; t += 1e-3) ASSERT_GT(gap(s, g, t, +1), -1e-14L) << i;
+        ASSERT_LT(hit.time, g.t + 5);
+        ASSERT_LT(std::abs(gap(s, g, hit.time, +1)), 3e-15L);
     }
 }
 
