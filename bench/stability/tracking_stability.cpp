@@ -295,8 +295,11 @@ void closing_holes() {
         print("ours, from the start", located(image, start, 0.03 * kDiameter));
         const std::vector<Vec2> cold = located(image, {}, 0);
         print("ours, without a start", cold);
-        print_row("cold", "ours, found per true", excess,
-                  static_cast<double>(cold.size()) / static_cast<double>(truth.size()));
+        const auto score =
+            testing::score_positions(cold, truth, kDiameter / 4, side, side, 3 * kDiameter);
+        const auto n = static_cast<double>(score.matched + score.missed);
+        print_row("cold", "ours, missed per true", excess, static_cast<double>(score.missed) / n);
+        print_row("cold", "ours, false per true", excess, static_cast<double>(score.spurious) / n);
         print("ours, sweeps without the joint step", swept(image, start));
         print("naive, each disc alone", fitted_alone(image, start));
     }
