@@ -1,13 +1,17 @@
 #include "io/frame_files.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "io/images/file_numbering.h"
 #include "io/images/image_sequence.h"
+#include "io/images/picture.h"
 #include "io/images/picture_folder.h"
 #include "io/input_file.h"
+#include "io/recording.h"
 #include "io/video/lossless_video.h"
 #include "io/video/video_frames.h"
 
@@ -30,6 +34,46 @@ void require_valid(const FrameFileOptions& options) {
     }
 }
 
+const ImageFormat* format_of(const std::filesystem::path& path,
+                             std::span<const ImageFormat> formats) {
+    return find_image_format(read_head(path, bytes_to_recognise), formats);
+}
+
+/// All frames of one file.
+std::unique_ptr<FrameSource> open_part(const std::filesystem::path& path,
+                                       const FrameFileOptions& options,
+                                       std::span<const ImageFormat> formats) {
+    const ImageFormat* format = format_of(path, formats);
+    if (format == nullptr) return open_video(path, options);
+    if (format->open_pages != nullptr) return format->open_pages(path, options);
+    return open_image_sequence({path}, options, formats);
+}
+
+/// More than one; a damaged picture is one of a list.
+bool holds_pages(const std::filesystem::path& path, const ImageFormat& format,
+                 const FrameFileOptions& options) {
+    if (format.open_pages == nullptr) return false;
+    try {
+        return format.open_pages(path, options)->count() > 1;
+    } catch (const CorruptPicture&) {
+        return false;
+    }
+}
+
+void require_same_kind(const std::filesystem::path& path, const std::filesystem::path& first,
+                       const ImageFormat* kind, std::span<const ImageFormat> formats) {
+    const ImageFormat* found = format_of(path, formats);
+    if (found == kind) return;
+    const auto name = [](const ImageFormat* format) {
+        return format == nullptr ? std::string("a video") : std::string(format->name);
+    };
+    throw InputError({.problem = fmt::format("'{}' is not a part of the film that begins with '{}'",
+                                             path.string(), first.string()),
+                      .actual = name(found),
+                      .expected = fmt::format("{}, as the first", name(kind)),
+                      .suggestion = "give the files of one film"});
+}
+
 }  // namespace
 
 std::unique_ptr<FrameSource> open_frames(const std::vector<std::filesystem::path>& inputs,
@@ -43,20 +87,22 @@ std::unique_ptr<FrameSource> open_frames(const std::vector<std::filesystem::path
                           .suggestion = "name the files, e.g. run7/*.tif"});
     }
     for (const auto& input : inputs) require_input_file(input);
-    const auto& first = inputs.front();
-    if (const ImageFormat* format =
-            find_image_format(read_head(first, bytes_to_recognise), formats)) {
-        if (inputs.size() == 1 && format->open_pages != nullptr) {
-            return format->open_pages(first, options);
-        }
+    // The first part of a recording is a full one; the last may hold a single page.
+    const auto& first = *std::ranges::min_element(
+        inputs, [](const auto& a, const auto& b) { return natural_less(a.native(), b.native()); });
+    const ImageFormat* format = format_of(first, formats);
+    if (inputs.size() == 1) return open_part(first, options, formats);
+    require_same_kind(inputs.front(), first, format, formats);
+    if (format != nullptr && !holds_pages(first, *format, options)) {
         return open_image_sequence(inputs, options, formats);
     }
-    auto video = open_video(first, options);
-    if (inputs.size() == 1) return video;
-    throw InputError({.problem = fmt::format("'{}' cannot be part of a list", first.string()),
-                      .actual = "it is a video",
-                      .expected = "one video alone, or images",
-                      .suggestion = "track the videos one by one"});
+    for (const auto& input : inputs) require_same_kind(input, first, format, formats);
+    return join_parts(
+        inputs,
+        [options, formats](const std::filesystem::path& path) {
+            return open_part(path, options, formats);
+        },
+        options.fps);
 }
 
 bool is_video_name(const std::filesystem::path& path) {

@@ -13,7 +13,8 @@
 
 namespace grainfield::io {
 
-/// Opens camera frames: one image, a list of images, one multi-page TIFF, or one video.
+/// Opens camera frames: images, multi-page TIFFs, or videos; several of a kind are one film
+/// (join_parts). Folders and patterns are resolved by recording_files before.
 ///
 /// What no image format of `formats` recognises is opened as a video. The formats must outlive the
 /// frames.

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "io/images/coded_image.h"
+#include "io/images/norpix_seq.h"
 #include "io/images/png_image.h"
 #include "io/images/tiff_format.h"
 
@@ -11,7 +12,7 @@ namespace grainfield::io {
 
 std::span<const ImageFormat> image_formats() {
     static const std::array formats{
-        png_format(), tiff_format(), jpeg_format(), bmp_format(), pnm_format(),
+        png_format(), tiff_format(), jpeg_format(), bmp_format(), pnm_format(), norpix_format(),
     };
     return formats;
 }

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "io/frame_clock.h"
 #include "io/video/detail/frame_decoder.h"
 #include "io/video/detail/packet_index.h"
 
@@ -18,7 +19,7 @@ namespace grainfield::io {
 
 namespace {
 
-class VideoFrames : public FrameSource {
+class VideoFrames : public FrameSource, public FrameClock {
  public:
     VideoFrames(std::filesystem::path path, const FrameFileOptions& options)
         : path_(std::move(path)),
@@ -44,6 +45,15 @@ class VideoFrames : public FrameSource {
     std::optional<double> frame_rate() const override { return frame_rate_; }
     std::string name() const override { return path_.string(); }
     const std::vector<std::string>& warnings() const override { return warnings_; }
+
+    std::optional<FrameStamps> stamps() const override {
+        if (count_ < 2 || !video_.index().all_have_pts || !video_.has_clock()) return std::nullopt;
+        const double interval = stamp(count_ - 1) / static_cast<double>(count_ - 1);
+        if (!(interval > 0)) return std::nullopt;
+        const double first =
+            static_cast<double>(packet_of(0).pts) * av_q2d(video_.stream().time_base);
+        return FrameStamps{.first = first, .last = first + stamp(count_ - 1), .interval = interval};
+    }
 
     Frame read(std::int64_t index) override {
         require_frame_index(index, count_, name());

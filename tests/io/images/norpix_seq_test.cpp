@@ -1,0 +1,184 @@
+#include "io/images/norpix_seq.h"
+
+#include <cstring>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/errors.h"
+#include "core/support/random.h"
+#include "io/frame_files.h"
+#include "tests/io/picture_files.h"
+
+namespace grainfield::io {
+namespace {
+
+using namespace picture_files;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+constexpr int width = 20, height = 12;
+
+/// A writer of its own, from the description of the format.
+struct SeqWriter {
+    int version = 3;
+    std::uint32_t stored_bits = 16, real_bits = 12, format = 100;
+    double rate = 500;
+    std::uint32_t declared = 4;
+    std::uint32_t first_second = 1000;
+    int step_us = 2000;  ///< between stamps
+    int padding = 100;   ///< from the stamp to the next image
+
+    std::string text(int frames) const {
+        std::string out(version >= 5 ? 8192 : 1024, '\0');
+        const auto put = [&](std::size_t at, std::uint32_t value) {
+            for (unsigned i = 0; i < 4; ++i) {
+                out[at + i] = static_cast<char>((value >> (8U * i)) & 255U);
+            }
+        };
+        put(0, 0xfeed);
+        const std::string title = "Norpix seq";
+        for (std::size_t i = 0; i < title.size(); ++i) out[4 + 2 * i] = title[i];
+        put(28, static_cast<std::uint32_t>(version));
+        put(32, 1024);
+        const std::uint32_t image = width * height * (stored_bits / 8);
+        put(548, width);
+        put(552, height);
+        put(556, stored_bits);
+        put(560, real_bits);
+        put(564, image);
+        put(568, format);
+        put(572, declared);
+        put(580, image + 8 + static_cast<std::uint32_t>(padding));
+        std::memcpy(out.data() + 584, &rate, 8);
+        for (int f = 0; f < frames; ++f) {
+            for (int y = 0; y < height; ++y) {
+                for (int x = 0; x < width; ++x) {
+                    const unsigned count = count_at(x, y, static_cast<int>(real_bits), f);
+                    out.push_back(static_cast<char>(count & 255U));
+                    if (stored_bits == 16) out.push_back(static_cast<char>(count >> 8U));
+                }
+            }
+            const int us = f * step_us;
+            const std::uint32_t second = first_second + static_cast<std::uint32_t>(us / 1000000);
+            for (unsigned i = 0; i < 4; ++i) {
+                out.push_back(static_cast<char>((second >> (8U * i)) & 255U));
+            }
+            for (const int part : {us / 1000 % 1000, us % 1000}) {
+                out.push_back(static_cast<char>(part & 255));
+                out.push_back(static_cast<char>(part >> 8));
+            }
+            out += std::string(static_cast<std::size_t>(padding), '\x7f');
+        }
+        return out;
+    }
+};
+
+class NorpixSeq : public ::testing::Test {
+ protected:
+    std::unique_ptr<FrameSource> open(const std::string& content, std::optional<double> fps = {}) {
+        write_content(path_, content);
+        return open_frames({path_}, {.fps = fps});
+    }
+
+    testing::ScratchFolder folder_;
+    std::string path_ = folder_ / "film.seq";
+};
+
+TEST_F(NorpixSeq, KeepsEveryBitAndTheStamps) {
+    for (const int version : {3, 5}) {
+        for (const auto& [stored, real] : {std::pair{8U, 8U}, {16U, 10U}, {16U, 12U}, {16U, 16U}}) {
+            const SeqWriter writer{.version = version, .stored_bits = stored, .real_bits = real};
+            const auto film = open(writer.text(4));
+            ASSERT_EQ(film->count(), 4);
+            EXPECT_EQ(film->bit_depth(), static_cast<int>(real));
+            EXPECT_EQ(film->frame_rate(), 500.0);
+            EXPECT_TRUE(film->warnings().empty());
+            for (const std::int64_t i : {3, 0, 2, 1}) {
+                const Frame frame = film->read(i);
+                EXPECT_TRUE(holds_counts(frame.image, width, height, static_cast<int>(real),
+                                         static_cast<int>(i)))
+                    << version << ", " << real << " bit";
+                EXPECT_NEAR(frame.time, 0.002 * static_cast<double>(i), 1e-6);
+            }
+        }
+    }
+    EXPECT_DOUBLE_EQ(open(SeqWriter{}.text(4), 100)->read(2).time, 0.02);
+}
+
+TEST_F(NorpixSeq, BelievesStampsAgainstTheHeader) {
+    const auto film = open(SeqWriter{.rate = 30}.text(4));
+    EXPECT_NEAR(*film->frame_rate(), 500, 0.1);
+    ASSERT_EQ(film->warnings().size(), 1U);
+    EXPECT_THAT(film->warnings()[0], HasSubstr("declares 30"));
+    const auto still = open(SeqWriter{.step_us = 0}.text(4));
+    EXPECT_EQ(still->frame_rate(), 500.0);
+    EXPECT_THAT(still->warnings().at(0), HasSubstr("do not increase at frame 1"));
+}
+
+TEST_F(NorpixSeq, OfTwoPartsIsOneFilmWithItsGap) {
+    write_content(folder_ / "a1.seq", SeqWriter{}.text(4));
+    write_content(folder_ / "a2.seq", SeqWriter{.first_second = 1001}.text(4));
+    const auto film = open_frames({folder_ / "a1.seq", folder_ / "a2.seq"}, {});
+    // 1 s from the first frame to the fifth, 500 a second.
+    ASSERT_EQ(film->count(), 504);
+    EXPECT_EQ(film->read(4).status, FrameStatus::missing);
+    EXPECT_TRUE(holds_counts(film->read(500).image, width, height, 12, 0));
+    EXPECT_NEAR(film->read(500).time, 1, 1e-6);
+}
+
+TEST_F(NorpixSeq, CutKeepsTheWholeFramesAndNeverCrashes) {
+    const std::string whole = SeqWriter{}.text(4);
+    const std::size_t frame = width * height * 2 + 8 + 100;
+    for (std::size_t cut = 1; cut < whole.size(); cut += 97) {
+        write_content(path_, whole.substr(0, cut));
+        const std::size_t left = cut < 1024 ? 0 : (cut - 1024 + 100) / frame;
+        if (left == 0) {
+            EXPECT_THROW(open_frames({path_}, {}), InputError) << cut;
+            continue;
+        }
+        const auto film = open_frames({path_}, {});
+        ASSERT_EQ(film->count(), static_cast<std::int64_t>(left)) << cut;
+        EXPECT_EQ(film->warnings().size(), left < 4 ? 1U : 0U) << cut;
+        EXPECT_TRUE(holds_counts(film->read(film->count() - 1).image, width, height, 12,
+                                 static_cast<int>(left) - 1));
+    }
+}
+
+TEST_F(NorpixSeq, WithRandomBytesChangedNeverCrashes) {
+    const std::string whole = SeqWriter{}.text(4);
+    RandomStream random(1, "norpix bytes");
+    for (int i = 0; i < 400; ++i) {
+        std::string damaged = whole;
+        for (int n = 0; n < 4; ++n) {
+            // Most of the header decides nothing: half the blows fall where it does.
+            const std::size_t at = n % 2 == 0 ? 546 + random.below(46) : random.below(whole.size());
+            damaged[at] = static_cast<char>(random.below(256));
+        }
+        try {
+            const auto film = open(damaged);
+            for (std::int64_t f = 0; f < std::min<std::int64_t>(film->count(), 4); ++f) {
+                film->read(f);
+            }
+        } catch (const InputError& error) {
+            EXPECT_THAT(error.what(), HasSubstr("film.seq"));
+        }
+    }
+}
+
+TEST_F(NorpixSeq, OfOtherKindsIsRefusedWithAWayRound) {
+    EXPECT_THAT([&] { open(SeqWriter{.format = 102}.text(4)); },
+                ThrowsMessage<InputError>(HasSubstr("image format 102")));
+    EXPECT_THAT([&] { open(SeqWriter{.real_bits = 17}.text(4)); },
+                ThrowsMessage<InputError>(HasSubstr("17 of them used")));
+    EXPECT_THAT(open(SeqWriter{.format = 101}.text(4))->warnings().at(0), HasSubstr("mosaic"));
+    std::string loud = SeqWriter{}.text(4);
+    loud[1024 + 1] = '\x7f';  // 0x7f.. is above 12 bit
+    const Frame frame = open(loud)->read(0);
+    EXPECT_EQ(frame.status, FrameStatus::corrupt);
+    EXPECT_THAT(frame.message, HasSubstr("byte 1024"));
+}
+
+}  // namespace
+}  // namespace grainfield::io
