@@ -52,6 +52,7 @@ std::vector<OptionTable> CompareCommand::options() {
     own.text("title", report_.title, "title of the page; by default made from the labels");
     own.number("sphere-mm", report_.sphere_mm, "mm", {1e-6, 1e6},
                "true diameter of the spheres, for lengths in mm besides");
+    own.also_called("diameter-mm");
     own.flag("figures", report_.figures, "write every plot as SVG, PDF and CSV beside the page");
     own.flag("paper", report_.paper, "begin with the values of the paper and how ours compare");
     return {own};

@@ -10,6 +10,9 @@
 #include "io/h5/results_file.h"
 #include "io/h5/trajectory_file.h"
 #include "io/open_snapshots.h"
+#include "io/recording.h"
+#include "io/text/points_csv.h"
+#include "pipelines/lab.h"
 #include "pipelines/track/calibration_file.h"
 #include "report/text.h"
 
@@ -58,17 +61,32 @@ class Sheet {
         add(key, label, value, fmt::format("{}", value));
     }
 
-    void add_info(const TrajectoryInfo& info) {
+    /// `has_diameter`: false for points that state none.
+    void add_info(const TrajectoryInfo& info, bool has_diameter = true) {
         add("origin", "origin", std::string(name(info.origin)));
         add("source", "source", info.source);
-        add("diameter", "diameter", info.diameter,
-            fmt::format("{:.5g} {}", info.diameter, name(info.length_unit)));
+        if (has_diameter) {
+            add("diameter", "diameter", info.diameter,
+                fmt::format("{:.5g} {}", info.diameter, name(info.length_unit)));
+        } else {
+            add("diameter", "diameter", nullptr, "not stated; give analyze --sphere-diameter");
+        }
         if (info.frame_rate) {
             add("frame_rate", "frame rate", *info.frame_rate,
                 fmt::format("{:.6g} per {}", *info.frame_rate, plain_text(info.time_unit)));
         } else {
             add("frame_rate", "frame rate", nullptr, "unknown");
         }
+    }
+
+    void add_lab(const TrajectoryInfo& info, const LabUnits& lab) {
+        if (lab.sphere_mm) {
+            add("sphere_mm", "sphere", *lab.sphere_mm,
+                fmt::format("{:.5g} mm, 1 {} is {:.4g} mm", *lab.sphere_mm, name(info.length_unit),
+                            *lab.sphere_mm / info.diameter));
+        }
+        const std::string moved = pipelines::vibration_in_words(info, lab);
+        if (!moved.empty()) add("vibration", "vibration", moved);
     }
 
     void add_box(const Box& box, LengthUnit unit) {
@@ -112,7 +130,9 @@ Summary describe_snapshots(const std::filesystem::path& path, const char* kind) 
     Sheet sheet(fmt::format("{}: {}", path.string(), kind));
     sheet.add("kind", "kind", std::string(kind));
     sheet.add("frames", "frames", snapshots->count());
-    sheet.add_info(snapshots->info());
+    const bool has_diameter =
+        io::identify(path) != io::FileKind::points || io::states_diameter(path);
+    sheet.add_info(snapshots->info(), has_diameter);
     if (snapshots->count() > 0) {
         const Snapshot first = snapshots->read(0);
         sheet.add("particles_first", "particles", first.size(),
@@ -121,6 +141,7 @@ Summary describe_snapshots(const std::filesystem::path& path, const char* kind) 
         sheet.add_box(first.box, snapshots->info().length_unit);
     }
     if (const auto* file = dynamic_cast<const io::TrajectoryFile*>(snapshots.get())) {
+        sheet.add_lab(file->info(), pipelines::lab_units_in(file->curves()));
         sheet.add("previews", "previews", file->previews().size());
         sheet.add_record(file->record());
     }
@@ -237,9 +258,11 @@ Summary describe_calibration(const std::filesystem::path& path) {
 }
 
 Summary describe_frames(Session& session) {
+    session.inputs = io::recording_files(session.inputs);
     const auto frames = io::open_frames(session.inputs, {});
     Sheet sheet(fmt::format("{}: camera frames", frames->name()));
     sheet.add("kind", "kind", std::string("frames"));
+    sheet.add("files", "files", session.inputs.size());
     sheet.add("frames", "frames", frames->count());
     sheet.add("width", "width", frames->width(), fmt::format("{} px", frames->width()));
     sheet.add("height", "height", frames->height(), fmt::format("{} px", frames->height()));
@@ -276,6 +299,9 @@ std::vector<OptionTable> InfoCommand::options() {
 Summary InfoCommand::run(Session& session) {
     const std::filesystem::path& path = session.inputs.front();
     if (fingerprint_) return describe_fingerprint(path);
+    std::error_code absent;
+    const bool is_file = std::filesystem::is_regular_file(path, absent);
+    if (!is_file) return describe_frames(session);
     switch (io::identify(path)) {
         case io::FileKind::trajectory:
             return describe_snapshots(path, "trajectory");

@@ -30,6 +30,17 @@ OptionSet::OptionSet(std::string command, const std::vector<OptionTable>& tables
                                 .option = row});
         }
     }
+    drop_taken_names();
+}
+
+// Another name that an option of another section has for its own.
+void OptionSet::drop_taken_names() {
+    std::set<std::string> flags;
+    for (const Entry& entry : entries_) flags.insert(entry.flag);
+    for (Entry& entry : entries_) {
+        std::erase_if(entry.option.other_names,
+                      [&](const std::string& other) { return !flags.insert(other).second; });
+    }
 }
 
 std::string OptionSet::with_flags(std::string text) const {

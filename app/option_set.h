@@ -49,6 +49,7 @@ class OptionSet {
 
  private:
     bool belongs(const Entry& entry, std::string_view section) const;
+    void drop_taken_names();
 
     std::string command_;
     std::string own_section_;  ///< last word of the command

@@ -16,9 +16,17 @@ namespace {
 
 constexpr const char* options_file = "run.toml";
 
-std::string words(const pipelines::RunJobResult& result) {
+std::string words(const pipelines::RunJobResult& result, const pipelines::TrackJobOptions& options,
+                  const Session& session) {
     std::string text;
-    if (result.results) text += report::verdict(*result.results, 0) + "\n";
+    if (result.results) {
+        const TrajectoryInfo& info = result.results->source;
+        const auto source = options.film.fps  ? pipelines::RateSource::given
+                            : info.frame_rate ? pipelines::RateSource::file
+                                              : pipelines::RateSource::unknown;
+        text += report::verdict(*result.results, 0) + "\n";
+        text += pipelines::units_in_words(info, source, options.lab, session.plan);
+    }
     for (const pipelines::RunStage& stage : result.stages) {
         text += fmt::format("  {:<10} {}{}\n", stage.name, stage.file.string(),
                             stage.is_kept ? " (kept)" : "");
@@ -34,7 +42,9 @@ std::string RunCommand::purpose() const {
 
 Command::Inputs RunCommand::inputs() const {
     return {.placeholder = "VIDEO|IMAGE...",
-            .meaning = "one video, or images (PNG, TIFF, JPEG, BMP, PGM) in order",
+            .meaning =
+                "videos, images (PNG, TIFF, JPEG, BMP, PGM), a folder or a quoted pattern of "
+                "them: one film in natural order",
             .count = Count::many};
 }
 
@@ -45,13 +55,10 @@ std::vector<OptionTable> RunCommand::options() {
     own.flag("overlay", job_.overlay, "also a video of the film with what was found");
     own.text("title", job_.report.title, "title of the report; by default the label");
     own.text("label", job_.analyze.label, "name in plots; by default the name of the film");
-    own.number("sphere-mm", job_.report.sphere_mm, "mm", {1e-6, 1e6},
-               "true diameter of the spheres, for lengths in mm besides");
-    own.number("gamma", job_.analyze.adjustment.acceleration, "-", {0, 1e6},
-               "acceleration of the vibration, A omega^2/g");
     own.flag("figures", job_.report.figures,
              "write every plot as SVG, PDF and CSV beside the page");
     describe(job_.track.film, own);
+    pipelines::describe(job_.track.lab, own);
     own.integer("previews", job_.track.previews, "-", {0, 1000}, "frames that the report shows");
     own.number("checkpoint-every", checkpoint_every_, "min", {0, 1e6}, "time between checkpoints");
     tables_ = {own};
@@ -67,6 +74,9 @@ std::vector<OptionTable> RunCommand::options() {
 Summary RunCommand::run(Session& session) {
     pipelines::RunJobOptions job = job_;
     job.folder = folder_.empty() ? pipelines::default_folder(session.inputs).string() : folder_;
+    // Tracks that were made before are kept: what they say of the lab is said again.
+    job.report.sphere_mm = job.track.lab.sphere_mm;
+    job.analyze.adjustment.acceleration = job.track.lab.acceleration();
     job.track.resume.every = std::chrono::duration<double>(60 * checkpoint_every_);
     if (session.common.explain) {
         pipelines::plan_run(job, session);
@@ -81,7 +91,8 @@ Summary RunCommand::run(Session& session) {
                                                 written.string())),
                Overwrite::force);
     session.outputs.push_back(written);
-    Summary summary{.text = words(result), .facts = {}, .signal = result.signal};
+    Summary summary{
+        .text = words(result, job.track, session), .facts = {}, .signal = result.signal};
     summary.text += fmt::format("  {:<10} {}\n", "options", written.string());
     summary.facts["folder"] = job.folder.string();
     summary.facts["stages"] = nlohmann::ordered_json::array();

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "pipelines/lab.h"
+
 namespace grainfield::app {
 
 namespace {
@@ -17,6 +19,9 @@ ordered_json facts(const MdJobResult& result) {
     facts["periods"] = result.periods;
     facts["events"] = result.events;
     facts["events_per_second"] = result.events_per_second;
+    facts["amplitude"] = result.motion.amplitude;
+    facts["angular_frequency"] = result.motion.angular_frequency;
+    facts["gamma"] = result.info.control ? ordered_json(result.info.control->value) : nullptr;
     facts["pair_per_grain_period"] = result.means.pair;
     facts["low_plate_per_grain_period"] = result.means.low_plate;
     facts["high_plate_per_grain_period"] = result.means.high_plate;
@@ -35,11 +40,25 @@ ordered_json facts(const MdJobResult& result) {
     return facts;
 }
 
-std::string words(const std::string& output, const MdJobResult& result) {
+/// A and ω of the plates, and what a lab calls them.
+std::string motion_in_words(const MdJobResult& result, const LabUnits& lab) {
+    std::string text = fmt::format("A = {:.5g} a, ω = {:.5g} sqrt(g/a)", result.motion.amplitude,
+                                   result.motion.angular_frequency);
+    const std::string known = pipelines::vibration_in_words(result.info, lab);
+    if (!known.empty()) text += "; " + known;
+    if (lab.sphere_mm) {
+        text += fmt::format("; spheres of {:.5g} mm, 1 sqrt(a/g) is {:.5g} s", *lab.sphere_mm,
+                            seconds_of_time_unit(*lab.sphere_mm));
+    }
+    return text;
+}
+
+std::string words(const std::string& output, const MdJobResult& result, const LabUnits& lab) {
     const auto& means = result.means;
     std::string text =
         fmt::format("{}: {:g} periods, {} events in {}, {:.3g} events/s\n", output, result.periods,
                     result.events, format_duration(result.seconds), result.events_per_second);
+    text += "  vibration  " + motion_in_words(result, lab) + "\n";
     text += fmt::format(
         "  per grain and period (later half)  pair {:.3f}, low plate {:.3f}, high plate {:.3f}\n",
         means.pair, means.low_plate, means.high_plate);
@@ -87,7 +106,7 @@ Summary SimulateMdCommand::run(Session& session) {
     require_output(session, output_);
     require_hdf5_name(output_);
     const MdJobResult result = pipelines::run_md(job_, session);
-    return {.text = words(output_, result),
+    return {.text = words(output_, result, job_.md.vibration.lab),
             .facts = facts(result),
             .signal = result.signal,
             .failure = result.failure};

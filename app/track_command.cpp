@@ -61,7 +61,7 @@ ordered_json candidate_facts(const std::vector<tracking::SizeCandidate>& weighed
     return facts;
 }
 
-std::string words(const Session& session, const TrackJobResult& result) {
+std::string words(const Session& session, const TrackJobResult& result, const LabUnits& lab) {
     const tracking::TrackSummary& summary = result.summary;
     std::string text =
         fmt::format("{}: {}, {:.1f} particles per frame\n", session.outputs.front().string(),
@@ -75,6 +75,7 @@ std::string words(const Session& session, const TrackJobResult& result) {
                             spheres->polarity == tracking::Polarity::dark ? "dark" : "bright",
                             spheres->diameter, spheres->edge_width);
     }
+    text += pipelines::units_in_words(result.info, result.rate_source, lab, session.plan);
     if (result.weighed.size() > 1) {
         text += "  weighed    " + tracking::in_words(result.weighed) + "\n";
     }
@@ -102,7 +103,28 @@ std::string words(const Session& session, const TrackJobResult& result) {
     return text;
 }
 
-ordered_json facts(const TrackJobResult& result) {
+ordered_json known(const std::optional<double>& value) {
+    return value ? ordered_json(*value) : ordered_json();
+}
+
+/// Frame rate, scale and vibration, and where they come from.
+void add_units(ordered_json& facts, const TrackJobResult& result, const LabUnits& lab) {
+    using pipelines::RateSource;
+    const TrajectoryInfo& info = result.info;
+    const bool is_apparent = info.diameter_origin == DiameterOrigin::apparent;
+    facts["frame_rate"] = known(info.frame_rate);
+    facts["frame_rate_source"] = result.rate_source == RateSource::given  ? "given"
+                                 : result.rate_source == RateSource::file ? "file"
+                                                                          : "unknown";
+    facts["sphere_px"] = info.diameter;
+    facts["sphere_px_source"] = is_apparent ? "apparent" : "given";
+    facts["sphere_mm"] = known(lab.sphere_mm);
+    facts["gamma"] = info.control ? ordered_json(info.control->value) : ordered_json();
+    facts["vibration_frequency_hz"] = known(lab.frequency);
+    facts["amplitude_mm"] = known(lab.amplitude_mm);
+}
+
+ordered_json facts(const TrackJobResult& result, const LabUnits& lab) {
     const tracking::TrackSummary& summary = result.summary;
     ordered_json facts;
     facts["frames"] = summary.frames;
@@ -115,6 +137,7 @@ ordered_json facts(const TrackJobResult& result) {
         facts["diameter_px"] = result.spheres->diameter;
         facts["edge_width_px"] = result.spheres->edge_width;
     }
+    add_units(facts, result, lab);
     facts["candidates"] = candidate_facts(result.weighed);
     const auto& ms = summary.ms_per_frame;
     facts["ms_per_frame"] = {{"detect", ms.detect}, {"refine", ms.refine}, {"link", ms.link},
@@ -147,7 +170,9 @@ std::string TrackCommand::purpose() const {
 
 Command::Inputs TrackCommand::inputs() const {
     return {.placeholder = "VIDEO|IMAGE...",
-            .meaning = "one video, or images (PNG, TIFF, JPEG, BMP, PGM) in order",
+            .meaning =
+                "videos, images (PNG, TIFF, JPEG, BMP, PGM), a folder or a quoted pattern of "
+                "them: one film in natural order",
             .count = Count::many};
 }
 
@@ -155,6 +180,7 @@ std::vector<OptionTable> TrackCommand::options() {
     OptionTable own("");
     own.text("output", output_, "trajectory file to write (H5MD)");
     describe(job_.film, own);
+    pipelines::describe(job_.lab, own);
     own.flag("no-link", job_.film.is_part,
              "the frames are a part of the film: no identities, 'grainfield link' joins parts");
     own.text("part-of", job_.film.part_of,
@@ -183,7 +209,9 @@ Summary TrackCommand::run(Session& session) {
         return explanation(session.plan);
     }
     const TrackJobResult result = pipelines::track_film(job_, session);
-    return {.text = words(session, result), .facts = facts(result), .signal = result.signal};
+    return {.text = words(session, result, job_.lab),
+            .facts = facts(result, job_.lab),
+            .signal = result.signal};
 }
 
 }  // namespace grainfield::app

@@ -44,7 +44,7 @@ std::string TuneCommand::purpose() const {
 
 Command::Inputs TuneCommand::inputs() const {
     return {.placeholder = "VIDEO|IMAGE...",
-            .meaning = "one video, or images, as for track",
+            .meaning = "videos, images, a folder or a pattern of them, as for track",
             .count = Count::many};
 }
 

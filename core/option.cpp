@@ -90,6 +90,14 @@ std::string expectation(const Option& option) {
     return text;
 }
 
+// "10.09px" or "10.09 px" of an option in px.
+std::string_view without_unit(std::string_view text, std::string_view unit) {
+    if (unit.empty() || unit == "-" || !text.ends_with(unit)) return text;
+    std::string_view number = text.substr(0, text.size() - unit.size());
+    while (number.ends_with(' ')) number.remove_suffix(1);
+    return number;
+}
+
 }  // namespace
 
 void Option::refuse(const OptionValue& value, std::string_view element) const {
@@ -108,6 +116,7 @@ void Option::refuse(const OptionValue& value, std::string_view element) const {
 }
 
 std::optional<OptionValue> Option::parsed(std::string_view text) const {
+    if (is_numeric(*this)) text = without_unit(text, unit);
     switch (kind) {
         case OptionKind::flag:
             for (const char* yes : {"true", "yes", "on", "1"}) {

@@ -296,15 +296,23 @@ Snapshot PointsTable::read(std::int64_t index) {
     return snapshot;
 }
 
-}  // namespace
-
-bool states_box(const std::filesystem::path& path) {
+PointsStatement statement_before_header(const std::filesystem::path& path) {
     std::ifstream file(path, std::ios::binary);
     PointsStatementReader comments({});
     for (std::string line; std::getline(file, line) && PointsLine::is_blank(line);) {
         comments.take(line);
     }
-    return comments.statement().box.has_value();
+    return comments.statement();
+}
+
+}  // namespace
+
+bool states_diameter(const std::filesystem::path& path) {
+    return statement_before_header(path).has_diameter;
+}
+
+bool states_box(const std::filesystem::path& path) {
+    return statement_before_header(path).box.has_value();
 }
 
 std::unique_ptr<SnapshotSource> open_points(const std::filesystem::path& path,

@@ -33,6 +33,9 @@ std::unique_ptr<SnapshotSource> open_points(const std::filesystem::path& path,
                                             const std::optional<Box>& box,
                                             const TrajectoryInfo& hints);
 
+/// Whether the comments before the header line state the diameter of the particles.
+bool states_diameter(const std::filesystem::path& path);
+
 /// Whether the comments before the header line state a box.
 bool states_box(const std::filesystem::path& path);
 

@@ -168,6 +168,7 @@ std::string PointsStatementReader::take_value(std::string_view key, std::string_
         std::optional<double> diameter;
         std::string wrong = set_positive(diameter, value);
         if (diameter) info.diameter = *diameter;
+        statement_.has_diameter = diameter.has_value();
         return wrong;
     }
     if (key == "boundary") {

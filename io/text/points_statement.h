@@ -22,7 +22,8 @@ namespace grainfield::io {
 /// before the header line, so that readers that skip comments see an ordinary table.
 struct PointsStatement {
     TrajectoryInfo info;
-    std::optional<Box> box;  ///< none if it changes with time
+    std::optional<Box> box;     ///< none if it changes with time
+    bool has_diameter = false;  ///< the comments state it
 };
 
 /// The comment lines, each with its line feed.
@@ -37,7 +38,8 @@ std::string frame_comment(const Snapshot& snapshot, const TrajectoryInfo& info);
 /// those that follow "# grainfield points 1" are read.
 class PointsStatementReader {
  public:
-    explicit PointsStatementReader(TrajectoryInfo info) : statement_{std::move(info), {}} {}
+    explicit PointsStatementReader(TrajectoryInfo info)
+        : statement_{.info = std::move(info), .box = {}} {}
 
     /// Returns what is wrong with the line, empty if nothing.
     std::string take(std::string_view line);

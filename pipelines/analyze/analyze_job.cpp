@@ -51,6 +51,17 @@ void require_possible(const AnalyzeJobOptions& options, const fs::path& input, i
     }
 }
 
+/// The numbers of a table mean nothing without the unit they are in.
+void require_unit(const SnapshotSource& file, const fs::path& path, const Adjustment& adjustment) {
+    const bool is_table = dynamic_cast<const io::TrajectoryFile*>(&file) == nullptr;
+    if (!is_table || adjustment.particle_diameter || io::states_diameter(path)) return;
+    throw OptionError(
+        {.problem = fmt::format("'{}' does not say in which unit its points are", path.string()),
+         .actual = "plain numbers: pixels, millimetres or diameters",
+         .expected = "the diameter of a particle in that unit, option 'sphere-diameter'",
+         .suggestion = "give 1 if the positions are in diameters"});
+}
+
 /// A trajectory or table of points, as the adjustment says it is.
 struct Input {
     std::unique_ptr<SnapshotSource> file;
@@ -67,6 +78,7 @@ Input open_input(const fs::path& path, const Adjustment& adjustment) {
     Input input;
     input.file = io::open_snapshots(path, box, hints);
     input.snapshots = std::make_unique<AdjustedSnapshots>(*input.file, adjustment);
+    require_unit(*input.file, path, adjustment);
     input.trajectory = dynamic_cast<const io::TrajectoryFile*>(input.file.get());
     return input;
 }

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "io/h5/trajectory_file.h"
+#include "pipelines/lab.h"
 
 namespace grainfield::pipelines {
 
@@ -72,6 +73,10 @@ ObservableResult lengths_of(const SnapshotSource& file, const TrajectoryInfo& in
                                            is_given ? "given to track" : "fitted by track"});
         }
     }
+    if (const auto mm = lab_units_in(tracks->curves()).sphere_mm) {
+        result.measurements.push_back(
+            {"sphere_mm", "mm", *mm, std::nullopt, 0, "given to " + tracks->record().command});
+    }
     return result;
 }
 
@@ -79,6 +84,7 @@ ObservableTitles lengths_titles() {
     return {"lengths",
             "Lengths",
             {{"particle_diameter", "Particle diameter a, unit of all lengths"},
+             {"sphere_mm", "True diameter a of the spheres"},
              {"apparent_diameter", "Apparent diameter D of the discs"},
              {"edge_width", "Edge width w of the discs"},
              {"residual", "Residual of the image model (RMS, of the contrast)"}}};

@@ -1,6 +1,8 @@
 #include "pipelines/film/film.h"
 
 #include <algorithm>
+#include <array>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -16,9 +18,56 @@ namespace grainfield::pipelines {
 
 namespace {
 
+/// What is done to the mosaic of a colour camera.
+struct Mosaic {
+    io::ColourFilter filter = io::ColourFilter::none;
+    io::MosaicChannel channel = io::MosaicChannel::grey;
+};
+
+/// The first frame that can be read.
+std::optional<Image> first_image(FrameSource& frames) {
+    for (std::int64_t i = 0; i < frames.count(); ++i) {
+        throw_if_interrupted("tracking");
+        Frame frame = frames.read(i);
+        if (frame.status == FrameStatus::ok) return std::move(frame.image);
+    }
+    return std::nullopt;
+}
+
+Mosaic mosaic_of(FrameSource& frames, const FilmOptions& options, RunPlan& plan) {
+    Mosaic mosaic{options.mosaic, options.channel};
+    const auto* filtered = dynamic_cast<const io::FilteredFrames*>(&frames);
+    const bool is_known = filtered != nullptr && mosaic.filter == io::ColourFilter::none;
+    if (is_known) mosaic.filter = filtered->colour_filter();
+    if (mosaic.filter == io::ColourFilter::none) {
+        if (options.channel == io::MosaicChannel::grey) return mosaic;
+        throw OptionError({.problem = "option 'channel' needs the mosaic of a colour camera",
+                           .actual = "the file names none",
+                           .expected = "option 'mosaic' rggb, grbg, gbrg or bggr",
+                           .suggestion = "leave it out for frames of a grey camera"});
+    }
+    std::string made = fmt::format("{}, interpolated", io::name_of(mosaic.channel));
+    if (mosaic.channel == io::MosaicChannel::best) {
+        const std::optional<Image> image = first_image(frames);
+        if (!image) return mosaic;
+        const std::array<double, 3> contrast = io::contrasts_of(*image, mosaic.filter);
+        const auto most = std::ranges::max_element(contrast) - contrast.begin();
+        constexpr std::array channels{io::MosaicChannel::red, io::MosaicChannel::green,
+                                      io::MosaicChannel::blue};
+        mosaic.channel = channels[static_cast<std::size_t>(most)];
+        made = fmt::format(
+            "{}, interpolated: it has the most contrast (red {:.0f}, green {:.0f}, blue {:.0f} "
+            "counts)",
+            io::name_of(mosaic.channel), contrast[0], contrast[1], contrast[2]);
+    }
+    plan.run("mosaic", fmt::format("{}{} → {}", io::name_of(mosaic.filter),
+                                   is_known ? ", as the file says" : "", made));
+    return mosaic;
+}
+
 /// A picture that belongs to the frames, of the same size; `purpose` is for messages.
 Image companion(const std::string& path, const char* purpose, const FrameSource& frames,
-                const FilmOptions& options) {
+                const FilmOptions& options, const Mosaic& mosaic = {}) {
     const auto refuse = [&](std::string actual, std::string expected) {
         throw InputError({.problem = fmt::format("cannot use '{}' as {}", path, purpose),
                           .actual = std::move(actual),
@@ -32,7 +81,7 @@ Image companion(const std::string& path, const char* purpose, const FrameSource&
         refuse(fmt::format("it has {} x {} px", frame.image.width(), frame.image.height()),
                fmt::format("{} x {} px, as the whole frames", frames.width(), frames.height()));
     }
-    return std::move(frame.image);
+    return io::demosaiced(frame.image, mosaic.filter, mosaic.channel);
 }
 
 tracking::VisiblePixels visible_pixels(const FrameSource& frames, const FilmOptions& options,
@@ -75,9 +124,9 @@ tracking::VisiblePixels visible_pixels(const FrameSource& frames, const FilmOpti
 
 /// The picture of the background, the region of it; empty if there is none.
 Image empty_cell(const FilmOptions& options, const std::optional<io::FrameRegion>& region,
-                 const FrameSource& frames) {
+                 const FrameSource& frames, const Mosaic& mosaic) {
     if (background_of(options).source != BackgroundSource::picture) return {};
-    const Image whole = companion(options.background, "background", frames, options);
+    const Image whole = companion(options.background, "background", frames, options, mosaic);
     return region ? io::cropped(whole, *region) : whole;
 }
 
@@ -172,6 +221,22 @@ void describe(FilmOptions& options, OptionTable& table) {
     table.text("frames", options.frames, "which frames, as FIRST:END:STEP");
     table.integers("region", options.region, "px", {0, 1e9},
                    "part of the frames to track, as X,Y,WIDTH,HEIGHT", {4, 4});
+    table.choice(
+        "mosaic", options.mosaic,
+        {{"auto", io::ColourFilter::none},
+         {"rggb", io::ColourFilter::rggb},
+         {"grbg", io::ColourFilter::grbg},
+         {"gbrg", io::ColourFilter::gbrg},
+         {"bggr", io::ColourFilter::bggr}},
+        "colour filter of raw frames, first two pixels of two rows; auto: as the file says");
+    table.choice(
+        "channel", options.channel,
+        {{"grey", io::MosaicChannel::grey},
+         {"best", io::MosaicChannel::best},
+         {"red", io::MosaicChannel::red},
+         {"green", io::MosaicChannel::green},
+         {"blue", io::MosaicChannel::blue}},
+        "what is made of a mosaic: grey in white light; best: the colour of most contrast");
     table.text("flat-field", options.flat_field,
                "picture of the empty, lit cell to divide the frames by");
     table.text("mask", options.mask,
@@ -193,6 +258,8 @@ Film open_film(Job& job, const FilmOptions& options, const tracking::TrackOption
     std::unique_ptr<FrameSource> frames =
         io::open_frames(job.inputs, {.fps = options.fps, .max_pixels = options.max_pixels});
     Film film;
+    const Mosaic mosaic = mosaic_of(*frames, options, job.plan);
+    frames = io::demosaic_frames(std::move(frames), mosaic.filter, mosaic.channel);
     std::string range = options.frames;
     if (options.is_part) {
         film.part = io::part_of_film(options.frames, options.part_of, frames->count());
@@ -205,10 +272,10 @@ Film open_film(Job& job, const FilmOptions& options, const tracking::TrackOption
     film.visible = visible_pixels(*frames, options, region, job.plan);
     if (region) film.origin = {static_cast<double>(region->x), static_cast<double>(region->y)};
     if (!options.flat_field.empty()) {
-        const Image flat = companion(options.flat_field, "flat field", *frames, options);
+        const Image flat = companion(options.flat_field, "flat field", *frames, options, mosaic);
         frames = io::flatten_frames(std::move(frames), flat);
     }
-    const Image empty = empty_cell(options, region, *frames);
+    const Image empty = empty_cell(options, region, *frames, mosaic);
     if (!options.flat_field.empty() && !empty.empty()) {
         throw OptionError(
             {.problem = "a flat field and a picture as background correct the same light twice",

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/option_table.h"
+#include "io/colour_filter.h"
 #include "io/frame_range.h"
 #include "pipelines/film/evened_frames.h"
 #include "pipelines/film/watched_frames.h"
@@ -19,13 +20,15 @@ namespace grainfield::pipelines {
 struct FilmOptions {
     std::optional<double> fps;  ///< [1/s]; empty: as the file says
     std::string frames = "::";
-    bool is_part = false;                   ///< the frames are a part of the film
-    std::string part_of;                    ///< frames of the whole; empty: all, in steps alike
-    std::vector<int> region;                ///< X,Y,WIDTH,HEIGHT [px]; empty: all
-    std::string flat_field;                 ///< picture of the empty, lit cell
-    std::string mask;                       ///< picture, zero: not looked at
-    std::string background = "none";        ///< none, static, running, or a picture
-    std::int64_t background_frames = 48;    ///< looked at for one estimate
+    bool is_part = false;     ///< the frames are a part of the film
+    std::string part_of;      ///< frames of the whole; empty: all, in steps alike
+    std::vector<int> region;  ///< X,Y,WIDTH,HEIGHT [px]; empty: all
+    io::ColourFilter mosaic = io::ColourFilter::none;     ///< none: as the file says
+    io::MosaicChannel channel = io::MosaicChannel::grey;  ///< what is made of a mosaic
+    std::string flat_field;                               ///< picture of the empty, lit cell
+    std::string mask;                                     ///< picture, zero: not looked at
+    std::string background = "none";                      ///< none, static, running, or a picture
+    std::int64_t background_frames = 48;                  ///< looked at for one estimate
     std::int64_t background_window = 1000;  ///< [frames] running: what one estimate sees
     std::int64_t max_pixels = 200'000'000;
     bool strict = false;

@@ -14,7 +14,9 @@
 #include "io/h5/trajectory_file.h"
 #include "io/open_snapshots.h"
 #include "pipelines/interrupt_deadline.h"
+#include "pipelines/lab.h"
 #include "pipelines/md/order_series.h"
+#include "pipelines/recorded_options.h"
 #include "simulate/md/md_simulation.h"
 #include "simulate/md/md_size.h"
 #include "simulate/md/state/initial_state.h"
@@ -56,6 +58,16 @@ Resumable::Identity identity_of(const MdJobOptions& options, std::uint64_t seed)
             .output = options.output,
             .log = ".snapshots",
             .configuration = std::move(physics)};
+}
+
+/// With A and ω in numbers, however they were given, also in the record of the run.
+MdJobOptions in_numbers(const MdJobOptions& given, Job& job) {
+    MdJobOptions options = given;
+    const auto motion = options.md.vibration.motion(options.md.cell.gravity);
+    options.md.vibration.amplitude = motion.amplitude;
+    options.md.vibration.angular_frequency = motion.angular_frequency;
+    update(job.configuration, simulate::describe(options.md));
+    return options;
 }
 
 void require_room(const MdJobOptions& options, Job& job) {
@@ -123,11 +135,13 @@ void write_trajectory(const MdSimulation& simulation, const MdJobOptions& option
     } else {
         copy(log, writer);
     }
+    if (const auto lab = curve_of(options.md.vibration.lab)) writer.add_curve(*lab);
     writer.add_curve(simulation.series().curve());
     writer.finish(job.record());
 }
 
-MdJobResult result_of(const MdSimulation& simulation, std::int64_t events, double seconds) {
+MdJobResult result_of(const MdSimulation& simulation, const MdJobOptions& options,
+                      std::int64_t events, double seconds) {
     const auto& series = simulation.series();
     MdJobResult result;
     result.periods = simulation.periods_done();
@@ -149,12 +163,15 @@ MdJobResult result_of(const MdSimulation& simulation, std::int64_t events, doubl
     result.outdated_per_event = simulation.outdated_per_event();
     result.memory_mb = static_cast<double>(simulation.bytes()) / 1e6;
     result.engine = simulation.policies();
+    result.motion = options.md.vibration.motion(options.md.cell.gravity);
+    result.info = simulation.info();
     return result;
 }
 
 }  // namespace
 
-void plan_md(const MdJobOptions& options, Job& job) {
+void plan_md(const MdJobOptions& given, Job& job) {
+    const MdJobOptions options = in_numbers(given, job);
     const DiscardDeadline deadline("the plan", options.output.string());
     require_room(options, job);
     plan_snapshots(options, job.plan);
@@ -170,7 +187,8 @@ void plan_md(const MdJobOptions& options, Job& job) {
     const MdSimulation planned(options.md, {}, job.threads, job.plan);
 }
 
-MdJobResult run_md(const MdJobOptions& options, Job& job) {
+MdJobResult run_md(const MdJobOptions& given, Job& job) {
+    const MdJobOptions options = in_numbers(given, job);
     plan_snapshots(options, job.plan);
     if (!options.start.empty()) job.inputs.emplace_back(options.start);
     std::optional<DiscardDeadline> starting(std::in_place, "the simulation",
@@ -204,7 +222,8 @@ MdJobResult run_md(const MdJobOptions& options, Job& job) {
                                   simulation.periods_done(), options.md.run.periods, failure));
     }
     const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-    MdJobResult result = result_of(simulation, simulation.events() - events_before, seconds);
+    MdJobResult result =
+        result_of(simulation, options, simulation.events() - events_before, seconds);
     result.failure = failure;
     if (failure.empty()) save(simulation, resumable);
     if (simulation.is_done() || !failure.empty()) {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 
+#include "core/trajectory.h"
 #include "pipelines/job.h"
 #include "pipelines/resumable.h"
 #include "simulate/md/md_options.h"
@@ -41,9 +42,11 @@ struct MdJobResult {
     std::int64_t fallbacks = 0;  ///< windows that several threads left to one
     double outdated_per_event = 0;
     double memory_mb = 0;
-    std::string engine;   ///< its policies
-    std::string failure;  ///< the check that ended the run early; empty: none
-    int signal = 0;       ///< that ended it early; 0: none
+    simulate::VibrationOptions::Motion motion;  ///< of the plates, A [a] and ω [sqrt(g/a)]
+    TrajectoryInfo info;                        ///< as the file has it
+    std::string engine;                         ///< its policies
+    std::string failure;                        ///< the check that ended the run early; empty: none
+    int signal = 0;                             ///< that ended it early; 0: none
 };
 
 /// Says in the plan what run_md would do. Throws what the options and the start call for.

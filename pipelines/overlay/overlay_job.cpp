@@ -15,6 +15,7 @@
 #include "io/frame_files.h"
 #include "io/h5/trajectory_file.h"
 #include "io/open_snapshots.h"
+#include "io/recording.h"
 #include "io/video/colour_video.h"
 #include "report/maps/overlay.h"
 
@@ -27,16 +28,6 @@ namespace fs = std::filesystem;
 constexpr int without_film = 1080;  // px of the longer side
 
 // Files of a folder, or the one file.
-std::vector<fs::path> files_of(const fs::path& film) {
-    if (!fs::is_directory(film)) return {film};
-    std::vector<fs::path> files;
-    for (const auto& entry : fs::directory_iterator(film)) {
-        if (entry.is_regular_file()) files.push_back(entry.path());
-    }
-    std::ranges::sort(files);
-    return files;
-}
-
 std::vector<fs::path> recorded_files(const RunRecord* record) {
     std::vector<fs::path> files;
     if (record == nullptr || record->command != "track") return files;
@@ -51,7 +42,7 @@ std::vector<fs::path> recorded_files(const RunRecord* record) {
 std::unique_ptr<FrameSource> film_of(Job& job, const SnapshotSource& snapshots,
                                      const RunRecord* record, const OverlayJobOptions& wanted) {
     const std::vector<fs::path> files =
-        wanted.film.empty() ? recorded_files(record) : files_of(wanted.film);
+        wanted.film.empty() ? recorded_files(record) : io::recording_files({wanted.film});
     if (!files.empty()) return io::open_frames(files, {});
     if (!wanted.film.empty() || snapshots.info().origin == Origin::video) {
         job.plan.warn("the film that was tracked is not there: drawn on white; name the film");

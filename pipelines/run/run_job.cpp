@@ -11,6 +11,7 @@
 #include "core/support/interrupt.h"
 #include "io/h5/results_file.h"
 #include "io/h5/trajectory_file.h"
+#include "io/recording.h"
 #include "pipelines/configuration.h"
 #include "pipelines/overlay/overlay_job.h"
 #include "pipelines/page/report_page.h"
@@ -190,7 +191,13 @@ RunFiles::RunFiles(const fs::path& folder)
       report(folder / "report.html"),
       overlay(folder / "overlay.mp4") {}
 
-fs::path default_folder(const std::vector<fs::path>& film) {
+fs::path default_folder(const std::vector<fs::path>& given) {
+    std::error_code unreachable;
+    if (given.size() == 1 && fs::is_directory(given.front(), unreachable)) {
+        const fs::path folder = fs::absolute(given.front() / "").lexically_normal().parent_path();
+        return folder.filename().string() + "-results";
+    }
+    const std::vector<fs::path> film = io::recording_files(given);
     std::string name = film.empty() ? "" : film.front().stem().string();
     if (film.size() > 1) {
         // The part that all pictures share, without the number behind it.
@@ -223,6 +230,7 @@ void plan_run(const RunJobOptions& options, Job& job) {
 
 RunJobResult run_film(const RunJobOptions& wanted, Job& job) {
     const RunJobOptions options = with_label(wanted, job);
+    job.inputs = io::recording_files(job.inputs);
     const RunFiles files(options.folder);
     std::error_code refused;
     fs::create_directories(options.folder, refused);

@@ -44,8 +44,8 @@ struct RunJobResult {
 };
 
 /// The folder for this film where none is named: "layer-results" for layer.avi and for pictures
-/// layer_0000.tif, layer_0001.tif …, in the present folder.
-std::filesystem::path default_folder(const std::vector<std::filesystem::path>& film);
+/// layer_0000.tif, layer_0001.tif …, in the present folder; "cam1-results" for the folder cam1.
+std::filesystem::path default_folder(const std::vector<std::filesystem::path>& given);
 
 /// Says in the plan what run_film would do. Throws as that does.
 void plan_run(const RunJobOptions& options, Job& job);

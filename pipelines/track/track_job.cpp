@@ -10,6 +10,7 @@
 #include "core/support/interrupt.h"
 #include "io/h5/snapshot_log.h"
 #include "io/input_record.h"
+#include "io/recording.h"
 #include "pipelines/analyze/lengths.h"
 #include "pipelines/interrupt_deadline.h"
 #include "pipelines/track/calibration_file.h"
@@ -200,6 +201,11 @@ class Resumption {
     std::vector<std::int64_t> previews_;
 };
 
+RateSource rate_source(const TrackJobOptions& options, const FrameSource& frames) {
+    if (options.film.fps) return RateSource::given;
+    return frames.frame_rate() ? RateSource::file : RateSource::unknown;
+}
+
 /// The options of the tracker, with the calibration that is kept.
 tracking::TrackOptions tracking_of(const TrackJobOptions& options, const Job& job) {
     tracking::TrackOptions tracking = options.tracking;
@@ -212,6 +218,8 @@ tracking::TrackOptions tracking_of(const TrackJobOptions& options, const Job& jo
 }  // namespace
 
 void plan_tracking(const TrackJobOptions& options, Job& job) {
+    options.lab.acceleration();  // contradictions are said before the work
+    job.inputs = io::recording_files(job.inputs);
     Resumable resumable(job, identity_of(options, job), options.resume);
     tracking::TrackOptions tracking = tracking_of(options, job);
     const Film film = open_film(job, options.film, tracking);
@@ -224,6 +232,8 @@ void plan_tracking(const TrackJobOptions& options, Job& job) {
 
 TrackJobResult track_film(const TrackJobOptions& options, Job& job) {
     const std::string name = options.output.string();
+    options.lab.acceleration();  // contradictions are said before the work
+    job.inputs = io::recording_files(job.inputs);
     Resumable resumable(job, identity_of(options, job), options.resume);
     resumable.require_free();
     OutputFile output(options.output, resumable.overwrite());
@@ -249,7 +259,9 @@ TrackJobResult track_film(const TrackJobOptions& options, Job& job) {
         resumable.start();
         log.emplace(resumable.log());
     }
-    tracks.emplace(std::move(output), tracker.info(), film.origin, log ? &*log : nullptr);
+    TrajectoryInfo info = tracker.info();
+    apply(options.lab, info);
+    tracks.emplace(std::move(output), info, film.origin, log ? &*log : nullptr);
     last_act.holds(&*tracks, job);
     PreviewChoice choice(options.previews, frames.count());
     if (film.part) choice.begin_at(film.part->span.begin);
@@ -258,6 +270,8 @@ TrackJobResult track_film(const TrackJobOptions& options, Job& job) {
 
     Progress progress("tracking", tracker.frames_to_fit().size(), "frames", job.verbosity);
     TrackJobResult result;
+    result.info = info;
+    result.rate_source = rate_source(options, frames);
     result.summary = tracker.run(
         *tracks, progress,
         [&](const Frame& frame, const Snapshot& snapshot, std::int64_t position) {
@@ -290,6 +304,7 @@ TrackJobResult track_film(const TrackJobOptions& options, Job& job) {
         tracks->add_curve(calibration_curve(result.spheres->diameter, result.spheres->edge_width,
                                             summary.residual_rms));
     }
+    if (const auto lab = curve_of(options.lab)) tracks->add_curve(*lab);
     if (summary.synthesis.frames > 0) tracks->add_curve(synthesis_curve(summary.synthesis));
     if (film.part) {
         for (const Curve& curve : curves_of(record_of(film, tracking, tracker, done))) {

@@ -6,8 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "core/lab_units.h"
+#include "core/trajectory.h"
 #include "pipelines/film/film.h"
 #include "pipelines/job.h"
+#include "pipelines/lab.h"
 #include "pipelines/resumable.h"
 #include "tracking/tracker.h"
 
@@ -20,6 +23,7 @@ struct TrackJobOptions {
     std::int64_t previews = 3;  ///< frames kept in the output to look at
     ResumeOptions resume{.resume = false, .every = std::chrono::minutes(1)};
     tracking::TrackOptions tracking;
+    LabUnits lab;                  ///< stored with the trajectory
     std::string calibration;       ///< file of a kept calibration to use; empty: calibrate
     std::string save_calibration;  ///< file to keep the calibration in; empty: not kept
 };
@@ -36,6 +40,8 @@ struct TrackJobResult {
     tracking::TrackSummary summary;
     std::optional<SphereImage> spheres;            ///< empty: the tracker could not calibrate
     std::vector<tracking::SizeCandidate> weighed;  ///< of size and polarity, on one frame
+    TrajectoryInfo info;                           ///< as the file has it
+    RateSource rate_source = RateSource::unknown;  ///< of the frame rate
     int signal = 0;                                ///< that ended it early; 0: none
 
     /// Whether summary.residual_rms was measured.

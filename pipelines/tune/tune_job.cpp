@@ -9,6 +9,7 @@
 #include "analysis/order/bond_order.h"
 #include "core/errors.h"
 #include "core/support/interrupt.h"
+#include "io/recording.h"
 #include "pipelines/page/report_page.h"
 #include "pipelines/tune/tune_candidates.h"
 #include "pipelines/tune/tune_report.h"
@@ -85,6 +86,7 @@ std::vector<Results> runs_of(const Look& look, const TrajectoryInfo& info, doubl
 }  // namespace
 
 void plan_tuning(const TuneJobOptions& options, Job& job) {
+    job.inputs = io::recording_files(job.inputs);
     tracking::TrackOptions tracking = options.tracking;
     tracking.threads = job.threads;
     const Film film = open_film(job, options.film, tracking);
@@ -93,6 +95,7 @@ void plan_tuning(const TuneJobOptions& options, Job& job) {
 }
 
 TuneJobResult run_tuning(const TuneJobOptions& options, Job& job) {
+    job.inputs = io::recording_files(job.inputs);
     tracking::TrackOptions tracking = options.tracking;
     tracking.threads = job.threads;
     const Film film = open_film(job, options.film, tracking);

@@ -10,6 +10,7 @@
 #include "core/support/interrupt.h"
 #include "io/frame_files.h"
 #include "io/open_snapshots.h"
+#include "io/recording.h"
 #include "pipelines/size_check.h"
 #include "pipelines/validate/random/random_options.h"
 #include "pipelines/validate/validation.h"
@@ -63,6 +64,7 @@ ValidationScene given_scene(const SceneOptions& options, Job& job) {
                     "name the file of the true positions: option 'truth'");
     }
     ValidationScene scene;
+    job.inputs = io::recording_files(job.inputs);
     scene.frames = io::open_frames(job.inputs, {});
     for (const std::string& warning : scene.frames->warnings()) job.plan.warn(warning);
     const Box frame{.origin = {-0.5, -0.5},

@@ -198,7 +198,11 @@ std::vector<Card> make_cards(const std::vector<Results>& runs, std::optional<dou
         if (cards.size() == most_cards) break;
         if (kind.instead && is_complete) continue;
         Card card{kind.title, {}};
-        for (const Results& run : runs) card.values.push_back(kind.value(run, sphere_mm));
+        for (const Results& run : runs) {
+            const Measurement* stored = known(run, "lengths", "sphere_mm");
+            const bool is_stored = !sphere_mm && stored != nullptr;
+            card.values.push_back(kind.value(run, is_stored ? stored->value : sphere_mm));
+        }
         const auto has_value = [](const CardValue& v) { return !v.value.empty(); };
         is_complete = std::ranges::all_of(card.values, has_value);
         if (std::ranges::any_of(card.values, has_value)) cards.push_back(std::move(card));

@@ -1,5 +1,13 @@
 #include "simulate/md/md_options.h"
 
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
+
 namespace grainfield::simulate {
 
 namespace {
@@ -22,9 +30,19 @@ OptionTable describe(CellOptions& o) {
 
 OptionTable describe(VibrationOptions& o) {
     OptionTable t("vibration");
-    t.number("amplitude", o.amplitude, "a", {0, 1e3}, "amplitude A of both plates, z = A sin ωt");
+    t.number("amplitude", o.amplitude, "a", {0, 1e3},
+             "amplitude A of both plates, z = A sin ωt; auto: from gamma or amplitude-mm, or 0.08");
     t.number("angular-frequency", o.angular_frequency, "sqrt(g/a)", {0, 1e4},
-             "angular frequency ω of the plates");
+             "angular frequency ω of the plates; auto: from gamma or frequency, or 5");
+    t.number("gamma", o.lab.gamma, "-", {0, 1e6},
+             "acceleration A omega^2/g, in place of amplitude or frequency");
+    t.number("frequency", o.lab.frequency, "Hz", {1e-6, 1e6},
+             "of the plates, in place of angular-frequency; needs diameter-mm");
+    t.number("amplitude-mm", o.lab.amplitude_mm, "mm", {0, 1e6},
+             "of the plates, in place of amplitude; needs diameter-mm");
+    t.number("diameter-mm", o.lab.sphere_mm, "mm", {1e-6, 1e6},
+             "true diameter a of the spheres, which joins Hz and mm to the units of the run");
+    t.also_called("sphere-mm");
     return t;
 }
 
@@ -81,7 +99,63 @@ OptionTable describe(RunOptions& o) {
     return t;
 }
 
+constexpr double kUsualAmplitude = 0.08;        // [a]
+constexpr double kUsualAngularFrequency = 5.0;  // [sqrt(g/a)]
+
+[[noreturn]] void refuse_gamma(double gamma, const std::string& actual, const char* expected) {
+    throw OptionError(
+        {.problem = fmt::format("vibration.gamma {:g} cannot be reached", gamma),
+         .actual = actual,
+         .expected = expected,
+         .suggestion = "give vibration.amplitude and vibration.angular-frequency instead"});
+}
+
+/// A quantity that may be given in units of the simulation, in those of a lab, or in both.
+std::optional<double> one_of(const std::string& quantity, const char* name,
+                             const std::optional<double>& own, const char* lab_name,
+                             const std::optional<double>& lab) {
+    if (own && lab) require_agreement(quantity, name, *own, lab_name, *lab);
+    return own ? own : lab;
+}
+
 }  // namespace
+
+VibrationOptions::Motion VibrationOptions::motion(double gravity) const {
+    std::optional<double> lab_amplitude, lab_omega;
+    if ((lab.frequency || lab.amplitude_mm) && !lab.sphere_mm) {
+        throw OptionError({.problem = "a vibration in Hz or mm needs the diameter of the spheres",
+                           .actual = "vibration.diameter-mm is not given",
+                           .expected = "a [mm]",
+                           .suggestion = "or give vibration.gamma, which needs no scale"});
+    }
+    if (lab.amplitude_mm) lab_amplitude = *lab.amplitude_mm / *lab.sphere_mm;
+    if (lab.frequency) {
+        lab_omega = 2 * M_PI * *lab.frequency * seconds_of_time_unit(*lab.sphere_mm);
+    }
+    const auto a = one_of("the amplitude of the plates [a]", "vibration.amplitude", amplitude,
+                          "vibration.amplitude-mm", lab_amplitude);
+    const auto omega =
+        one_of("the angular frequency of the plates [sqrt(g/a)]", "vibration.angular-frequency",
+               angular_frequency, "vibration.frequency", lab_omega);
+    if (!lab.gamma) {
+        return {a.value_or(kUsualAmplitude), omega.value_or(kUsualAngularFrequency)};
+    }
+    const double gamma = *lab.gamma;
+    if (!(gravity > 0)) refuse_gamma(gamma, "without gravity there is no Γ", "cell.gravity > 0");
+    if (a && omega) {
+        require_agreement("the acceleration of the plates, Γ = Aω²/g,", "vibration.gamma", gamma,
+                          fmt::format("A = {:g} a with ω = {:g} sqrt(g/a)", *a, *omega),
+                          *a * *omega * *omega / gravity);
+        return {*a, *omega};
+    }
+    if (a) {
+        if (!(*a > 0)) refuse_gamma(gamma, "the amplitude is 0", "an amplitude above 0");
+        return {*a, std::sqrt(gamma * gravity / *a)};
+    }
+    const double w = omega.value_or(kUsualAngularFrequency);
+    if (!(w > 0)) refuse_gamma(gamma, "the angular frequency is 0", "a frequency above 0");
+    return {gamma * gravity / (w * w), w};
+}
 
 MdSystem MdOptions::system() const {
     MdSystem system;
@@ -90,8 +164,9 @@ MdSystem MdOptions::system() const {
     system.walls_y = cell.sides_y == Side::walls;
     system.vertical = cell.vertical;
     system.gravity = cell.gravity;
-    system.amplitude = vibration.amplitude;
-    system.angular_frequency = vibration.angular_frequency;
+    const VibrationOptions::Motion motion = vibration.motion(cell.gravity);
+    system.amplitude = motion.amplitude;
+    system.angular_frequency = motion.angular_frequency;
     system.grain = grain;
     system.plate = plate;
     system.contact_time = run.contact_time;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/lab_units.h"
 #include "core/option_table.h"
 #include "simulate/md/state/md_system.h"
 
@@ -24,9 +25,21 @@ struct CellOptions {
     double gravity = 1;  ///< [g]
 };
 
+/// How the plates move, z = A sin ωt: in the units of the simulation, in those of a lab, or by Γ.
 struct VibrationOptions {
-    double amplitude = 0.08;       ///< A of z = A sin ωt [a]
-    double angular_frequency = 5;  ///< ω [sqrt(g/a)]
+    std::optional<double> amplitude;          ///< A [a]; empty: from what follows, or 0.08
+    std::optional<double> angular_frequency;  ///< ω [sqrt(g/a)]; empty: from what follows, or 5
+    LabUnits lab;
+
+    struct Motion {
+        double amplitude = 0;          ///< A [a]
+        double angular_frequency = 0;  ///< ω [sqrt(g/a)]
+    };
+    /// A and ω. With Γ and one of them the other follows from Γ = Aω²/g; with Γ alone, A with ω
+    /// = 5. Hz and mm count through lab.sphere_mm. `gravity`: of the cell [g]. Throws OptionError
+    /// for statements that contradict each other, with both values, and for lab units without
+    /// lab.sphere_mm.
+    Motion motion(double gravity) const;
 };
 
 struct InitialOptions {

@@ -84,6 +84,28 @@ TEST(OptionTable, SetsEveryKindOfFieldFromValuesAndFromText) {
     EXPECT_EQ(o.title, "auto");
 }
 
+TEST(OptionTable, ANumberMayBeFollowedByItsUnit) {
+    std::optional<double> diameter;
+    std::vector<double> lengths;
+    double share = 0;
+    OptionTable t("track");
+    t.number("sphere-diameter", diameter, "px", {2, 2000}, "true diameter");
+    t.numbers("spacing", lengths, "a", {0, 10}, "lengths");
+    t.number("share", share, "-", {0, 1}, "of the area");
+    const Option& row = *t.find("sphere-diameter");
+    row.set_from_text("10.09px");
+    EXPECT_EQ(diameter, 10.09);
+    row.set_from_text("11 px");
+    EXPECT_EQ(diameter, 11);
+    t.find("spacing")->set_from_text("0.8a,1");
+    EXPECT_EQ(lengths, (std::vector<double>{0.8, 1}));
+    for (const char* other : {"1mm", "px", "10px px", "10p"}) {
+        EXPECT_THROW(row.set_from_text(other), OptionError) << other;
+    }
+    EXPECT_THROW(t.find("share")->set_from_text("0.5-"), OptionError) << "a number has no unit";
+    EXPECT_EQ(diameter, 11) << "what is refused changes nothing";
+}
+
 TEST(OptionTable, RefusesWrongKindsRangesAndNanAndLeavesTheFieldAsItWas) {
     Options o;
     const OptionTable t = describe(o);

@@ -78,7 +78,7 @@ TEST_P(InterruptedTracking, KeepsTheFramesDoneSoFarUnderTheFinalName) {
 std::string long_table(const ScratchFolder& folder) {
     const std::string path = folder / "points.csv";
     std::ofstream file(path);
-    file << "frame,particle,x,y\n";
+    file << "# grainfield points 1\n# diameter: 1\nframe,particle,x,y\n";
     for (int frame = 0; frame < 60; ++frame) {
         for (int i = 0; i < 20000; ++i) {
             file << frame << ',' << i << ',' << i % 141 + 0.01 * (i % 7) << ','

@@ -5,6 +5,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/support/disc_sequence.h"
 #include "tests/support/program.h"
@@ -12,6 +13,7 @@
 namespace grainfield {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using testing::Outcome;
 using testing::read_all;
@@ -110,14 +112,31 @@ TEST_F(Outputs, OfABlackFrameAreRefusedAndSayWhy) {
 
 TEST_F(Outputs, OfAPeriodicTableNeedItsBox) {
     std::ofstream(folder_ / "p.csv") << "frame,x,y\n0,1,1\n0,2,3\n0,4,4\n";
-    const Outcome guessed = run_grainfield(
-        {"analyze", folder_ / "p.csv", "-o", folder_ / "p.h5", "--boundary", "periodic"});
+    const Outcome guessed = run_grainfield({"analyze", folder_ / "p.csv", "-o", folder_ / "p.h5",
+                                            "--boundary", "periodic", "--diameter", "1"});
     EXPECT_EQ(guessed.code, 2);
     EXPECT_THAT(guessed.err, HasSubstr("--box LX,LY"));
     EXPECT_EQ(run_grainfield({"analyze", folder_ / "p.csv", "-o", folder_ / "p.h5", "--boundary",
-                              "periodic", "--box", "5,5"})
+                              "periodic", "--box", "5,5", "--diameter", "1"})
                   .code,
               0);
+}
+
+TEST_F(Outputs, OfATableWithoutUnitsNeedTheDiameterOfAParticle) {
+    std::ofstream(folder_ / "p.csv") << "frame,x,y\n0,10,10\n0,20,30\n0,40,40\n";
+    const std::vector<std::string> call{"analyze", folder_ / "p.csv", "-o", folder_ / "p.h5",
+                                        "--json",  "--observables",   "q4"};
+    const Outcome silent = run_grainfield(call);
+    EXPECT_EQ(silent.code, 2);
+    EXPECT_THAT(silent.err, AllOf(HasSubstr("p.csv"), HasSubstr("--sphere-diameter")));
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "p.h5"));
+    const Outcome given = run_grainfield(testing::with(call, {"--sphere-diameter", "10"}));
+    ASSERT_EQ(given.code, 0) << given.err;
+    const auto lengths = nlohmann::json::parse(given.out)["lengths"];
+    EXPECT_EQ(lengths["value"], 10);
+    EXPECT_EQ(lengths["reason"], "given to analyze");
+    const Outcome info = run_grainfield({"info", folder_ / "p.csv"});
+    EXPECT_THAT(info.out, HasSubstr("not stated")) << "and no diameter of 1 is made up";
 }
 
 TEST_F(Outputs, AreAskedForInWordsWhereTheInputIsMissing) {

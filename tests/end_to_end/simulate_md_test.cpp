@@ -18,6 +18,7 @@ namespace grainfield {
 namespace {
 
 using nlohmann::json;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using testing::Outcome;
 using testing::Process;
@@ -117,6 +118,28 @@ TEST(SimulateMd, ThePresetOfAMinuteEndsInAReport) {
     for (const char* part : {"Energies of the run", "Structure factor", "<h2>Positions</h2>"}) {
         EXPECT_THAT(page, HasSubstr(part));
     }
+}
+
+TEST(SimulateMd, TakesTheVibrationInTheUnitsOfALab) {
+    const ScratchFolder folder;
+    const std::vector<std::string> run{
+        "simulate",   "md",      "--grains",  "40", "--length-x",   "10",
+        "--length-y", "10",      "--periods", "2",  "--force",      "--snapshot-every",
+        "1",          "--gamma", "2.5",       "-o", folder / "a.h5"};
+    const Outcome lab =
+        testing::run_grainfield(with(run, {"--frequency", "80", "--sphere-mm", "1"}));
+    ASSERT_EQ(lab.code, 0) << lab.err;
+    EXPECT_THAT(lab.out, AllOf(HasSubstr("ω = 5.0759"), HasSubstr("Γ = 2.5"), HasSubstr("80 Hz"),
+                               HasSubstr("spheres of 1 mm")));
+    const Outcome info = testing::run_grainfield({"info", folder / "a.h5"});
+    EXPECT_THAT(info.out, AllOf(HasSubstr("1 mm, 1 a is 1 mm"), HasSubstr("Γ = 2.5, 80 Hz")));
+    const Outcome twice =
+        testing::run_grainfield(with(run, {"--amplitude", "0.08", "--angular-frequency", "5"}));
+    EXPECT_EQ(twice.code, 2);
+    EXPECT_THAT(twice.err, AllOf(HasSubstr("--gamma: 2.5"), HasSubstr("ω = 5 sqrt(g/a): 2")));
+    const Outcome no_scale = testing::run_grainfield(with(run, {"--frequency", "80"}));
+    EXPECT_EQ(no_scale.code, 2);
+    EXPECT_THAT(no_scale.err, HasSubstr("--diameter-mm is not given"));
 }
 
 TEST(SimulateMd, SaysBeforeItRunsThatNoSnapshotWillBeWritten) {

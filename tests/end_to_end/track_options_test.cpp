@@ -17,6 +17,7 @@ namespace grainfield {
 namespace {
 
 using nlohmann::json;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using testing::Outcome;
 using testing::run_grainfield;
@@ -71,6 +72,41 @@ TEST_F(TrackOptions, PositionsInARegionAreThoseOfTheWholeFrame) {
     for (const Vec2 p : found) {
         EXPECT_TRUE(p.x >= 39.5 && p.x <= 159.5 && p.y >= 24.5 && p.y <= 154.5);
     }
+}
+
+TEST_F(TrackOptions, UnitsOfTheLabAreStoredAndSaid) {
+    const auto frames = testing::write_disc_sequence(folder_, 2);
+    const auto run = [&](std::vector<std::string> more) {
+        std::vector<std::string> words{"track", "--force", "-o", folder_ / "t.h5"};
+        words.insert(words.end(), frames.begin(), frames.end());
+        words.insert(words.end(), more.begin(), more.end());
+        return run_grainfield(words);
+    };
+    const Outcome silent = run({});
+    ASSERT_EQ(silent.code, 0) << silent.err;
+    EXPECT_THAT(silent.out, AllOf(HasSubstr("give --fps"), HasSubstr("give --sphere-diameter")));
+    const Outcome given = run({"--sphere-diameter", "11px", "--diameter-mm", "1mm", "--fps", "500",
+                               "--vibration-frequency", "80Hz", "--amplitude-mm", "0.1"});
+    ASSERT_EQ(given.code, 0) << given.err;
+    EXPECT_THAT(given.out,
+                AllOf(HasSubstr("500 frames a second, given"), HasSubstr("11 px a sphere, given"),
+                      HasSubstr("1 px is 0.09091 mm"), HasSubstr("Γ = 2.576, 80 Hz, 0.1 mm")));
+    const json info = json::parse(run_grainfield({"info", folder_ / "t.h5", "--json"}).out);
+    EXPECT_EQ(info["sphere_mm"], 1);
+    EXPECT_EQ(info["vibration"], "Γ = 2.576, 80 Hz, 0.1 mm");
+    const Outcome analysis = run_grainfield(
+        {"analyze", "--json", "--observables", "q4", folder_ / "t.h5", "-o", folder_ / "r.h5"});
+    ASSERT_EQ(analysis.code, 0) << analysis.err;
+    const json results = json::parse(run_grainfield({"info", folder_ / "r.h5", "--json"}).out);
+    EXPECT_EQ(results["label"], "tracked, Γ = 2.576") << "the identity of the run went along";
+    const Outcome page =
+        run_grainfield({"compare", folder_ / "r.h5", "--no-figures", "-o", folder_ / "r.html"});
+    ASSERT_EQ(page.code, 0) << page.err;
+    EXPECT_THAT(testing::read_all(folder_ / "r.html"), HasSubstr("1 px is 0.0909 mm"));
+    const Outcome contradiction =
+        run({"--gamma", "3", "--frequency", "80", "--amplitude-mm", "0.1"});
+    EXPECT_EQ(contradiction.code, 2);
+    EXPECT_THAT(contradiction.err, AllOf(HasSubstr("--gamma: 3"), HasSubstr("0.1 mm: 2.576")));
 }
 
 TEST_F(TrackOptions, ARegionOutsideTheFrameIsRefused) {

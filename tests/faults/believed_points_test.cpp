@@ -21,7 +21,7 @@ class BelievedPoints : public ::testing::Test {
         std::ofstream(folder_ / "points.csv") << "frame,particle,x,y\n" << rows;
         return testing::run_grainfield(
             testing::with({"analyze", folder_ / "points.csv", "-o", folder_ / "r.h5", "--force",
-                           "--observables", "q4"},
+                           "--observables", "q4", "--diameter", "1"},
                           more));
     }
 

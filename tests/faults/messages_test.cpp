@@ -28,8 +28,9 @@ TEST(Messages, OfAnErrorInAnInputNameIt) {
     const ScratchFolder folder;
     const std::string points = folder / "points.csv";
     std::ofstream(points) << "frame,particle,x,y\n0,0,1,2\n0,1,3,4\n1,0,1,2\n1,1,3,4\n";
-    const Outcome outcome = testing::run_grainfield(
-        {"analyze", points, "-o", folder / "r.h5", "--box", "10,10", "--sk-k-max", "1e6"});
+    const Outcome outcome =
+        testing::run_grainfield({"analyze", points, "-o", folder / "r.h5", "--box", "10,10",
+                                 "--diameter", "1", "--sk-k-max", "1e6"});
     ASSERT_NE(outcome.code, 0);
     EXPECT_THAT(outcome.err, AllOf(HasSubstr("S(k)"), HasSubstr(points)));
     const std::string frame = testing::write_disc_sequence(folder, 1)[0];

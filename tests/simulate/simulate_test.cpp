@@ -25,7 +25,7 @@ TEST(SimulateMd, ReturnsTheSnapshotsThatWereAskedFor) {
     const Trajectory trajectory = simulate_md(small_layer());
     EXPECT_EQ(trajectory.info.origin, Origin::md);
     ASSERT_EQ(trajectory.snapshots.size(), 5U);  // periods 4, 6, 8, 10, 12
-    const double period = 2 * M_PI / small_layer().vibration.angular_frequency;
+    const double period = 2 * M_PI / small_layer().system().angular_frequency;
     for (std::size_t i = 0; i < 5; ++i) {
         EXPECT_EQ(trajectory.snapshots[i].size(), 60U);
         EXPECT_NEAR(trajectory.snapshots[i].time, (4 + 2 * static_cast<double>(i)) * period, 1e-9);

@@ -6,12 +6,13 @@
 #include <unordered_map>
 #include <utility>
 
+#include "core/lab_units.h"
+
 namespace grainfield::simulate {
 
 namespace {
 
-constexpr double standard_gravity = 9.80665;  // [m/s²]
-constexpr double same_place = 1e-4;           // [a]: a hundredth of the noise of a position
+constexpr double same_place = 1e-4;  // [a]: a hundredth of the noise of a position
 constexpr std::size_t nowhere = std::numeric_limits<std::size_t>::max();
 
 double height_of(const Snapshot& s, std::size_t i, double diameter, double cell_height) {
@@ -186,7 +187,7 @@ double seconds_per_unit(const TrajectoryInfo& info, const RenderOptions& options
         case TimeUnit::second:
             return 1;
         case TimeUnit::sqrt_a_over_g:
-            return std::sqrt(options.view.sphere_mm * 1e-3 / standard_gravity);
+            return seconds_of_time_unit(options.view.sphere_mm);
         case TimeUnit::frame:
             break;
     }

@@ -33,6 +33,7 @@ AnalyzeJobOptions periodic(const std::string& output) {
     options.output = output;
     options.adjustment.box_length = Vec2{kSide, kSide};
     options.adjustment.boundary = Boundary::periodic;
+    options.adjustment.particle_diameter = 1;
     options.analysis.observables = {"q4", "variance"};
     return options;
 }

@@ -218,7 +218,8 @@ TEST(MdSimulation, ThePressureHoldsAtAnyTemperature) {
         options.cell.length_x = options.cell.length_y = options.cell.height =
             std::cbrt(300 * 3.14159265358979 / (6 * 0.45));
         options.cell.vertical = Vertical::periodic;
-        options.cell.gravity = options.vibration.amplitude = 0;
+        options.cell.gravity = 0;
+        options.vibration.amplitude = 0;
         options.grain = options.plate = {1, -1, 0, 0};
         options.initial.temperature = temperature;
         options.run.periods = temperature < 1 ? 400 : (temperature > 1 ? 1 : 20);

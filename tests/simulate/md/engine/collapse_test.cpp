@@ -52,7 +52,8 @@ std::vector<Regime> regimes() {
     MdOptions gas = layer(0.1, 0.1);
     gas.cell = {.grains = 300, .length_x = 8, .length_y = 8, .height = 8};
     gas.cell.vertical = Vertical::periodic;
-    gas.cell.gravity = gas.vibration.amplitude = 0;
+    gas.cell.gravity = 0;
+    gas.vibration.amplitude = 0;
     all.push_back({"gas without gravity", gas});
     gas.initial.temperature = 1e9;
     all.push_back({"hot gas", gas, 1e-8});
@@ -153,7 +154,8 @@ TEST(Collapse, APaceThatWouldExceedTheLimitIsReportedAtOnce) {
 // Elastic grains that touch share impulses in a few events: no collapse, whatever the spacing.
 TEST(Collapse, ContactsAtOneInstantAreNoCollapse) {
     MdOptions options = layer(1, 1);
-    options.cell.gravity = options.vibration.amplitude = 0;
+    options.cell.gravity = 0;
+    options.vibration.amplitude = 0;
     options.cell.grains = 7;
     options.cell.height = 2;
     GrainState state = make_initial_state(options, 1);

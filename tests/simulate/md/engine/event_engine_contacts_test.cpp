@@ -111,7 +111,7 @@ MdOptions one_heavy_grain(double amplitude) {
 GrainState at_rest_on_the_plate(const MdOptions& options) {
     GrainState state = make_initial_state(options, 1);
     state.position = {{2, 2, 0.5}};
-    state.velocity = {{0, 0, options.vibration.amplitude * 5}};
+    state.velocity = {{0, 0, options.system().amplitude * 5}};
     return state;
 }
 
@@ -247,7 +247,8 @@ TEST(EngineContacts, AThrownColumnIsNotCutAtTheTopOfTheCells) {
 TEST(EngineContacts, AHotGasIsNoCollapse) {
     MdOptions options = layer(60, 5, 5);
     options.cell.vertical = Vertical::periodic;
-    options.cell.gravity = options.vibration.amplitude = 0;
+    options.cell.gravity = 0;
+    options.vibration.amplitude = 0;
     options.cell.height = 5;
     options.grain = options.plate = {1, -1, 0, 0};
     options.initial.temperature = 1e9;

@@ -272,7 +272,8 @@ TEST(EventEngine, RefusesPeriodicBoxesOfTwoDiameters) {
     }
     MdOptions gas = layer(2, 5, 5);
     gas.cell.vertical = Vertical::periodic;
-    gas.cell.gravity = gas.vibration.amplitude = 0;
+    gas.cell.gravity = 0;
+    gas.vibration.amplitude = 0;
     gas.cell.height = 2;
     EXPECT_THROW(gas.system(), OptionError);
 }
