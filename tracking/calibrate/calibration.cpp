@@ -203,8 +203,8 @@ void warn_of_mosaic(const Image& counts, const Levels& levels, const VisiblePixe
     if (!mosaic.is_there) return;
     plan.warn(fmt::format(
         "the image holds the colour mosaic (Bayer pattern) of a colour camera: neighbouring pixels "
-        "differ by {:.1f} % in {:.0f} % of the bright cells of 2 x 2; convert the raw frames to "
-        "grey before tracking, or positions are drawn to the grid of the filter",
+        "differ by {:.1f} % in {:.0f} % of the bright cells of 2 x 2; give its "
+        "colour filter (option 'mosaic'), or positions are drawn to the grid of the filter",
         100 * mosaic.strength, 100 * mosaic.share));
 }
 
