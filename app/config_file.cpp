@@ -64,11 +64,20 @@ class ConfigReader {
                  .suggestion = {}});
         }
         try {
-            entry->option.set(*value);
+            set_value(entry->option, *value);
         } catch (const OptionError& error) {
             const std::string written = key == entry->option.name ? "" : fmt::format("'{}': ", key);
             throw OptionError(fmt::format("{}: {}{}", place(node.source()), written, error.what()));
         }
+    }
+
+    // A number with its unit is a text in TOML: "10.09px".
+    static void set_value(const Option& option, const OptionValue& value) {
+        const auto* text = std::get_if<std::string>(&value);
+        const bool has_unit = text != nullptr && !option.unit.empty() && option.unit != "-" &&
+                              text->ends_with(option.unit);
+        if (has_unit) return option.set_from_text(*text);
+        option.set(value);
     }
 
     static std::optional<OptionValue> to_value(const toml::node& node) {

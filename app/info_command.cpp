@@ -89,10 +89,10 @@ class Sheet {
         if (!moved.empty()) add("vibration", "vibration", moved);
     }
 
-    void add_box(const Box& box, LengthUnit unit) {
+    void add_box(const Box& box, const char* unit) {
         add("box", "box", ordered_json{box.length.x, box.length.y},
-            fmt::format("{:.6g} x {:.6g} {}, {} in x, {} in y", box.length.x, box.length.y,
-                        name(unit), name(box.boundary[0]), name(box.boundary[1])));
+            fmt::format("{:.6g} x {:.6g} {}, {} in x, {} in y", box.length.x, box.length.y, unit,
+                        name(box.boundary[0]), name(box.boundary[1])));
     }
 
     void add_record(const RunRecord& record) {
@@ -138,7 +138,8 @@ Summary describe_snapshots(const std::filesystem::path& path, const char* kind) 
         sheet.add("particles_first", "particles", first.size(),
                   fmt::format("{} in the first frame, {}", first.size(),
                               first.id.empty() ? "not linked" : "linked"));
-        sheet.add_box(first.box, snapshots->info().length_unit);
+        sheet.add_box(first.box,
+                      has_diameter ? name(snapshots->info().length_unit) : "in their unit");
     }
     if (const auto* file = dynamic_cast<const io::TrajectoryFile*>(snapshots.get())) {
         sheet.add_lab(file->info(), pipelines::lab_units_in(file->curves()));
@@ -171,7 +172,7 @@ Summary describe_results(const std::filesystem::path& path) {
     sheet.add("particles_mean", "particles", results.particles_mean,
               fmt::format("{:.1f} per frame", results.particles_mean));
     sheet.add_info(results.source);
-    sheet.add_box(results.box, results.source.length_unit);
+    sheet.add_box(results.box, name(results.source.length_unit));
     ordered_json names = ordered_json::array();
     std::string words;
     for (const ObservableResult& observable : results.observables) {

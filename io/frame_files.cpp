@@ -8,6 +8,7 @@
 #include "core/errors.h"
 #include "io/images/file_numbering.h"
 #include "io/images/image_sequence.h"
+#include "io/images/photron_raw.h"
 #include "io/images/picture.h"
 #include "io/images/picture_folder.h"
 #include "io/input_file.h"
@@ -36,6 +37,8 @@ void require_valid(const FrameFileOptions& options) {
 
 const ImageFormat* format_of(const std::filesystem::path& path,
                              std::span<const ImageFormat> formats) {
+    // Raw counts may look like anything.
+    if (is_photron_name(path)) return nullptr;
     return find_image_format(read_head(path, bytes_to_recognise), formats);
 }
 
@@ -43,6 +46,7 @@ const ImageFormat* format_of(const std::filesystem::path& path,
 std::unique_ptr<FrameSource> open_part(const std::filesystem::path& path,
                                        const FrameFileOptions& options,
                                        std::span<const ImageFormat> formats) {
+    if (is_photron_name(path)) return open_photron(path, options);
     const ImageFormat* format = format_of(path, formats);
     if (format == nullptr) return open_video(path, options);
     if (format->open_pages != nullptr) return format->open_pages(path, options);

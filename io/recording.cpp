@@ -28,9 +28,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 17> video_extensions{
+constexpr std::array<std::string_view, 18> video_extensions{
     ".avi", ".mkv", ".mp4", ".mov", ".cine", ".webm", ".m4v", ".mpg", ".mpeg",
-    ".mxf", ".nut", ".wmv", ".asf", ".mj2",  ".y4m",  ".dv",  ".ts"};
+    ".mxf", ".nut", ".wmv", ".asf", ".mj2",  ".y4m",  ".dv",  ".ts",  ".mraw"};
 
 bool natural_before(const fs::path& a, const fs::path& b) {
     return natural_less(a.native(), b.native());

@@ -69,6 +69,12 @@ TEST_F(ConfigFile, TakesCommandWideKeysInTheSectionOfTheCommandToo) {
     EXPECT_EQ(diameter_, std::nullopt);
 }
 
+TEST_F(ConfigFile, ANumberMayStandWithItsUnitInAText) {
+    apply("[detect]\ndiameter = \"10.09 px\"\n");
+    EXPECT_EQ(diameter_, 10.09);
+    EXPECT_THAT(refusal("[detect]\ndiameter = \"1mm\"\n"), HasSubstr("[px]"));
+}
+
 TEST_F(ConfigFile, AnUnknownKeyIsRefusedWithFileLineAndNearestKey) {
     EXPECT_THAT(
         refusal("threads = 2\n\n[detect]\ndiamter = 9\n"),
