@@ -16,7 +16,7 @@
 #include "pipelines/interrupt_deadline.h"
 #include "pipelines/lab.h"
 #include "pipelines/md/order_series.h"
-#include "pipelines/recorded_options.h"
+#include "pipelines/configuration.h"
 #include "simulate/md/md_simulation.h"
 #include "simulate/md/md_size.h"
 #include "simulate/md/state/initial_state.h"
