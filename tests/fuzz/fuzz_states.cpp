@@ -1,0 +1,53 @@
+#include <array>
+#include <cstring>
+#include <vector>
+
+#include "core/support/snapshot_numbers.h"
+#include "tests/fuzz/input.h"
+#include "tests/fuzz/readers.h"
+#include "tracking/calibrate/illumination.h"
+#include "tracking/layers/bilayer.h"
+#include "tracking/synthesis/film_synthesis.h"
+#include "tracking/tracker_checkpoint.h"
+
+namespace grainfield::fuzz {
+
+namespace {
+
+// Restored, saved and restored once more.
+template <class State>
+void restore(const std::vector<double>& numbers) {
+    NumberArchive archive(numbers);
+    State state;
+    archive(state);
+    archive.require_end();
+    NumberArchive saved;
+    saved(state);
+    const std::vector<double> again = saved.take_numbers();
+    promise(again.size() == numbers.size() &&
+                std::memcmp(again.data(), numbers.data(), sizeof(double) * again.size()) == 0,
+            "numbers that are restored are saved as they were");
+}
+
+constexpr std::array kinds{restore<Snapshot>,
+                           restore<tracking::LinkState>,
+                           restore<tracking::Located>,
+                           restore<tracking::TrackSummary>,
+                           restore<tracking::SynthesisedFrame>,
+                           restore<tracking::Illumination>,
+                           restore<tracking::Bilayer::Summary>};
+
+}  // namespace
+
+bool read_states(std::string_view bytes) {
+    if (bytes.empty()) return false;
+    const auto kind = static_cast<unsigned char>(bytes.front()) % kinds.size();
+    bytes.remove_prefix(1);
+    std::vector<double> numbers(bytes.size() / sizeof(double));
+    if (!numbers.empty()) {
+        std::memcpy(numbers.data(), bytes.data(), numbers.size() * sizeof(double));
+    }
+    return is_taken("stored numbers", [&] { kinds[kind](numbers); });
+}
+
+}  // namespace grainfield::fuzz
