@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <string>
 #include <utility>
@@ -60,21 +61,35 @@ std::optional<double> known_number(const Checkpoint& checkpoint, const std::stri
     return stored(checkpoint.reals, name, 1)[0];
 }
 
+/// The choice that stands at this place in its enumeration.
+template <class Choice>
+Choice choice(std::int64_t number, Choice last) {
+    if (number < 0 || number > static_cast<std::int64_t>(last)) {
+        refuse(fmt::format("a choice has the number {}", number),
+               fmt::format("0 … {}", static_cast<std::int64_t>(last)));
+    }
+    return static_cast<Choice>(number);
+}
+
 TrajectoryInfo info_of(const Checkpoint& checkpoint) {
     const auto& numbers = stored(checkpoint.integers, "info", 4);
     TrajectoryInfo info;
-    info.origin = static_cast<Origin>(numbers[0]);
-    info.length_unit = static_cast<LengthUnit>(numbers[1]);
-    info.time_unit = static_cast<TimeUnit>(numbers[2]);
-    info.diameter_origin = static_cast<DiameterOrigin>(numbers[3]);
+    info.origin = choice(numbers[0], Origin::field);
+    info.length_unit = choice(numbers[1], LengthUnit::diameter);
+    info.time_unit = choice(numbers[2], TimeUnit::sqrt_a_over_g);
+    info.diameter_origin = choice(numbers[3], DiameterOrigin::apparent);
     info.diameter = stored(checkpoint.reals, "diameter", 1)[0];
+    if (!(info.diameter > 0) || !std::isfinite(info.diameter)) {
+        refuse(fmt::format("a diameter of {}", info.diameter), "a length above zero");
+    }
     info.source = stored(checkpoint.texts, "source", 1)[0];
     info.frame_rate = known_number(checkpoint, "frame rate");
     info.vibration_frequency = known_number(checkpoint, "vibration frequency");
     if (checkpoint.integers.contains("control")) {
-        info.control = ControlValue{
-            static_cast<ControlParameter>(stored(checkpoint.integers, "control", 1)[0]),
-            stored(checkpoint.reals, "control", 1)[0], stored(checkpoint.texts, "control", 1)[0]};
+        info.control = ControlValue{choice(stored(checkpoint.integers, "control", 1)[0],
+                                           ControlParameter::critical_distance),
+                                    stored(checkpoint.reals, "control", 1)[0],
+                                    stored(checkpoint.texts, "control", 1)[0]};
     }
     return info;
 }
@@ -88,10 +103,17 @@ void save(const Box& box, Checkpoint& checkpoint) {
 Box box_of(const Checkpoint& checkpoint) {
     const auto& lengths = stored(checkpoint.reals, "box", 5);
     const auto& sides = stored(checkpoint.integers, "box", 2);
-    return {.origin = {lengths[0], lengths[1]},
-            .length = {lengths[2], lengths[3]},
-            .boundary = {static_cast<Boundary>(sides[0]), static_cast<Boundary>(sides[1])},
-            .height = lengths[4]};
+    const Box box{
+        .origin = {lengths[0], lengths[1]},
+        .length = {lengths[2], lengths[3]},
+        .boundary = {choice(sides[0], Boundary::walls), choice(sides[1], Boundary::walls)},
+        .height = lengths[4]};
+    try {
+        require_valid(box);
+    } catch (const OptionError& error) {
+        refuse(error.what(), "a box");
+    }
+    return box;
 }
 
 Box in_diameters(const Box& box, const TrajectoryInfo& info) {
@@ -116,7 +138,8 @@ StoredPart read(const Checkpoint& checkpoint, const std::vector<Observable>& kno
     const auto names = checkpoint.texts.find("observables");
     if (names == checkpoint.texts.end()) refuse("it does not say what was measured", "");
     const auto& numbers = stored(checkpoint.integers, "part", 3);
-    if (numbers[0] < 0 || numbers[1] < 1 || numbers[2] < 0) {
+    if (numbers[0] < 0 || numbers[1] < 1 || numbers[2] < 0 || numbers[0] > numbers[1] ||
+        numbers[2] > numbers[1] - numbers[0]) {
         refuse(fmt::format("{} snapshots from {} of {}", numbers[2], numbers[0], numbers[1]), "");
     }
     return {.wanted = chosen(names->second, known),

@@ -1,5 +1,6 @@
 #include "app/config_file.h"
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <optional>
@@ -7,9 +8,9 @@
 #include <variant>
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include "core/errors.h"
+#include "pipelines/detail/toml_text.h"
 
 namespace grainfield::app {
 
@@ -157,6 +158,18 @@ std::string value_text(const Option& option) {
     return is_plain ? text : quoted(text);
 }
 
+std::string lines_of(const OptionTable& table) {
+    std::string lines;
+    for (const Option& option : table.rows()) {
+        if (option.effect == Effect::call) continue;
+        const std::string unit = option.unit.empty() ? "" : fmt::format("[{}] ", option.unit);
+        lines +=
+            fmt::format("{}{} = {}  # {}{}\n", option.get() == option.default_value ? "# " : "",
+                        option.name, value_text(option), unit, option.meaning);
+    }
+    return lines;
+}
+
 std::string read_text(const std::filesystem::path& path) {
     // Before it is opened: opening a pipe waits for somebody to write into it.
     std::error_code error;
@@ -182,7 +195,7 @@ void apply_config_file(const std::filesystem::path& path, const OptionSet& optio
     const ConfigReader reader(path.string(), options);
     toml::table root;
     try {
-        root = toml::parse(text);
+        root = pipelines::parsed_toml(text);
     } catch (const toml::parse_error& error) {
         throw OptionError({.problem = reader.place(error.source()) + ": not valid TOML",
                            .actual = std::string(error.description()),
@@ -196,15 +209,17 @@ std::string config_text(const std::vector<OptionTable>& tables, const std::strin
     std::string out = "# ";
     for (const char c : heading) out += c == '\n' ? std::string("\n# ") : std::string(1, c);
     out += '\n';
+    // A key stands under the section before it, and each section once.
+    std::vector<std::string> sections{""};
     for (const OptionTable& table : tables) {
-        out += '\n';
-        if (!table.section().empty()) out += fmt::format("[{}]\n", table.section());
-        for (const Option& option : table.rows()) {
-            if (option.effect == Effect::call) continue;
-            const std::string unit = option.unit.empty() ? "" : fmt::format("[{}] ", option.unit);
-            out +=
-                fmt::format("{}{} = {}  # {}{}\n", option.get() == option.default_value ? "# " : "",
-                            option.name, value_text(option), unit, option.meaning);
+        if (std::ranges::find(sections, table.section()) == sections.end()) {
+            sections.push_back(table.section());
+        }
+    }
+    for (const std::string& section : sections) {
+        out += section.empty() ? "\n" : fmt::format("\n[{}]\n", section);
+        for (const OptionTable& table : tables) {
+            if (table.section() == section) out += lines_of(table);
         }
     }
     return out;

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <span>
 #include <type_traits>
@@ -19,7 +22,7 @@ namespace grainfield {
 ///
 /// both saves a T and restores it, so that the two cannot differ. Every bit of a double is kept;
 /// integers must be below 2^53. Throws InputError when there are not as many numbers as are asked
-/// for.
+/// for, or one is not of the type that is asked for.
 class NumberArchive {
  public:
     /// To save.
@@ -38,7 +41,7 @@ class NumberArchive {
     void operator()(T& value) {
         if constexpr (std::is_arithmetic_v<T> || std::is_enum_v<T>) {
             if (restores_) {
-                value = static_cast<T>(take());
+                value = exactly<T>(take());
             } else {
                 saved_.push_back(static_cast<double>(value));
             }
@@ -112,6 +115,31 @@ class NumberArchive {
         (place(sizeof(Members), alignof(Members)), ...);
         place(0, alignof(T));
         return end;
+    }
+    /// The number as a T; refused where a T cannot have been it.
+    template <class T>
+    static T exactly(double number) {
+        if constexpr (std::is_enum_v<T>) {
+            return static_cast<T>(exactly<std::underlying_type_t<T>>(number));
+        } else if constexpr (std::is_same_v<T, bool>) {
+            if (number != 0 && number != 1) fail("a number that is neither 0 nor 1");
+            return number != 0;
+        } else if constexpr (std::is_integral_v<T>) {
+            constexpr double most = 9007199254740992;  // 2^53
+            constexpr double lowest = static_cast<double>(std::numeric_limits<T>::lowest());
+            constexpr double highest = static_cast<double>(std::numeric_limits<T>::max());
+            if (!(number >= std::max(lowest, -most) && number <= std::min(highest, most)) ||
+                number != std::trunc(number)) {
+                fail("a number that is not whole or too large");
+            }
+            return static_cast<T>(number);
+        } else {
+            constexpr double highest = static_cast<double>(std::numeric_limits<T>::max());
+            if (std::isfinite(number) && std::abs(number) > highest) {
+                fail("a number that is too large");
+            }
+            return static_cast<T>(number);
+        }
     }
     double take() {
         if (rest_.empty()) fail("fewer numbers than expected");

@@ -60,10 +60,20 @@ std::vector<T> sequence(const H5Group& element, const std::string& name, std::si
         return values;
     }
     const T increment = values.at(0);
-    const T offset =
-        data.has_attribute("offset") ? static_cast<T>(data.number_attribute("offset")) : T{0};
+    const double offset = data.has_attribute("offset") ? data.number_attribute("offset") : 0;
+    if constexpr (std::is_integral_v<T>) {
+        constexpr double most = 9007199254740992;  // 2^53
+        const double way = std::abs(static_cast<double>(increment)) * static_cast<double>(count);
+        if (!(std::abs(offset) + way <= most) || offset != std::trunc(offset)) {
+            element.file().fail(
+                fmt::format("{} grows from {} by {} a frame", data.path(), offset, increment),
+                "whole numbers below 2^53");
+        }
+    }
     values.resize(count);
-    for (std::size_t i = 0; i < count; ++i) values[i] = offset + static_cast<T>(i) * increment;
+    for (std::size_t i = 0; i < count; ++i) {
+        values[i] = static_cast<T>(offset) + static_cast<T>(i) * increment;
+    }
     return values;
 }
 

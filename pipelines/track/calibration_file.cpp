@@ -11,9 +11,9 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include "core/errors.h"
+#include "pipelines/detail/toml_text.h"
 #include "tracking/model/known_models.h"
 
 namespace grainfield::pipelines {
@@ -46,7 +46,7 @@ class Values {
         const std::string text{std::istreambuf_iterator<char>(in),
                                std::istreambuf_iterator<char>()};
         try {
-            root_ = toml::parse(text);
+            root_ = parsed_toml(text);
         } catch (const toml::parse_error& error) {
             refuse(fmt::format("line {}: not valid TOML", error.source().begin.line),
                    std::string(error.description()), "a file of --save-calibration");

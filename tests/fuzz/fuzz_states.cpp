@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <vector>
 
@@ -24,8 +26,11 @@ void restore(const std::vector<double>& numbers) {
     NumberArchive saved;
     saved(state);
     const std::vector<double> again = saved.take_numbers();
-    promise(again.size() == numbers.size() &&
-                std::memcmp(again.data(), numbers.data(), sizeof(double) * again.size()) == 0,
+    const auto is_same = [](double a, double b) {
+        return a == b || static_cast<float>(a) == static_cast<float>(b) ||
+               (std::isnan(a) && std::isnan(b));
+    };
+    promise(std::ranges::equal(again, numbers, is_same),
             "numbers that are restored are saved as they were");
 }
 

@@ -15,6 +15,9 @@ void read_some(SnapshotSource& snapshots) {
         const Snapshot snapshot = snapshots.read(i);
         require_consistent(snapshot);
         require_valid(snapshot.box);
+        promise(std::isfinite(snapshot.box.origin.x) && std::isfinite(snapshot.box.origin.y) &&
+                    std::isfinite(snapshot.box.height),
+                "a box has a place");
         promise(std::isfinite(snapshot.time), "a snapshot has a time");
         promise(std::ranges::all_of(
                     snapshot.position,

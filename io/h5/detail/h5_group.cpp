@@ -70,8 +70,11 @@ bool H5Group::has_group(const std::string& name) const {
 
 std::vector<std::string> H5Group::names() const {
     std::vector<std::string> names;
-    file().require(H5Literate(id(), H5_INDEX_NAME, H5_ITER_INC, nullptr, collect_name, &names),
+    // In the order of the file: to sort, version 1.10 makes a table, and where the list of a large
+    // group is damaged it frees entries that it has not filled.
+    file().require(H5Literate(id(), H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, collect_name, &names),
                    "the list of a group is damaged");
+    std::ranges::sort(names);
     return names;
 }
 

@@ -49,6 +49,11 @@ H5Handle access_properties() {
     H5Pset_file_locking(properties.get(), false, true);
     // Any object left open must not keep the file open behind a close that seems to succeed.
     H5Pset_fclose_degree(properties.get(), H5F_CLOSE_STRONG);
+    return properties;
+}
+
+H5Handle properties_to_create() {
+    H5Handle properties = access_properties();
     // From this version on, headers carry checksums. The next would mark files of killed runs as
     // still open, which keeps readers out.
     H5Pset_libver_bounds(properties.get(), H5F_LIBVER_V18, H5F_LIBVER_V18);
@@ -103,7 +108,7 @@ H5File H5File::create(const fs::path& path, const std::string& name) {
     const H5Handle creation(H5Pcreate(H5P_FILE_CREATE));
     H5Pset_obj_track_times(creation.get(), false);
     H5Handle handle(
-        H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.get(), access_properties().get()));
+        H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.get(), properties_to_create().get()));
     // What is read back while it is made has no size to be held against.
     constexpr std::uint64_t unbounded = std::uint64_t{1} << 62;
     H5File file(std::move(handle), name, true, unbounded);

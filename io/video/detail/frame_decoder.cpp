@@ -136,7 +136,8 @@ DecodedFrame FrameDecoder::read(std::size_t frame) {
 }
 
 void FrameDecoder::seek_to_key(std::size_t key) {
-    avcodec_flush_buffers(decoder_.get());
+    // A flush keeps what damaged packets left behind (MPEG-4), which pictures would then depend on.
+    decoder_ = open_decoder(*stream().codecpar, log_, max_pixels_);
     decoded_.clear();
     damage_.clear();
     outputs_.clear();

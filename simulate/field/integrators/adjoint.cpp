@@ -253,6 +253,16 @@ void AdjointEstimator::restore(const Checkpoint& checkpoint) {
     Checkpoint fields = checkpoint;
     fields.kind = "field";
     state_->fields().restore(fields);
+    for (std::size_t w = 0; w < waves(); ++w) {
+        const std::int64_t begin = checkpoint.integers.at("adjoint begin")[w];
+        const std::int64_t length = checkpoint.integers.at("adjoint length")[w];
+        if (begin < 0 || begin > step() || length < 0 ||
+            !std::isfinite(checkpoint.reals.at("adjoint sum")[w])) {
+            throw InputError(
+                fmt::format("the checkpoint does not fit: wavevector {} began at step {} of {}.", w,
+                            begin, step()));
+        }
+    }
     state_->sum = checkpoint.reals.at("adjoint sum");
     state_->begin = checkpoint.integers.at("adjoint begin");
     state_->length = checkpoint.integers.at("adjoint length");

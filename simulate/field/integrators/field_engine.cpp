@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -12,6 +13,7 @@ namespace grainfield::simulate {
 namespace {
 
 constexpr std::uint32_t initial_line = 0xFFFFFFFFU;
+constexpr std::int64_t most_steps = std::int64_t{1} << 53;  // a double counts as far
 
 [[noreturn]] void refuse(const std::string& actual, const std::string& expected) {
     throw InputError({.problem = "the checkpoint cannot be used",
@@ -232,6 +234,10 @@ void FieldEngine<Real>::take(const Checkpoint& checkpoint, const std::string& na
                              Array& array) const {
     const auto& values = finite_numbers(checkpoint, name, lattice().cells());
     const auto nx = static_cast<std::size_t>(lattice().nx);
+    constexpr double most = static_cast<double>(std::numeric_limits<Real>::max());
+    if (std::ranges::any_of(values, [](double value) { return std::abs(value) > most; })) {
+        refuse(fmt::format("'{}' holds a number that is too large", name), {});
+    }
     for (std::size_t i = 0; i < values.size(); ++i) {
         array[i / nx * lattice().stride() + i % nx] = static_cast<Real>(values[i]);
     }
@@ -243,7 +249,8 @@ void FieldEngine<Real>::restore(const Checkpoint& checkpoint) {
         refuse(fmt::format("it is of kind '{}'", checkpoint.kind), "kind 'field'");
     }
     const auto at = checkpoint.integers.find("step");
-    if (at == checkpoint.integers.end() || at->second.size() != 1 || at->second[0] < 0) {
+    if (at == checkpoint.integers.end() || at->second.size() != 1 || at->second[0] < 0 ||
+        at->second[0] > most_steps) {
         refuse("it has no step", {});
     }
     order_.set_modes(finite_numbers(checkpoint, "order", order_.modes().size()));
