@@ -13,6 +13,7 @@
 
 #include "core/errors.h"
 #include "core/support/output_file.h"
+#include "io/h5/detail/run_record_json.h"
 
 namespace grainfield::io {
 
@@ -102,7 +103,7 @@ class Reader {
     template <class T>
     void arrays(const json& list, std::map<std::string, std::vector<T>>& to) {
         for (const json& entry : list) {
-            const auto count = entry.at(1).get<std::uint64_t>();
+            const auto count = whole_from_json<std::uint64_t>(entry.at(1));
             if (count > rest_.size() / sizeof(T)) {
                 refuse(path_, "the header promises more than the file holds");
             }

@@ -65,7 +65,12 @@ RecordLog::RecordLog(std::filesystem::path path, std::int64_t bytes)
         fail_writing(path_);
     }
     begun_ = bytes_;
-    find_records();
+    try {
+        find_records();
+    } catch (...) {
+        ::close(descriptor_);
+        throw;
+    }
 }
 
 RecordLog::~RecordLog() {

@@ -26,7 +26,7 @@ Results read_content(const H5File& file, const H5Group& group) {
     results.source = info_from_json(text.at("source"), file.name());
     results.label = text.at("label").get<std::string>();
     results.box = box_from_json(text.at("box"), file.name());
-    results.frames = text.at("frames").get<std::int64_t>();
+    results.frames = whole_from_json<std::int64_t>(text.at("frames"));
     results.particles_mean = number_from_json(text.at("particles_mean"));
     results.observables = read_observables(group.group("curves"), text.at("observables"));
     results.previews = read_previews(group.group("previews"));

@@ -7,7 +7,9 @@
 
 #include "tests/fuzz/readers.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+// The sanitizer does not know the exceptions of the standard library.
+__attribute__((no_sanitize("vptr"))) extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data,
+                                                                           std::size_t size) {
     try {
         grainfield::fuzz::GRAINFIELD_FUZZED({reinterpret_cast<const char*>(data), size});
     } catch (const std::exception& fault) {

@@ -105,7 +105,7 @@ std::pair<std::string, OptionValue> option_from_json(const json& text) {
     const auto kind = text.at(1).get<std::string>();
     const json& value = text.at(2);
     if (kind == "flag") return {name, value.get<bool>()};
-    if (kind == "integer") return {name, value.get<std::int64_t>()};
+    if (kind == "integer") return {name, whole_from_json<std::int64_t>(value)};
     if (kind == "number") return {name, number_from_json(value)};
     return {name, value.get<std::string>()};
 }

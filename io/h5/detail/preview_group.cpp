@@ -118,16 +118,16 @@ json describe(const Preview& preview) {
 void apply_description(const json& text, const H5File& file, Preview& preview) {
     try {
         Frame& frame = preview.frame;
-        frame.index = text.at("frame").get<std::int64_t>();
+        frame.index = whole_from_json<std::int64_t>(text.at("frame"));
         frame.time = number_from_json(text.at("time"));
-        frame.bit_depth = text.at("bit_depth").get<int>();
-        const int status = text.at("status").get<int>();
+        frame.bit_depth = whole_from_json<int>(text.at("bit_depth"));
+        const int status = whole_from_json<int>(text.at("status"));
         if (status < 0 || status > static_cast<int>(FrameStatus::missing)) {
             file.fail(fmt::format("a preview has the unknown status {}", status));
         }
         frame.status = static_cast<FrameStatus>(status);
         frame.message = text.at("message").get<std::string>();
-        preview.snapshot.frame = text.at("snapshot_frame").get<std::int64_t>();
+        preview.snapshot.frame = whole_from_json<std::int64_t>(text.at("snapshot_frame"));
         preview.snapshot.time = number_from_json(text.at("snapshot_time"));
         preview.snapshot.box = box_from_json(text.at("box"), file.name());
     } catch (const json::exception& error) {

@@ -198,8 +198,8 @@ RunRecord record_from_json(const json& text, const std::string& file) {
         RunRecord record;
         record.command = text.at("command").get<std::string>();
         record.version = text.at("version").get<std::string>();
-        record.seed = text.at("seed").get<std::uint64_t>();
-        record.threads = text.at("threads").get<int>();
+        record.seed = whole_from_json<std::uint64_t>(text.at("seed"));
+        record.threads = whole_from_json<int>(text.at("threads"));
         record.seconds = number_from_json(text.at("seconds"));
         for (const auto& entry : text.at("configuration")) {
             record.configuration.emplace_back(entry.at(0).get<std::string>(),
@@ -207,7 +207,7 @@ RunRecord record_from_json(const json& text, const std::string& file) {
         }
         for (const auto& input : text.at("inputs")) {
             record.inputs.push_back({input.at("name").get<std::string>(),
-                                     input.at("bytes").get<std::uint64_t>(),
+                                     whole_from_json<std::uint64_t>(input.at("bytes")),
                                      input.at("checksum").get<std::string>()});
         }
         record.skipped = text.at("skipped").get<std::vector<std::string>>();
@@ -240,7 +240,7 @@ RunIdentity identity_from_json(const json& text, const std::string& file) {
         identity.origin = value_of(text.at("origin"), origins);
         identity.role = value_of(text.at("role"), roles);
         identity.control = control_from_json(text.at("control"));
-        identity.dimension = text.at("dimension").get<int>();
+        identity.dimension = whole_from_json<int>(text.at("dimension"));
         identity.gradient_order = optional_from_json(text.at("gradient_order"));
         return identity;
     });

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -24,9 +27,22 @@ RunRecord record_from_json(const nlohmann::json& json, const std::string& file);
 TrajectoryInfo info_from_json(const nlohmann::json& json, const std::string& file);
 RunIdentity identity_from_json(const nlohmann::json& json, const std::string& file);
 Box box_from_json(const nlohmann::json& json, const std::string& file);
-/// These two throw nlohmann::json::exception, for use inside other *_from_json functions.
+/// These throw nlohmann::json::exception, for use inside other *_from_json functions.
 double number_from_json(const nlohmann::json& json);
 std::optional<double> optional_from_json(const nlohmann::json& json);
+/// Refuses what nlohmann::json would cut off or round: 1.5, 1e300, −1 as an unsigned number.
+template <class Whole>
+Whole whole_from_json(const nlohmann::json& json) {
+    if (json.is_number_unsigned() && std::in_range<Whole>(json.get<std::uint64_t>())) {
+        return json.get<Whole>();
+    }
+    if (json.is_number_integer() && !json.is_number_unsigned() &&
+        std::in_range<Whole>(json.get<std::int64_t>())) {
+        return json.get<Whole>();
+    }
+    throw nlohmann::json::out_of_range::create(
+        406, "a whole number is expected, not " + json.dump(), &json);
+}
 
 /// Whether the description of a trajectory says what it was driven with, or that this is not
 /// known.
