@@ -1,4 +1,5 @@
 #include <cmath>
+#include <limits>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -137,6 +138,29 @@ TEST(PartOfRun, PartsThatDoNotFitAreRefused) {
     other = parts[1];
     other.kind = "md";
     EXPECT_THROW(merge({parts[0], other}), InputError);
+}
+
+TEST(PartOfRun, PartsWithNonsenseAreRefused) {
+    const MemorySource source = gas();
+    const std::vector<Checkpoint> parts = parts_of(source, {20, kFrames});
+    const auto expect_refused = [&](const std::string& name, auto&& change) {
+        Checkpoint bad = parts[0];
+        change(bad);
+        EXPECT_THROW(merge({bad}), InputError) << name;
+    };
+    using C = Checkpoint;
+    const auto far = std::numeric_limits<std::int64_t>::max();
+    for (const std::int64_t number : {std::int64_t{-1}, std::int64_t{77}, far}) {
+        expect_refused("origin", [&](C& c) { c.integers["info"][0] = number; });
+        expect_refused("time unit", [&](C& c) { c.integers["info"][2] = number; });
+        expect_refused("boundary", [&](C& c) { c.integers["box"][1] = number; });
+    }
+    for (const double length : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
+        expect_refused("diameter", [&](C& c) { c.reals["diameter"] = {length}; });
+        expect_refused("box", [&](C& c) { c.reals["box"][2] = length; });
+    }
+    expect_refused("frames", [&](C& c) { c.integers["part"][2] = far; });
+    expect_refused("first", [&](C& c) { c.integers["part"][0] = far; });
 }
 
 }  // namespace

@@ -121,6 +121,13 @@ TEST_F(ConfigFile, TextThatIsNotTomlIsRefusedWithItsLine) {
                 AllOf(HasSubstr("line 2"), HasSubstr("not valid TOML")));
 }
 
+// toml++ 3.3 ends the process at these by an assertion.
+TEST_F(ConfigFile, TextAtWhichTheParserStumblesIsRefusedWithItsLine) {
+    EXPECT_THAT(refusal("[+]"), AllOf(HasSubstr("line 1:"), HasSubstr("not valid TOML")));
+    EXPECT_THAT(refusal("threads = 2\n\n[detect]\ndiameter = 9\n[%]\nthreads = 3\n"),
+                AllOf(HasSubstr("line 5:"), HasSubstr("not valid TOML")));
+}
+
 TEST_F(ConfigFile, AFileThatCannotBeReadIsABadInput) {
     EXPECT_THROW(apply_config_file("/nonexistent/a.toml", options()), InputError);
     EXPECT_THROW(apply_config_file(testing::TempDir(), options()), InputError);
@@ -152,6 +159,27 @@ TEST_F(ConfigFile, WrittenByTheProgramGivesTheSameOptionsBack) {
     EXPECT_EQ(threads_, 3);
     EXPECT_EQ(label_, label);
     EXPECT_EQ(diameter_, 12.25);
+}
+
+TEST_F(ConfigFile, KeepsCommandWideOptionsOutOfTheSectionsBeforeThem) {
+    OptionTable detect("detect");
+    detect.number("diameter", diameter_, "px", {3, 400}, "diameter");
+    OptionTable own("");
+    own.integer("threads", threads_, "-", {0, 64}, "threads");
+    OptionTable more("detect");
+    more.flag("strict", strict_, "strict");
+    diameter_ = 9;
+    threads_ = 5;
+    strict_ = true;
+    const std::string text = config_text({detect, own, more}, "");
+    diameter_.reset();
+    threads_ = 0;
+    strict_ = false;
+    std::ofstream(path_) << text;
+    apply_config_file(path_, {"track", {own, detect, more}});
+    EXPECT_EQ(diameter_, 9);
+    EXPECT_EQ(threads_, 5);
+    EXPECT_TRUE(strict_);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "core/support/number_archive.h"
 
 #include <bit>
+#include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -63,6 +64,32 @@ TEST(NumberArchive, RefusesTooFewAndTooManyNumbers) {
         NumberArchive short_one(part);
         EXPECT_THROW(short_one(s), InputError) << n;
     }
+}
+
+template <class T>
+T restored(double number) {
+    const std::vector<double> numbers{number};
+    NumberArchive archive(numbers);
+    T value{};
+    archive(value);
+    return value;
+}
+
+TEST(NumberArchive, RefusesNumbersThatAreNotOfTheType) {
+    constexpr double inf = std::numeric_limits<double>::infinity();
+    for (const double number : {0.5, 1e300, -1e19, 9007199254740994.0, inf, -inf, std::nan("")}) {
+        EXPECT_THROW(restored<std::int64_t>(number), InputError) << number;
+        EXPECT_THROW(restored<std::size_t>(number), InputError) << number;
+        EXPECT_THROW(restored<Layer>(number), InputError) << number;
+        EXPECT_THROW(restored<bool>(number), InputError) << number;
+    }
+    EXPECT_THROW(restored<std::size_t>(-1), InputError);
+    EXPECT_THROW(restored<int>(2147483648.0), InputError);
+    EXPECT_THROW(restored<bool>(2), InputError);
+    EXPECT_THROW(restored<float>(1e39), InputError);
+    EXPECT_EQ(restored<int>(-2147483648.0), std::numeric_limits<int>::lowest());
+    EXPECT_EQ(restored<Layer>(-1), Layer::unknown);
+    EXPECT_EQ(restored<float>(inf), std::numeric_limits<float>::infinity());
 }
 
 }  // namespace

@@ -184,5 +184,18 @@ TEST(FieldLog, NoticesAFlippedBit) {
     EXPECT_THROW(log.read(0), InputError);
 }
 
+std::ptrdiff_t open_files() {
+    const std::filesystem::directory_iterator descriptors("/proc/self/fd");
+    return std::distance(begin(descriptors), end(descriptors));
+}
+
+TEST(FieldLog, ThatIsDamagedStaysNotOpen) {
+    const testing::ScratchFolder folder;
+    std::ofstream(folder / "f.fields") << "no record begins like this, of a length of many TB";
+    const std::ptrdiff_t before = open_files();
+    EXPECT_THROW(RecordLog(folder / "f.fields", 40), InputError);
+    EXPECT_EQ(open_files(), before);
+}
+
 }  // namespace
 }  // namespace grainfield::io

@@ -1,4 +1,6 @@
 #include <array>
+#include <cmath>
+#include <filesystem>
 #include <functional>
 #include <string>
 
@@ -157,6 +159,43 @@ TEST(TrajectoryReader, OpensTwoDimensionalFilesWithAFixedBox) {
     EXPECT_THAT(second.position, ElementsAre(Vec2{5, 6}));
     EXPECT_THAT(second.id, ElementsAre(6));
     EXPECT_EQ(second.box, (Box{{0, 0}, {10, 20}, {Boundary::periodic, Boundary::walls}, 0}));
+}
+
+/// What `scripts/make-fuzz-seeds` wrote with h5py: steps are 5 + 10 frames.
+std::string h5py_file(const std::string& version) {
+    return std::string(GRAINFIELD_SOURCE_DIR "/tests/faults/corpus/trajectories/other-") + version +
+           ".h5";
+}
+
+TEST(TrajectoryReader, OpensTheOldestAndTheNewestFormatOfHdf5) {
+    for (const char* version : {"earliest", "latest"}) {
+        TrajectoryFile file(h5py_file(version));
+        ASSERT_EQ(file.count(), 3) << version;
+        EXPECT_EQ(file.read(2).frame, 25);
+        EXPECT_THAT(file.read(2).id, ElementsAre(2, 0, 1));
+    }
+}
+
+TEST(TrajectoryReader, RefusesStepsThatNoIntegerHolds) {
+    const testing::ScratchFolder folder;
+    const std::string path = folder / "t.h5";
+    for (const double offset : {1e300, -1e19, 0.5, std::nan("")}) {
+        std::filesystem::copy_file(h5py_file("earliest"), path,
+                                   std::filesystem::copy_options::overwrite_existing);
+        {
+            const H5Handle file(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT));
+            const char* const step = "/particles/layer/position/step";
+            ASSERT_GE(H5Adelete_by_name(file.get(), step, "offset", H5P_DEFAULT), 0);
+            const H5Handle space(H5Screate(H5S_SCALAR));
+            const H5Handle attribute(H5Acreate_by_name(file.get(), step, "offset",
+                                                       H5T_NATIVE_DOUBLE, space.get(), H5P_DEFAULT,
+                                                       H5P_DEFAULT, H5P_DEFAULT));
+            ASSERT_GE(H5Awrite(attribute.get(), H5T_NATIVE_DOUBLE, &offset), 0);
+        }
+        EXPECT_THAT([&] { TrajectoryFile file(path); },
+                    ThrowsMessage<InputError>(AllOf(HasSubstr("t.h5"), HasSubstr("below 2^53"))))
+            << offset;
+    }
 }
 
 TEST(TrajectoryReader, RefusesWhatMakesNoTrajectory) {

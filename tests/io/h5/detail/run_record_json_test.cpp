@@ -112,5 +112,21 @@ TEST(RunRecordJson, ReplacesBytesThatAreNoText) {
     EXPECT_EQ(text_of(json("a\xFF")), "\"a\xEF\xBF\xBD\"");
 }
 
+TEST(RunRecordJson, RefusesNumbersThatAreNotWhole) {
+    const auto expect_refused = [](const char* key, const json& value) {
+        json text = to_json(sample_record());
+        text[key] = value;
+        EXPECT_THAT([&] { record_from_json(text, "a.h5"); },
+                    ThrowsMessage<InputError>(HasSubstr("a.h5")))
+            << key << value;
+    };
+    for (const json& value : {json(1.5), json(1e300), json(-1), json("7")}) {
+        expect_refused("seed", value);
+    }
+    expect_refused("threads", 1.5);
+    expect_refused("threads", std::int64_t{1} << 40);
+    expect_refused("threads", std::numeric_limits<std::uint64_t>::max());
+}
+
 }  // namespace
 }  // namespace grainfield::io

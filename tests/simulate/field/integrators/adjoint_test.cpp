@@ -1,6 +1,7 @@
 #include "simulate/field/integrators/adjoint.h"
 
 #include <cmath>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -70,6 +71,23 @@ TEST(Adjoint, ThreadsAndCheckpointsChangeNoBit) {
         EXPECT_EQ(one.samples(w), three.samples(w));
         EXPECT_EQ(one.under_way(w), three.under_way(w));
     }
+}
+
+TEST(Adjoint, RefusesACheckpointOfAStretchThatHasNotBegun) {
+    const FieldSetup setup = plane(16, 16, FieldScheme::lod, 0.5);
+    AdjointEstimator adjoint(setup, {{1, 0}}, 1);
+    adjoint.advance(3);
+    Checkpoint good;
+    adjoint.save(good);
+    EXPECT_NO_THROW(adjoint.restore(good));
+    for (const std::int64_t begin : {std::int64_t{4}, std::int64_t{-1}}) {
+        Checkpoint bad = good;
+        bad.integers["adjoint begin"] = {begin};
+        EXPECT_THROW(adjoint.restore(bad), InputError) << begin;
+    }
+    Checkpoint bad = good;
+    bad.integers["step"] = {std::numeric_limits<std::int64_t>::max()};
+    EXPECT_THROW(adjoint.restore(bad), InputError);
 }
 
 TEST(Adjoint, RefusesWhatHasNoAnswer) {
