@@ -26,11 +26,16 @@ using tracking::Polarity;
 constexpr const char* kFormat = "grainfield calibration 1";
 constexpr int kHighestDegree = 10;
 
+/// TOML has no negative zero without a point.
+template <class Number>
+std::string text_of_number(Number value) {
+    return value == 0 && std::signbit(value) ? "-0.0" : fmt::format("{}", value);
+}
+
 template <class Number>
 std::string list_of(const std::vector<Number>& values) {
     std::string text = "[";
-    for (const Number value : values)
-        text += fmt::format("{}{}", text.size() > 1 ? ", " : "", value);
+    for (const Number value : values) text += (text.size() > 1 ? ", " : "") + text_of_number(value);
     return text + "]";
 }
 
@@ -157,13 +162,13 @@ std::string text_of(const KeptCalibration& kept) {
     text += fmt::format("[learned]  # px, contrast\nspacing = {}\nvalues = {}\n\n",
                         model.correction.spacing, list_of(model.correction.value));
     text += fmt::format("[light]  # counts\ncore = {}\ndegree = {}\nbackground = {}\n\n",
-                        model.dark_level, model.background.degree(),
+                        text_of_number(model.dark_level), model.background.degree(),
                         list_of(model.background.coefficients()));
     text += fmt::format(
         "[check]  # of the frame it was made on\nnoise = {}\nrough-residual = {}\nresidual = "
         "{}\ndiameter = {}\nlow = {}\nhigh = {}\n",
-        model.noise, model.residual_rms, kept.check.residual, kept.check.diameter, kept.check.low,
-        kept.check.high);
+        model.noise, model.residual_rms, kept.check.residual, kept.check.diameter,
+        text_of_number(kept.check.low), text_of_number(kept.check.high));
     return text;
 }
 
