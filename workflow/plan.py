@@ -7,6 +7,8 @@ import math
 import pathlib
 import tomllib
 
+import jobs
+
 SCALES = ("small", "medium", "full")
 
 EXPERIMENT_DENSITY = 1.1704  # grains per a^2: 11,704 in the cell of 100 a x 100 a
@@ -18,6 +20,8 @@ FAST_EVERY = 0.16  # 500 frames a second
 FIELD_STEP = 0.5  # t; its bias is below 1 % for k <= 1.2 (docs/field/schemes.md)
 PLANE_SPACING = 0.65
 LINE_SPACING = 0.25
+KINDS = ("tracked", "true")  # films are analysed as the tracker found them, and as they were
+LEAST_SECONDS = 2  # of any job: to start and to read
 
 
 def text(number):
@@ -35,7 +39,6 @@ class Plan:
         with open(path, "rb") as file:
             scales = tomllib.load(file)
         self.scale = scale
-        self.rates = scales["rates"]
         self.experiment = scales[scale]["experiment"]
         self.layer = scales[scale]["layer"]
         self.plane = scales[scale]["plane"]
@@ -56,13 +59,20 @@ class Plan:
     def film_options(self, gamma, film):
         """Options of simulate md. The first film begins disordered, each other where slow1 or the one
         before it ended."""
-        every = FAST_EVERY if film == "fast" else SLOW_EVERY
-        relax = self.experiment["relax"] if film == "slow1" else 0
-        periods = relax + every * (self.film_frames(film) - 1)
+        every, relax = self._every(film), self._relax(film)
         length = self.experiment["length"]
         return [f"--grains={self.experiment_grains()}", f"--length-x={length}", f"--length-y={length}",
-                f"--amplitude={float(gamma) / EXPERIMENT_OMEGA**2:.6g}", f"--periods={periods:.6g}",
+                f"--amplitude={float(gamma) / EXPERIMENT_OMEGA**2:.6g}", f"--periods={self.film_periods(film):.6g}",
                 f"--discard={relax}", f"--snapshot-every={every}"]
+
+    def _every(self, film):
+        return FAST_EVERY if film == "fast" else SLOW_EVERY
+
+    def _relax(self, film):
+        return self.experiment["relax"] if film == "slow1" else 0
+
+    def film_periods(self, film):
+        return self._relax(film) + self._every(film) * (self.film_frames(film) - 1)
 
     def film_before(self, film):
         """The film whose last frame this one begins with; None for the first."""
@@ -130,35 +140,50 @@ class Plan:
 
     # ---- what it costs ---------------------------------------------------------------------------
 
+    def job(self, rule, gamma=None, film=None, kind=None, name=None):
+        """What a job of the Snakefile takes; the words are its wildcards. None: seconds, on the machine that starts
+        the workflow."""
+        del gamma, kind
+        grains, pixels = self.experiment_grains(), self.experiment["pixels"] ** 2
+        if rule == "cell":
+            return jobs.simulate_md(grains, self.film_periods(film), walls=True)
+        if rule == "film":
+            return jobs.render(self.film_frames(film), pixels, self.experiment["sub-frames"])
+        if rule == "track":
+            return jobs.track(self.film_frames(film), grains, pixels)
+        if rule == "analyze_film":
+            return jobs.analyze(self.film_frames(film), grains)
+        if rule == "layer":
+            return jobs.simulate_md(self.layer_grains(), self.layer["relax"] + self.layer["record"], walls=False)
+        if rule == "analyze_layer":
+            return jobs.analyze(self.layer["record"] / self.layer["snapshot-every"], self.layer_grains())
+        if rule in ("field", "analyze_field"):
+            plane = name.startswith("plane")
+            size = self.plane if plane else self.line
+            sites = size["nx"] ** 2 if plane else size["nx"]
+            if rule == "analyze_field":
+                return jobs.Job(LEAST_SECONDS, jobs.simulate_field(sites, 0, 2).megabytes)
+            return jobs.simulate_field(sites, (size["relax"] + size["record"]) / FIELD_STEP, 2 if plane else 1)
+        return None
+
+    def jobs(self):
+        """(stage, rule, wildcards) of every job that is no matter of seconds."""
+        films = [{"gamma": gamma, "film": film} for gamma in self.gammas() for film in self.films()]
+        layers = [{"gamma": gamma} for gamma in self.layer_gammas()]
+        kinds = [{**film, "kind": kind} for film in films for kind in KINDS]
+        for stage, rule, runs in [("walled cell, molecular dynamics", "cell", films), ("films", "film", films),
+                                  ("tracking", "track", films), ("periodic layer, molecular dynamics", "layer", layers),
+                                  ("field model", "field", [{"name": name} for name in self.fields()]),
+                                  ("analysis", "analyze_film", kinds), ("analysis", "analyze_layer", layers)]:
+            for wildcards in runs:
+                yield stage, rule, wildcards
+
     def costs(self):
         """(stage, seconds of one core) of all that has to be done."""
-        rate, gammas = self.rates, len(self.experiment["gamma"])
-        periods, frames = self.experiment["relax"], 0
-        for film in self.films():
-            frames += self.film_frames(film)
-            periods += self.film_frames(film) * (FAST_EVERY if film == "fast" else SLOW_EVERY)
-        films = gammas * frames
-        layer = self.layer
-        snapshots = len(layer["amplitude"]) * layer["record"] / layer["snapshot-every"]
-
-        def steps(size):
-            return (size["relax"] + size["record"]) / FIELD_STEP
-
-        field = rate["site-step"] * steps(self.plane) * self.plane["nx"] ** 2 * (
-            len(self.plane["nu"]) + len(self.plane["nu-beside"]))
-        field += rate["node-step"] * steps(self.line) * self.line["nx"] * 2 * len(self.line["nu"])
-        return [
-            ("walled cell, molecular dynamics",
-             gammas * periods * self.experiment_grains() * rate["grain-period-experiment"]),
-            ("films", films * self.experiment["pixels"] ** 2 / 1e6
-             * (1 + self.experiment["sub-frames"]) * rate["megapixel-render"]),
-            ("tracking", films * self.experiment_grains() * rate["sphere-track"]),
-            ("periodic layer, molecular dynamics",
-             len(layer["amplitude"]) * (layer["relax"] + layer["record"]) * self.layer_grains()
-             * rate["grain-period-layer"]),
-            ("field model", field),
-            ("analysis", (2 * films * self.experiment_grains() + snapshots * self.layer_grains())
-             * rate["sphere-analyze"])]
+        seconds = {}
+        for stage, rule, wildcards in self.jobs():
+            seconds[stage] = seconds.get(stage, 0) + self.job(rule, **wildcards).seconds
+        return list(seconds.items())
 
     def hours(self, cores):
         """Expected hours by the clock, were all cores busy all the time."""

@@ -7,22 +7,72 @@ these commands, as they stand on a command line. Lines that begin with # are lef
 
 import csv
 import glob
+import itertools
 import pathlib
 import re
 import shlex
+import struct
+from typing import NamedTuple
+
+import jobs
 
 COLUMNS = ("film", "label", "gamma", "track", "analyze")
 OURS = ("-o", "--output", "--resume", "--force", "--json", "--threads", "--label", "--gamma", "-c", "--config")
 
-# What a job takes. Tracking: a sphere and frame of a thick layer costs 9.4e-5 s of a core (workflow/scales.toml), a
-# sphere is about 150 pixels, and video packs ten of them into a byte at most. The rest is room for a slower machine.
-TRACK_SECONDS_A_BYTE = 10 * 9.4e-5 / 150
-ANALYZE_SECONDS_A_BYTE = 1e-6
-LEAST_MINUTES = 10
+# A video is not opened: a pixel is a byte, or ten of them are one at most. A frame has no more pixels than these.
+PACKED_PIXELS_A_BYTE = 10
+VIDEO_FRAME = 4_000_000
+# A thick layer has 1.2 spheres per a^2; where a is not given, a sphere is about 150 pixels.
+SPHERES_PER_A2 = 1.2
+PIXELS_A_SPHERE = 150
 
 
 class TableError(ValueError):
     """Names the file, the line, what is wrong with it and what was expected."""
+
+
+class Film(NamedTuple):
+    """The frames of a film, the pixels of one, and how many times as many frames there may be."""
+
+    frames: float
+    pixels: float
+    packed: float = 1
+
+
+def picture_size(path):
+    """(width, height) that the first bytes of a PNG, TIFF or PGM say; None for other files."""
+    with open(path, "rb") as file:
+        head = file.read(64)
+        if head.startswith(b"\x89PNG") and len(head) >= 24:
+            return struct.unpack(">II", head[16:24])
+        if pgm := re.match(rb"P5(?:\s+#[^\n]*)*\s+(\d+)\s+(\d+)\s", head):
+            return int(pgm[1]), int(pgm[2])
+        if head[:4] not in (b"II*\0", b"MM\0*"):
+            return None
+        order = "<" if head[:2] == b"II" else ">"
+        try:
+            file.seek(struct.unpack(order + "I", head[4:8])[0])
+            (count,) = struct.unpack(order + "H", file.read(2))
+            found = {}
+            for _ in range(count):
+                tag, kind, _number, value = struct.unpack(order + "HHI4s", file.read(12))
+                if tag in (256, 257):  # width, height
+                    found[tag] = struct.unpack(order + "H", value[:2])[0] if kind == 3 else struct.unpack(order + "I", value)[0]
+            return found[256], found[257]
+        except (struct.error, KeyError):
+            return None
+
+
+def film_size(files):
+    """Of a film by its files. Several pictures are one frame each; one may hold many."""
+    size = picture_size(files[0])
+    if size and len(files) > 1:
+        return Film(len(files), size[0] * size[1])
+    bytes_ = sum(pathlib.Path(file).stat().st_size for file in files)
+    if size:
+        return Film(max(1.0, bytes_ / (size[0] * size[1])), size[0] * size[1])
+    pixels = min(bytes_, VIDEO_FRAME)
+    return Film(bytes_ / pixels if pixels else 0, pixels, PACKED_PIXELS_A_BYTE)
 
 
 class Run:
@@ -39,12 +89,28 @@ class Run:
     def bytes(self):
         return sum(pathlib.Path(file).stat().st_size for file in self.files)
 
-    def track_minutes(self, attempt=1):
-        """Doubled with each attempt. A job that was cut off goes on from its checkpoint besides."""
-        return round(2 ** (attempt - 1) * (LEAST_MINUTES + self.bytes() * TRACK_SECONDS_A_BYTE / 60))
+    def spheres(self, pixels):
+        """In a frame of so many pixels, were it full."""
+        for word, value in itertools.pairwise([*self.track, ""]):
+            name, _, given = word.partition("=")
+            try:
+                if name in ("--sphere-diameter", "--disc-diameter") and (a := float(given or value)) > 0:
+                    return SPHERES_PER_A2 * pixels / a**2
+            except ValueError:
+                pass  # the program says what is wrong with it
+        return pixels / PIXELS_A_SPHERE
 
-    def analyze_minutes(self, attempt=1):
-        return round(2 ** (attempt - 1) * (LEAST_MINUTES + self.bytes() * ANALYZE_SECONDS_A_BYTE / 60))
+    def _job(self, kind):
+        """Time is asked for were the film packed, memory is not: it doubles when it was too little."""
+        film = film_size(self.files)
+        job = kind(film.frames, self.spheres(film.pixels), film.pixels)
+        return job._replace(seconds=job.seconds * film.packed)
+
+    def track_job(self):
+        return self._job(jobs.track)
+
+    def analyze_job(self):
+        return self._job(lambda frames, spheres, _pixels: jobs.analyze(frames, spheres))
 
     def analyze_options(self):
         options = ["--label", self.label, *self.analyze]

@@ -2,7 +2,8 @@
 #
 #   scripts/run-series table.csv         (see there; --slurm: on a cluster)
 #
-# workflow/series.py reads the table. Tracking goes on from its checkpoint when it was cut off.
+# workflow/series.py reads the table, workflow/jobs.py says what jobs take. Tracking goes on from its checkpoint when it was
+# cut off.
 
 import os
 import shlex
@@ -55,8 +56,8 @@ rule track:
     threads: TRACK_THREADS
     retries: 2
     resources:
-        mem_mb=lambda w, attempt: 2000 * attempt,
-        runtime=lambda w, attempt: run(w).track_minutes(attempt),
+        mem_mb=lambda w, attempt: run(w).track_job().mem_mb(attempt),
+        runtime=lambda w, threads, attempt: run(w).track_job().minutes(threads, attempt),
     shell:
         "{PROGRAM} track {input:q} {params.options} -o {output} "
         "$([ ! -e {output}.checkpoint ] || echo --resume) --force --threads {threads} --json > {log}"
@@ -78,8 +79,8 @@ rule analyze:
     group:
         "analyze"
     resources:
-        mem_mb=lambda w, attempt: 2000 * attempt,
-        runtime=lambda w, attempt: run(w).analyze_minutes(attempt),
+        mem_mb=lambda w, attempt: run(w).analyze_job().mem_mb(attempt),
+        runtime=lambda w, threads, attempt: run(w).analyze_job().minutes(threads, attempt),
     shell:
         "{PROGRAM} analyze {input} {params.options} -o {output} --force --threads {threads} --json > {log}"
 

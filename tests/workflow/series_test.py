@@ -7,6 +7,7 @@ import os
 import pathlib
 import re
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
@@ -17,6 +18,7 @@ if ROOT.name == "series_test.py":
     ROOT = ROOT.parents[2]
 sys.path.insert(0, str(ROOT / "workflow"))
 
+import jobs  # noqa: E402
 import series  # noqa: E402
 
 
@@ -86,10 +88,41 @@ class TheTable(WithFilms):
             runs = self.read("film,gamma\n" + "".join(line.format(v) for v in values))
             self.assertEqual(series.has_critical_point(runs), expected, values)
 
-    def test_a_job_that_was_cut_off_gets_twice_the_time(self):
-        (run,) = self.read("film\nslow.avi\n")
-        self.assertEqual(run.track_minutes(2), 2 * run.track_minutes(1))
-        self.assertGreaterEqual(run.track_minutes(1), series.LEAST_MINUTES)
+    def test_frames_and_pixels_are_those_of_the_pictures(self):
+        tiff = b"II*\0" + struct.pack("<IH", 8, 2) + struct.pack("<HHIHH", 256, 3, 1, 300, 0) + \
+            struct.pack("<HHII", 257, 4, 1, 200) + bytes(4)
+        large = b"MM\0*" + struct.pack(">IH", 8, 2) + struct.pack(">HHIHH", 256, 3, 1, 301, 0) + \
+            struct.pack(">HHII", 257, 4, 1, 200) + bytes(4)
+        png = b"\x89PNG\r\n\x1a\n" + struct.pack(">I", 13) + b"IHDR" + struct.pack(">II", 640, 480) + bytes(40)
+        for name, head, size in [("a.tif", tiff, (300, 200)), ("b.tif", large, (301, 200)), ("c.png", png, (640, 480)),
+                                 ("d.pgm", b"P5\n# by hand\n20 10 255\n" + bytes(200), (20, 10)),
+                                 ("e.avi", b"RIFF", None), ("f.tif", tiff[:20], None), ("g.png", png[:10], None)]:
+            path = self.folder / name
+            path.write_bytes(head)
+            self.assertEqual(series.picture_size(path), size, name)
+        paths = [str(self.folder / "a.tif")] * 7
+        self.assertEqual(series.film_size(paths), series.Film(7, 60000))
+        stack = self.folder / "stack.tif"
+        stack.write_bytes(tiff + bytes(5 * 60000 - len(tiff)))
+        self.assertEqual(series.film_size([str(stack)]), series.Film(5, 60000))
+
+    def test_spheres_are_counted_by_the_diameter_that_is_given(self):
+        for options, expected in [("--sphere-diameter 20", 1.2 * 10000 / 400), ("--sphere-diameter=10", 120),
+                                  ("--fps 25 --disc-diameter 10 --memory 3", 120), ("--fps 25", 10000 / 150),
+                                  ("--sphere-diameter", 10000 / 150), ("--sphere-diameter wide", 10000 / 150)]:
+            (run,) = self.read(f"film,track\nslow.avi,{options}\n")
+            self.assertAlmostEqual(run.spheres(10000), expected, msg=options)
+
+    def test_a_video_gets_the_time_of_a_packed_one(self):
+        (video,) = self.read("film\nslow.avi\n")
+        self.assertEqual(series.film_size(video.files), series.Film(1, 1000, 10))
+        self.assertAlmostEqual(video.track_job().seconds, 10 * jobs.track(1, 1000 / 150, 1000).seconds)
+        self.assertAlmostEqual(video.analyze_job().megabytes, jobs.analyze(1, 1000 / 150).megabytes)
+
+    def test_an_empty_film_is_no_trouble_of_the_plan(self):
+        (self.folder / "empty.avi").write_bytes(b"")
+        (run,) = self.read("film\nempty.avi\n")
+        self.assertEqual(run.track_job().minutes(), jobs.LEAST_MINUTES)
 
 
 def run_series(*words, **environment):
@@ -115,16 +148,6 @@ class TheScript(WithFilms):
         text = outcome.stdout + outcome.stderr
         for rule, count in [("track", 3), ("analyze", 3), ("critical", 1), ("report", 1)]:
             self.assertRegex(text, rf"(?m)^{rule}\s+{count}\b")
-
-    @unittest.skipUnless(shutil.which("snakemake"), "no snakemake here (Debian: apt-get install snakemake)")
-    def test_every_long_rule_is_resumed_and_tried_again(self):
-        text = (ROOT / "workflow/series.smk").read_text() + (ROOT / "workflow/Snakefile").read_text()
-        rules = dict(re.findall(r"(?ms)^rule (\w+):\n(.*?)(?=^\S|\Z)", text))
-        self.assertIn("track", rules)
-        for name, body in rules.items():
-            if re.search(r"\{PROGRAM\} (track|simulate)", body):
-                self.assertIn("--resume", body, name)
-
 
 if __name__ == "__main__":
     unittest.main()
