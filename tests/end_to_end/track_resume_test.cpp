@@ -68,10 +68,9 @@ class TrackResume : public ::testing::Test {
             fs::resize_file(frames_[25], 500);
         }
         std::vector<std::string> words{"track", "-o", folder_ / "t.h5", "--json"};
-        words =
-            with(words, {"--region", "5,3,180,180", "--minimum-length", "4", "--previews", "5",
-                         "--height", "1.94", "--sphere-diameter", "10", "--checkpoint-every", "0"});
-        return with(with(words, std::move(more)), frames_);
+        words = with(words, {"--region", "5,3,180,180", "--previews", "5", "--height", "1.94",
+                             "--sphere-diameter", "10", "--checkpoint-every", "0"});
+        return with(with(with(words, kind_), std::move(more)), frames_);
     }
 
     /// The uninterrupted run, out of the way.
@@ -95,6 +94,8 @@ class TrackResume : public ::testing::Test {
 
     ScratchFolder film_, folder_;
     std::vector<std::string> frames_;
+    /// The whole film, linked.
+    std::vector<std::string> kind_{"--minimum-length", "4"};
 };
 
 TEST_F(TrackResume, KilledAnywhereItEndsInTheSameBytes) {
@@ -130,6 +131,21 @@ TEST_F(TrackResume, KilledAnywhereItEndsInTheSameBytes) {
         fs::remove(folder_ / "t.h5");
     }
     EXPECT_GT(resumed, 3) << "every run was killed before its first checkpoint or not at all";
+}
+
+TEST_F(TrackResume, APartOfAFilmKilledAfterACheckpointEndsInTheSameBytes) {
+    // From the middle of a stretch to the middle of another one.
+    kind_ = {"--no-link", "--frames", "10:34", "--stretch", "8"};
+    const std::string expected = whole();
+    kill_after_checkpoint(run());
+    const Outcome resumed = testing::run_grainfield(run({"--resume"}));
+    ASSERT_EQ(resumed.code, 0) << resumed.err;
+    EXPECT_EQ(json::parse(resumed.out)["frames"], 23) << "all but the damaged one";
+    EXPECT_EQ(folder_.entries(), 1U);
+    EXPECT_TRUE(timeless(folder_ / "t.h5") == expected);
+    const Outcome linked =
+        testing::run_grainfield({"link", folder_ / "t.h5", "-o", film_ / "x.h5", "--allow-gaps"});
+    EXPECT_EQ(linked.code, 0) << linked.err;
 }
 
 TEST_F(TrackResume, InterruptedItKeepsWhatWasDoneAndSaysHowToGoOn) {
