@@ -94,6 +94,13 @@ bool same_work(const RunRecord& made, const RunRecord& wanted) {
            same_inputs(made, wanted);
 }
 
+/// Whether a signal ended the work before its end. Without a checkpoint nothing goes on from it.
+bool is_cut_off(const RunRecord& made) {
+    return std::ranges::any_of(made.warnings, [](const Warning& warning) {
+        return warning.code == WarningCode::incomplete;
+    });
+}
+
 /// The option that differs, for the message.
 std::string difference(const RunRecord& made, const RunRecord& wanted) {
     if (!same_inputs(made, wanted)) return "another film";
@@ -121,17 +128,26 @@ Tracked track(const RunJobOptions& options, const RunFiles& files, Job& job) {
     const fs::path checkpoint = files.tracks.string() + ".checkpoint";
     track.resume.resume = is_there(checkpoint) && job.overwrite == Overwrite::refuse;
     if (!track.resume.resume && is_there(files.tracks) && job.overwrite == Overwrite::refuse) {
-        const RunRecord made = io::TrajectoryFile(files.tracks).record();
-        const RunRecord wanted = stage.record();
-        if (same_work(made, wanted)) {
+        RunRecord made = io::TrajectoryFile(files.tracks).record();
+        RunRecord wanted = stage.record();
+        if (is_cut_off(made)) {
+            // There was no time for checksums: the film is compared by its size.
+            for (RunRecord* record : {&made, &wanted}) {
+                for (RunRecord::Input& input : record->inputs) input.checksum.clear();
+            }
+        }
+        const bool is_same = same_work(made, wanted);
+        if (is_same && !is_cut_off(made)) {
             job.plan.skip("track", "done before, '" + files.tracks.string() + "' is kept", "");
             for (const Warning& warning : made.warnings) job.plan.warn(warning);
             return {};
         }
-        throw OutputError(ErrorText{
-            fmt::format("'{}' holds tracks that were made otherwise", files.tracks.string()),
-            difference(made, wanted), "the same film and options",
-            "choose another folder, or give option 'force' to replace them"});
+        if (!is_same) {
+            throw OutputError(ErrorText{
+                fmt::format("'{}' holds tracks that were made otherwise", files.tracks.string()),
+                difference(made, wanted), "the same film and options",
+                "choose another folder, or give option 'force' to replace them"});
+        }
     }
     stage.overwrite = track.resume.resume ? Overwrite::refuse : Overwrite::force;
     Tracked tracked{track_film(track, stage)};

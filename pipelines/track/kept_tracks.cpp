@@ -86,7 +86,8 @@ std::string LastAct::operator()() {
         return fmt::format("error: tracking interrupted in the first frame; '{}' was not written.",
                            output);
     }
-    job_.plan.warn(fmt::format("interrupted within a frame; '{}' holds the {} before it{}", output,
+    job_.plan.warn(WarningCode::incomplete,
+                   fmt::format("interrupted within a frame; '{}' holds the {} before it{}", output,
                                counted(tracks_->frames(), "frame"), resumable_.advice()));
     tracks_->finish(job_.record());
     resumable_.abandon();

@@ -1,5 +1,6 @@
 // `grainfield run`: one command from a film to its report.
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -9,6 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <signal.h>
 
 #include "tests/support/disc_sequence.h"
 #include "tests/support/program.h"
@@ -39,13 +41,18 @@ class Run : public ::testing::Test {
     static void TearDownTestSuite() { delete scratch_; }
 
     static std::string folder() { return *scratch_ / "out"; }
-    static Outcome run(const std::vector<std::string>& options, const std::string& folder_of = "") {
+    static std::vector<std::string> words(const std::vector<std::string>& options,
+                                          const std::string& folder_of,
+                                          const std::vector<std::string>& frames) {
         std::vector<std::string> words{
             "run",   "--json", "--no-overlay", "--no-figures",
             "--fps", "25",     "-o",           folder_of.empty() ? folder() : folder_of};
         words.insert(words.end(), options.begin(), options.end());
-        words.insert(words.end(), frames_.begin(), frames_.end());
-        return run_grainfield(words);
+        words.insert(words.end(), frames.begin(), frames.end());
+        return words;
+    }
+    static Outcome run(const std::vector<std::string>& options, const std::string& folder_of = "") {
+        return run_grainfield(words(options, folder_of, frames_));
     }
     static bool is_kept(const Outcome& outcome, const std::string& stage) {
         const json summary = json::parse(outcome.out);
@@ -77,6 +84,29 @@ TEST_F(Run, AgainKeepsWhatIsDone) {
     EXPECT_TRUE(is_kept(again, "track"));
     EXPECT_TRUE(is_kept(again, "analyze"));
     EXPECT_EQ(fs::last_write_time(tracks), before);
+}
+
+TEST_F(Run, TracksThatWereCutOffDoNotPassForDone) {
+    const std::string cut = *scratch_ / "cut";
+    const ScratchFolder film;
+    const std::vector<std::string> frames = testing::write_disc_sequence(film, 60);
+    Outcome outcome;
+    for (int wait = 600; wait > 1; wait = wait * 2 / 3) {
+        const testing::Process process(testing::program(words({}, cut, frames)));
+        process.let_work(std::chrono::milliseconds(wait), SIGINT);
+        process.send(SIGINT);
+        outcome = process.wait();
+        if (outcome.code == 130 && fs::exists(fs::path(cut) / "tracks.h5")) break;
+        fs::remove_all(cut);
+    }
+    ASSERT_EQ(outcome.code, 130) << outcome.err;
+    // As when it was stuck in its first minutes: some frames, and nothing to go on from.
+    fs::remove(fs::path(cut) / "tracks.h5.checkpoint");
+    fs::remove(fs::path(cut) / "tracks.h5.snapshots");
+    const Outcome again = run_grainfield(words({}, cut, frames));
+    ASSERT_EQ(again.code, 0) << again.err;
+    EXPECT_FALSE(is_kept(again, "track"));
+    EXPECT_EQ(json::parse(again.out)["frames"], 60);
 }
 
 TEST_F(Run, WithOtherOptionsOfTheAnalysisKeepsTheTracksAlone) {
