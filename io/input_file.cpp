@@ -69,7 +69,7 @@ std::string read_content(const std::filesystem::path& path, std::size_t limit) {
     if (error) refuse(path, error.message(), {}, "check the permissions");
     if (bytes > limit) {
         refuse(path, fmt::format("{} bytes", bytes), fmt::format("at most {} bytes", limit),
-               "raise max-pixels if the file is really meant");
+               "raise option 'max-pixels' if the file is really meant");
     }
     std::string content(static_cast<std::size_t>(bytes), '\0');
     file.read(content.data(), static_cast<std::streamsize>(bytes));

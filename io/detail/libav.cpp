@@ -140,6 +140,11 @@ std::string libav_error(int code) {
     return text.data();
 }
 
+int unless_out_of_memory(int code) {
+    if (code == AVERROR(ENOMEM)) throw std::bad_alloc();
+    return code;
+}
+
 LibavPointer<AVCodecContext> open_decoder(const AVCodecParameters& parameters, LibavLog& log,
                                           std::int64_t max_pixels) {
     const AVCodec* codec = avcodec_find_decoder(parameters.codec_id);
@@ -149,7 +154,7 @@ LibavPointer<AVCodecContext> open_decoder(const AVCodecParameters& parameters, L
     }
     LibavPointer<AVCodecContext> context(avcodec_alloc_context3(codec));
     if (!context) throw std::bad_alloc();
-    int code = avcodec_parameters_to_context(context.get(), &parameters);
+    int code = unless_out_of_memory(avcodec_parameters_to_context(context.get(), &parameters));
     if (code < 0) throw Error(libav_error(code));
     context->opaque = &log;
     context->max_pixels = std::min<std::int64_t>(max_pixels, std::numeric_limits<int>::max());
@@ -157,7 +162,7 @@ LibavPointer<AVCodecContext> open_decoder(const AVCodecParameters& parameters, L
     context->flags |= AV_CODEC_FLAG_OUTPUT_CORRUPT;
     context->thread_type = FF_THREAD_SLICE;
     context->thread_count = 0;
-    code = avcodec_open2(context.get(), codec, nullptr);
+    code = unless_out_of_memory(avcodec_open2(context.get(), codec, nullptr));
     if (code < 0) {
         const std::string message = log.take();
         throw Error(message.empty() ? libav_error(code) : message);

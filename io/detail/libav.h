@@ -40,6 +40,10 @@ class LibavLog {
 /// "Invalid data found when processing input"
 std::string libav_error(int code);
 
+/// `code` as libav returned it. Throws std::bad_alloc where memory ran out: no frame is damaged by
+/// that.
+int unless_out_of_memory(int code);
+
 /// A decoder for `parameters` that refuses pictures above `max_pixels`, checks what checksums there
 /// are, and decodes slices of one picture in parallel. Not frames in parallel: what is logged
 /// while a packet is decoded then belongs to that packet, for any number of threads. Throws Error.

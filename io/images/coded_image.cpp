@@ -108,6 +108,7 @@ Picture decode(const std::filesystem::path& path, std::string_view content, AVCo
     if (decoder->width > 0 && decoder->height > 0) {
         require_pixel_count(path, decoder->width, decoder->height, max_pixels);
     }
+    unless_out_of_memory(code);
     const std::string message = log.take();
     if (code < 0 || !message.empty() || (frame->flags & AV_FRAME_FLAG_CORRUPT) != 0) {
         throw CorruptPicture(path, message.empty() ? libav_error(code) : message);

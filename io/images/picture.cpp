@@ -24,7 +24,7 @@ void require_pixel_count(const std::filesystem::path& path, std::int64_t width, 
     throw InputError({.problem = fmt::format("picture size of '{}' is refused", path.string()),
                       .actual = fmt::format("{} × {} pixels", width, height),
                       .expected = fmt::format("1 … {} pixels", max_pixels),
-                      .suggestion = "raise max-pixels if the file is really meant"});
+                      .suggestion = "raise option 'max-pixels' if the file is really meant"});
 }
 
 void require_same_shape(const std::filesystem::path& path, std::int64_t frame,

@@ -86,7 +86,11 @@ std::optional<SphereImage> spheres_of(const Tracker& tracker) {
     return SphereImage{model.polarity, model.disc.diameter, model.disc.edge_width};
 }
 
-void warn_of_unit(const TrackJobOptions& options, const Tracker& tracker, RunPlan& plan) {
+void warn_of_units(const TrackJobOptions& options, const FrameSource& frames,
+                   const Tracker& tracker, RunPlan& plan) {
+    if (frames.count() > 1 && !frames.frame_rate()) {
+        plan.warn("times are in frames: the frame rate is not known; give option 'fps'");
+    }
     if (options.tracking.sphere_diameter || !tracker.is_calibrated()) return;
     plan.warn(WarningCode::apparent_diameter,
               fmt::format("lengths are in apparent disc diameters D = {:.3f} px; steel spheres: D "
@@ -254,7 +258,7 @@ TrackJobResult track_film(const TrackJobOptions& options, Job& job) {
     Tracker tracker(frames, tracking, job.plan);
     require_calibration(tracker, frames);
     plan_part(film, tracker, job.plan);
-    warn_of_unit(options, tracker, job.plan);
+    warn_of_units(options, frames, tracker, job.plan);
     if (frames.count() > 1) {
         resumable.start();
         log.emplace(resumable.log());

@@ -33,31 +33,6 @@ class Outputs : public ::testing::Test {
     }
 };
 
-TEST_F(Outputs, ThatExistAreRefusedAndStayAsTheyAreUnlessForced) {
-    make_tracks_and_results();
-    std::ofstream(folder_ / "old.csv") << "old";
-    std::ofstream(folder_ / "old.html") << "old";
-    std::ofstream(folder_ / "old.h5") << "old";
-    const std::vector<std::vector<std::string>> calls{
-        {"track", frames_[0], "-o", folder_ / "old.h5"},
-        {"analyze", tracks_, "-o", folder_ / "old.h5"},
-        {"compare", results_, "-o", folder_ / "old.html"},
-        {"export", tracks_, "-o", folder_ / "old.csv"}};
-    for (std::vector<std::string> words : calls) {
-        const std::string output = words.back();
-        std::ofstream(output) << "old";
-        const Outcome refused = run_grainfield(words);
-        EXPECT_EQ(refused.code, 4) << words[0] << ": " << refused.err;
-        EXPECT_THAT(refused.err, HasSubstr(output));
-        EXPECT_THAT(refused.err, HasSubstr("--force"));
-        EXPECT_EQ(read_all(output), "old");
-        words.push_back("--force");
-        const Outcome forced = run_grainfield(words);
-        EXPECT_EQ(forced.code, 0) << forced.err;
-        EXPECT_NE(read_all(output), "old");
-    }
-}
-
 TEST_F(Outputs, ThatAreInputsAreRefused) {
     make_tracks_and_results();
     const std::string before = read_all(tracks_);

@@ -1,3 +1,4 @@
+// Case 15 of docs/reliability.md: options that make no sense.
 #include <fstream>
 #include <string>
 
@@ -34,6 +35,8 @@ class BadConfiguration : public ::testing::Test {
     }
 };
 
+using Case15 = BadConfiguration;
+
 TEST_F(BadConfiguration, APipeIsRefusedAndNotWaitedFor) {
     const std::string pipe = folder_ / "run.toml";
     ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
@@ -43,7 +46,7 @@ TEST_F(BadConfiguration, APipeIsRefusedAndNotWaitedFor) {
     expect_nothing_written();
 }
 
-TEST_F(BadConfiguration, NanNamesFileAndLine) {
+TEST_F(Case15, NanNamesFileAndLine) {
     const Outcome outcome = with_file("[calibrate]\n\ndiameter = nan\n");
     EXPECT_EQ(outcome.code, 2);
     EXPECT_THAT(outcome.err, AllOf(HasSubstr("run.toml"), HasSubstr("line 3"),
@@ -51,7 +54,7 @@ TEST_F(BadConfiguration, NanNamesFileAndLine) {
     expect_nothing_written();
 }
 
-TEST_F(BadConfiguration, AnUnknownKeyNamesTheNearestOne) {
+TEST_F(Case15, AnUnknownKeyNamesTheNearestOne) {
     const Outcome outcome = with_file("[calibrate]\ndiametre = 9\n");
     EXPECT_EQ(outcome.code, 2);
     EXPECT_THAT(outcome.err, AllOf(HasSubstr("run.toml"), HasSubstr("line 2"),
@@ -59,7 +62,7 @@ TEST_F(BadConfiguration, AnUnknownKeyNamesTheNearestOne) {
     expect_nothing_written();
 }
 
-TEST_F(BadConfiguration, AnUnknownOptionNamesTheNearestOne) {
+TEST_F(Case15, AnUnknownOptionNamesTheNearestOne) {
     const Outcome outcome =
         run_grainfield({"track", frame_, "-o", folder_ / "t.h5", "--diametre", "9"});
     EXPECT_EQ(outcome.code, 2);
@@ -68,11 +71,22 @@ TEST_F(BadConfiguration, AnUnknownOptionNamesTheNearestOne) {
     expect_nothing_written();
 }
 
-TEST_F(BadConfiguration, AWrongUnitOnTheCommandLineIsRefused) {
+TEST_F(Case15, AWrongUnitOnTheCommandLineIsRefused) {
     const Outcome outcome =
         run_grainfield({"track", frame_, "-o", folder_ / "t.h5", "--diameter", "9mm"});
     EXPECT_EQ(outcome.code, 2);
     EXPECT_THAT(outcome.err, AllOf(HasSubstr("'9mm'"), HasSubstr("[px]")));
+    expect_nothing_written();
+}
+
+TEST_F(Case15, AWrongUnitOrTypeInTheFileNamesFileAndLine) {
+    for (const char* value : {"\"9 mm\"", "true", "inf", "-9"}) {
+        const Outcome outcome = with_file(std::string("[calibrate]\n\ndiameter = ") + value + "\n");
+        EXPECT_EQ(outcome.code, 2) << value;
+        EXPECT_THAT(outcome.err, AllOf(HasSubstr("run.toml"), HasSubstr("line 3"),
+                                       HasSubstr("'diameter'"), HasSubstr("[px]")))
+            << value;
+    }
     expect_nothing_written();
 }
 

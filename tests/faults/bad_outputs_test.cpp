@@ -1,3 +1,4 @@
+// Cases 18 and 20 of docs/reliability.md: outputs that cannot be, or are there.
 #include <fstream>
 #include <string>
 #include <vector>
@@ -40,7 +41,10 @@ class BadOutput : public ::testing::Test {
     }
 };
 
-TEST_F(BadOutput, AFolderThatCannotBeWrittenOrIsNoneEndsWithFour) {
+using Case18 = BadOutput;
+using Case20 = BadOutput;
+
+TEST_F(Case18, AFolderThatCannotBeWrittenOrIsNoneEndsWithFour) {
     std::ofstream(folder_ / "file") << "x";
     // /proc refuses new files even to root.
     const std::string missing = folder_ / "missing/deeper";
@@ -64,7 +68,7 @@ TEST_F(BadOutput, ADirectoryUnderTheOutputNameIsRefusedEvenWithForce) {
     EXPECT_EQ(out_.entries(), 1U);
 }
 
-TEST_F(BadOutput, AFullDiskEndsWithFourAndNoPartialOutput) {
+TEST_F(Case18, AFullDiskEndsWithFourAndNoPartialOutput) {
     // A limit of 8 blocks of 512 bytes on every file stands for the full disk: writes fail.
     for (const auto& words : calls_into(out_.path().string())) {
         if (words[0] == "export") continue;  // may fit
@@ -76,7 +80,7 @@ TEST_F(BadOutput, AFullDiskEndsWithFourAndNoPartialOutput) {
     }
 }
 
-TEST_F(BadOutput, ALimitOnTheSizeOfFilesIsAFullDisk) {
+TEST_F(Case18, ALimitOnTheSizeOfFilesIsAFullDisk) {
     // Without a trap the system would end the process by SIGXFSZ, without a word.
     for (const auto& words : calls_into(out_.path().string())) {
         if (words[0] == "export") continue;  // may fit
@@ -90,7 +94,7 @@ TEST_F(BadOutput, ALimitOnTheSizeOfFilesIsAFullDisk) {
     }
 }
 
-TEST_F(BadOutput, ALimitOnTheSizeOfFilesEndsSimulationsAndFilmsWithFour) {
+TEST_F(Case18, ALimitOnTheSizeOfFilesEndsSimulationsAndFilmsWithFour) {
     const std::string samples = GRAINFIELD_SOURCE_DIR "/data-samples/";
     const std::string layer = folder_ / "layer.h5";
     ASSERT_EQ(run_grainfield({"simulate", "md", "-c", samples + "demo-layer.toml", "--periods",
@@ -110,7 +114,7 @@ TEST_F(BadOutput, ALimitOnTheSizeOfFilesEndsSimulationsAndFilmsWithFour) {
     }
 }
 
-TEST_F(BadOutput, AFullDiskLeavesTheOldOutputIntact) {
+TEST_F(Case18, AFullDiskLeavesTheOldOutputIntact) {
     const std::string output = out_ / "t.h5";
     std::ofstream(output) << "old";
     const Outcome outcome = testing::shell(
@@ -118,6 +122,30 @@ TEST_F(BadOutput, AFullDiskLeavesTheOldOutputIntact) {
                     frames_[0], output));
     EXPECT_EQ(outcome.code, 4) << outcome.err;
     EXPECT_EQ(testing::read_all(output), "old");
+}
+
+TEST_F(Case20, OutputsThatExistAreRefusedAndStayAsTheyAreUnlessForced) {
+    std::ofstream(out_ / "old.csv") << "old";
+    std::ofstream(out_ / "old.html") << "old";
+    std::ofstream(out_ / "old.h5") << "old";
+    const std::vector<std::vector<std::string>> calls{
+        {"track", frames_[0], "-o", out_ / "old.h5"},
+        {"analyze", tracks_, "-o", out_ / "old.h5"},
+        {"compare", results_, "-o", out_ / "old.html"},
+        {"export", tracks_, "-o", out_ / "old.csv"}};
+    for (std::vector<std::string> words : calls) {
+        const std::string output = words.back();
+        std::ofstream(output) << "old";
+        const Outcome refused = run_grainfield(words);
+        EXPECT_EQ(refused.code, 4) << words[0] << ": " << refused.err;
+        EXPECT_THAT(refused.err, HasSubstr(output));
+        EXPECT_THAT(refused.err, HasSubstr("--force"));
+        EXPECT_EQ(testing::read_all(output), "old");
+        words.push_back("--force");
+        const Outcome forced = run_grainfield(words);
+        EXPECT_EQ(forced.code, 0) << forced.err;
+        EXPECT_NE(testing::read_all(output), "old");
+    }
 }
 
 TEST_F(BadOutput, AFailureHalfWayLeavesNothingUnderTheFinalName) {
@@ -128,7 +156,7 @@ TEST_F(BadOutput, AFailureHalfWayLeavesNothingUnderTheFinalName) {
     EXPECT_EQ(out_.entries(), 0U);
 }
 
-TEST_F(BadOutput, ClosedStandardOutputIsReported) {
+TEST_F(Case18, ClosedStandardOutputIsReported) {
     const Outcome outcome =
         testing::shell(fmt::format("exec \"$GRAINFIELD\" info '{}' --json > /dev/full", tracks_));
     EXPECT_EQ(outcome.code, 4) << outcome.err;

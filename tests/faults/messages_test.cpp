@@ -1,4 +1,5 @@
-// What is said when something is wrong names the file, and is safe to print.
+// Also cases 18 and 19 of docs/reliability.md. What is said when something is wrong names the file,
+// and is safe to print.
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -50,24 +51,8 @@ TEST(Messages, OfAWrongOptionNameTheConfiguration) {
     EXPECT_THAT(outcome.err, AllOf(HasSubstr("--length-x cannot be simulated"), HasSubstr(file)));
 }
 
-TEST(Messages, DoNotSendControlCharactersOfNamesToTheTerminal) {
-    const Outcome outcome = testing::run_grainfield({"info", "a\x1b[31mb.h5"});
-    EXPECT_EQ(outcome.code, 3);
-    EXPECT_THAT(outcome.err, AllOf(HasSubstr("a\\x1b[31mb.h5"), Not(HasSubstr("\x1b"))));
-}
-
-TEST(Messages, OfALinkInPlaceOfALogSaySo) {
-    const ScratchFolder folder;
-    fs::create_symlink("/dev/null", folder / "x.h5.fields");
-    const Outcome outcome =
-        testing::run_grainfield({"simulate", "field", "--nx", "32", "-o", folder / "x.h5"});
-    EXPECT_EQ(outcome.code, 4);
-    EXPECT_THAT(outcome.err, AllOf(HasSubstr("x.h5.fields"), HasSubstr("a symbolic link"),
-                                   Not(HasSubstr("free space"))));
-}
-
 // The first run has made a checkpoint by then; it is not interrupted.
-TEST(Messages, OfASecondWriterDoNotSpeakOfAnInterruptedRun) {
+TEST(Case19, ASecondWriterIsRefusedAndNotToldOfAnInterruptedRun) {
     const ScratchFolder folder;
     const std::vector<std::string> job{
         "simulate",           "field", "--nx", "256",          "--record", "1e5",
@@ -112,7 +97,7 @@ TEST(Messages, TwoHyphensEndTheOptions) {
 }
 
 // libtiff spoke for itself.
-TEST(Messages, OfAFullDiskAreOnesOfTheProgram) {
+TEST(Case18, MessagesOfAFullDiskAreOnesOfTheProgram) {
     const ScratchFolder folder;
     ASSERT_EQ(testing::run_grainfield({"simulate", "md", "--grains", "20", "--length-x", "8",
                                        "--length-y", "8", "--periods", "1", "--snapshot-every", "1",

@@ -174,7 +174,7 @@ bool FrameDecoder::next_stream_packet() {
     packet_waits_ = false;
     while (true) {
         av_packet_unref(packet_.get());
-        if (av_read_frame(container_.get(), packet_.get()) < 0) return false;
+        if (unless_out_of_memory(av_read_frame(container_.get(), packet_.get())) < 0) return false;
         if (packet_->stream_index == stream_ && packet_->size > 0 &&
             (packet_->flags & AV_PKT_FLAG_DISCARD) == 0) {
             return true;
@@ -199,7 +199,7 @@ bool FrameDecoder::decode_next() {
     }
     packet_->pts = static_cast<std::int64_t>(number);
     packet_->dts = packet_->pts;
-    const int code = avcodec_send_packet(decoder_.get(), packet_.get());
+    const int code = unless_out_of_memory(avcodec_send_packet(decoder_.get(), packet_.get()));
     collect_pictures();
     const std::string message = log_.take();
     if (code < 0 || !message.empty()) {
@@ -212,7 +212,7 @@ void FrameDecoder::collect_pictures() {
     while (true) {
         LibavPointer<AVFrame> frame(av_frame_alloc());
         if (!frame) throw std::bad_alloc();
-        const int code = avcodec_receive_frame(decoder_.get(), frame.get());
+        const int code = unless_out_of_memory(avcodec_receive_frame(decoder_.get(), frame.get()));
         if (code == AVERROR(EAGAIN) || code == AVERROR_EOF) return;
         if (code < 0) {
             if (next_packet_ > 0) note_damage(next_packet_ - 1, libav_error(code));

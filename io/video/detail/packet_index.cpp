@@ -93,7 +93,7 @@ LibavPointer<AVFormatContext> open_container(const std::filesystem::path& path, 
     options.set("protocol_whitelist", "file");
     // The prefix keeps a colon in the name from being taken for a protocol.
     const std::string url = "file:" + path.string();
-    int code = avformat_open_input(&raw, url.c_str(), nullptr, options.get());
+    int code = unless_out_of_memory(avformat_open_input(&raw, url.c_str(), nullptr, options.get()));
     if (code < 0) refuse(path, explain(log, code));  // frees the context itself
     LibavPointer<AVFormatContext> container(raw);
 
@@ -114,7 +114,7 @@ PacketIndex index_packets(AVFormatContext& container, int stream, LibavLog& log)
     const LibavPointer<AVPacket> packet(av_packet_alloc());
     if (!packet) throw std::bad_alloc();
     int code = 0;
-    while ((code = av_read_frame(&container, packet.get())) >= 0) {
+    while ((code = unless_out_of_memory(av_read_frame(&container, packet.get()))) >= 0) {
         const bool counts = packet->stream_index == stream && packet->size > 0 &&
                             (packet->flags & AV_PKT_FLAG_DISCARD) == 0;
         if (counts) {
