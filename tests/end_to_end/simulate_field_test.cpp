@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -8,9 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <signal.h>
 
-#include "core/support/random.h"
 #include "tests/support/program.h"
 
 namespace grainfield {
@@ -20,7 +17,6 @@ using nlohmann::json;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using testing::Outcome;
-using testing::Process;
 using testing::run_grainfield;
 using testing::ScratchFolder;
 
@@ -138,36 +134,6 @@ TEST(SimulateField, ThreadsChangeNoNumber) {
     }
 }
 
-TEST(SimulateField, KilledAnywhereItGoesOnAsIfNothingHadHappened) {
-    const ScratchFolder folder;
-    // Two threads share a lattice of this size.
-    const Words longer{"--nx",    "192", "--record",           "300",
-                       "--store", "100", "--checkpoint-every", "0.01"};
-    ASSERT_EQ(run_grainfield(job(folder / "whole.h5", longer)).code, 0);
-    const std::string whole = content(folder, folder / "whole.h5");
-    RandomStream random(1, "kill times");
-    Words words = job(folder / "f.h5", longer);
-    words.insert(words.begin(), GRAINFIELD_PROGRAM);
-    words.push_back("--resume");
-    int kills = 0;
-    for (; kills < 60 && !std::filesystem::exists(folder / "f.h5"); ++kills) {
-        const Process process(words);
-        process.let_work(std::chrono::milliseconds(20 + random.below(120)), SIGINT);
-        process.send(SIGKILL);
-        process.wait();
-    }
-    EXPECT_GT(kills, 3);
-    if (!std::filesystem::exists(folder / "f.h5")) {
-        words.erase(words.begin());
-        const Outcome last = run_grainfield(words);
-        ASSERT_EQ(last.code, 0) << last.err;
-        // Only here: a kill may come between the last name given and the checkpoint's end.
-        EXPECT_FALSE(std::filesystem::exists(folder / "f.h5.checkpoint"));
-    }
-    EXPECT_FALSE(std::filesystem::exists(folder / "whole.h5.checkpoint"));
-    EXPECT_EQ(content(folder, folder / "f.h5"), whole);
-}
-
 TEST(SimulateField, KeepsAnInterruptedRunUnlessForced) {
     const ScratchFolder folder;
     std::ofstream(folder / "f.h5.checkpoint") << "precious";
@@ -190,38 +156,6 @@ TEST(SimulateField, FieldsThatAreNotFiniteAreNoResult) {
                 AllOf(HasSubstr("no longer finite at step"), HasSubstr("scheme paper")));
     EXPECT_FALSE(std::filesystem::exists(folder / "f.h5"));
 }
-
-class InterruptedField : public ::testing::TestWithParam<int> {};
-
-TEST_P(InterruptedField, LeavesACheckpointWithinTwoSecondsAndGoesOn) {
-    const ScratchFolder folder;
-    Words words = job(folder / "f.h5", {"--nx", "512", "--record", "1e5"});
-    words.insert(words.begin(), GRAINFIELD_PROGRAM);
-    const Process process(words);
-    process.let_work(std::chrono::milliseconds(1500), GetParam());
-    const auto start = std::chrono::steady_clock::now();
-    process.send(GetParam());
-    const Outcome outcome = process.wait();
-    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
-    EXPECT_EQ(outcome.code, 128 + GetParam()) << outcome.err;
-    EXPECT_THAT(outcome.err, HasSubstr("--resume goes on from there"));
-    EXPECT_TRUE(std::filesystem::exists(folder / "f.h5.checkpoint"));
-    EXPECT_FALSE(std::filesystem::exists(folder / "f.h5"));
-    EXPECT_GT(json::parse(outcome.out)["steps"], 0);
-    // Other options are refused with the difference, a damaged checkpoint with its name.
-    words.erase(words.begin());
-    words.insert(words.end(), {"--resume", "--nu", "0.5"});
-    Outcome refused = run_grainfield(words);
-    EXPECT_EQ(refused.code, 3);
-    EXPECT_THAT(refused.err, HasSubstr("--nu: 0.01 in the checkpoint, 0.5 now"));
-    std::filesystem::resize_file(folder / "f.h5.checkpoint", 5000);
-    words.resize(words.size() - 2);
-    refused = run_grainfield(words);
-    EXPECT_EQ(refused.code, 3);
-    EXPECT_THAT(refused.err, HasSubstr("f.h5.checkpoint"));
-}
-
-INSTANTIATE_TEST_SUITE_P(BothSignals, InterruptedField, ::testing::Values(SIGINT, SIGTERM));
 
 TEST(SimulateField, RefusesWhatCannotBe) {
     const ScratchFolder folder;

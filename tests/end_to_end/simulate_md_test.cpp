@@ -214,28 +214,6 @@ TEST(SimulateMd, ThatWasStoppedMayEndWhereItStands) {
     EXPECT_EQ(folder.entries(), 1U);
 }
 
-TEST(SimulateMd, SurvivesKills) {
-    const ScratchFolder folder;
-    ASSERT_EQ(testing::run_grainfield(small_run(folder / "whole.h5")).code, 0);
-    const auto run = with(small_run(folder / "cut.h5"), {"--checkpoint-every", "0"});
-    bool has_checkpoint = false;
-    for (int i = 0; i < 12; ++i) {
-        const Process process(
-            program(has_checkpoint ? with(run, {"--resume"}) : with(run, {"--force"})));
-        std::this_thread::sleep_for(std::chrono::milliseconds(30 + 17 * i));
-        process.send(SIGKILL);
-        process.wait();
-        has_checkpoint = std::filesystem::exists(folder / "cut.h5.checkpoint");
-        if (std::filesystem::exists(folder / "cut.h5")) break;
-    }
-    if (!std::filesystem::exists(folder / "cut.h5")) {
-        const Outcome last = testing::run_grainfield(has_checkpoint ? with(run, {"--resume"})
-                                                                    : with(run, {"--force"}));
-        ASSERT_EQ(last.code, 0) << last.err;
-    }
-    EXPECT_EQ(content(folder, "cut"), content(folder, "whole"));
-}
-
 TEST(SimulateMd, RefusesForeignAndDamagedCheckpoints) {
     const ScratchFolder folder;
     const std::string path = folder / "a.h5.checkpoint";
@@ -249,15 +227,6 @@ TEST(SimulateMd, RefusesForeignAndDamagedCheckpoints) {
     std::filesystem::remove(path);
     const Outcome anew = testing::run_grainfield(resume);
     EXPECT_EQ(anew.code, 0) << "where nothing is to be resumed it starts anew: " << anew.err;
-}
-
-TEST(SimulateMd, ReportsInelasticCollapseWithExitCodeFive) {
-    const ScratchFolder folder;
-    const Outcome outcome = testing::run_grainfield(
-        with(small_run(folder / "a.h5"), {"--amplitude", "0", "--plate-restitution", "0.5",
-                                          "--grain-restitution", "0.5", "--event-limit", "20000"}));
-    EXPECT_EQ(outcome.code, 5);
-    EXPECT_THAT(outcome.err, HasSubstr("inelastic collapse: grain"));
 }
 
 TEST(SimulateMd, KeepsWhatWasSampledBeforeACollapse) {

@@ -1,7 +1,5 @@
-// Cases 16 and 24 of docs/reliability.md: what a run makes depends neither on threads nor on kills.
+// Case 24 of docs/reliability.md: what a run makes does not depend on the number of threads.
 // Its record does (seconds, threads), which a fingerprint leaves out.
-#include <chrono>
-#include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -9,7 +7,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <signal.h>
 
 #include "tests/support/disc_sequence.h"
 #include "tests/support/program.h"
@@ -19,8 +16,6 @@ namespace {
 
 using ::testing::HasSubstr;
 using testing::Outcome;
-using testing::Process;
-using testing::program;
 using testing::ScratchFolder;
 using testing::with;
 using Words = std::vector<std::string>;
@@ -53,59 +48,27 @@ class SameData : public ::testing::Test {
     ScratchFolder folder_;
 };
 
-TEST_F(SameData, OfMolecularDynamicsForAnyNumberOfThreads) {
+using Case24 = SameData;
+
+TEST_F(Case24, MolecularDynamicsGivesTheSameDataWithOneTwoAndEightThreads) {
     expect_same({"simulate", "md", "--grains", "1300", "--length-x", "9", "--length-y", "160",
                  "--periods", "6", "--snapshot-every", "2", "--order"},
                 "md");
 }
 
-TEST_F(SameData, OfAFieldRunForAnyNumberOfThreads) {
+TEST_F(Case24, AFieldRunGivesTheSameDataWithOneTwoAndEightThreads) {
     expect_same(
         {"simulate", "field", "--nx", "192", "--relax", "5", "--record", "20", "--store", "10"},
         "field");
 }
 
-TEST_F(SameData, OfTrackingAndItsAnalysisForAnyNumberOfThreads) {
+TEST_F(Case24, TrackingAndItsAnalysisGiveTheSameDataWithOneTwoAndEightThreads) {
     const ScratchFolder film;
     Words job{"track", "--fps", "25"};
     for (const std::string& frame : testing::write_disc_sequence(film, 4)) job.push_back(frame);
     expect_same(job, "tracks");
     expect_same({"analyze", folder_ / "tracks1.h5", "--observables", "q4,sk,variance,msd"},
                 "results");
-}
-
-TEST_F(SameData, AfterKillsAndResumption) {
-    const Words job{"simulate",   "md",   "--grains",         "400", "--length-x", "20.5",
-                    "--length-y", "20.5", "--snapshot-every", "7",   "--periods",  "120"};
-    const std::string whole = made_with("1", job, "whole");
-    const std::string output = folder_ / "killed.h5";
-    const Words resumed =
-        with(job, {"--threads", "2", "-o", output, "--resume", "--checkpoint-every", "0.001"});
-    for (int i = 0; i < 4; ++i) {
-        const Process process(program(resumed));
-        process.let_work(std::chrono::milliseconds(150), SIGINT);
-        process.send(SIGKILL);
-        process.wait();
-        if (std::filesystem::exists(output)) break;
-    }
-    const Outcome last = testing::run_grainfield(with(resumed, {"--force"}));
-    ASSERT_EQ(last.code, 0) << last.err;
-    EXPECT_EQ(fingerprint(output), fingerprint(whole));
-}
-
-// A run killed before its first checkpoint left nothing to go on from: it starts anew.
-TEST_F(SameData, AfterAKillBeforeTheFirstCheckpoint) {
-    const Words job{"simulate",   "md",   "--grains",  "400", "--length-x", "20.5",
-                    "--length-y", "20.5", "--periods", "60",  "-o",         folder_ / "a.h5",
-                    "--resume"};
-    const Process process(program(job));
-    process.let_work(std::chrono::milliseconds(100), SIGINT);
-    process.send(SIGKILL);
-    process.wait();
-    EXPECT_FALSE(std::filesystem::exists(folder_ / "a.h5.checkpoint"));
-    const Outcome again = testing::run_grainfield(job);
-    EXPECT_EQ(again.code, 0) << again.err;
-    EXPECT_EQ(folder_.entries(), 1U);
 }
 
 TEST_F(SameData, OfAnotherSeedHaveAnotherFingerprint) {

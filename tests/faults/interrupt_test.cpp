@@ -1,3 +1,4 @@
+// Case 17 of docs/reliability.md: SIGINT and SIGTERM are obeyed within two seconds.
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -34,10 +35,10 @@ std::vector<std::string> long_film(const ScratchFolder& folder, int frames) {
     return paths;
 }
 
-class InterruptedTracking : public ::testing::TestWithParam<int> {};
+class Case17 : public ::testing::TestWithParam<int> {};
 
-TEST_P(InterruptedTracking, KeepsTheFramesDoneSoFarUnderTheFinalName) {
-    constexpr int frames = 6000;
+TEST_P(Case17, TrackingStopsInTimeAndKeepsTheFramesDoneSoFarUnderTheFinalName) {
+    constexpr int frames = 3000;
     const ScratchFolder film, folder;
     std::vector<std::string> words{GRAINFIELD_PROGRAM, "track", "-o", folder / "tracks.h5",
                                    "--json"};
@@ -88,27 +89,47 @@ std::string long_table(const ScratchFolder& folder) {
     return path;
 }
 
-class InterruptedConversion : public ::testing::TestWithParam<const char*> {};
-
-TEST_P(InterruptedConversion, EndsInTimeAndWritesNothing) {
-    const ScratchFolder input, folder;
-    const std::string output = folder / (GetParam() == std::string("export") ? "x.csv" : "x.h5");
-    const Process process({GRAINFIELD_PROGRAM, GetParam(), long_table(input), "-o", output});
-    process.let_work(std::chrono::milliseconds(400), SIGTERM);
-    const auto start = std::chrono::steady_clock::now();
-    process.send(SIGTERM);
-    const Outcome outcome = process.wait();
-    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
-    EXPECT_EQ(outcome.code, 143) << outcome.err;
-    EXPECT_THAT(outcome.err, HasSubstr("x."));
-    EXPECT_THAT(outcome.err, HasSubstr("was not written"));
-    EXPECT_EQ(folder.entries(), 0U);
+TEST_P(Case17, ASimulationStopsInTimeAndLeavesACheckpoint) {
+    const std::vector<std::vector<std::string>> jobs{
+        {"simulate", "field", "--nx", "512", "--record", "1e5"},
+        {"simulate", "md", "--grains", "2000", "--length-x", "46", "--length-y", "46", "--periods",
+         "100000"}};
+    for (const auto& job : jobs) {
+        const ScratchFolder folder;
+        const Process process(
+            testing::program(testing::with(job, {"-o", folder / "f.h5", "--json"})));
+        process.let_work(std::chrono::milliseconds(700), GetParam());
+        const auto start = std::chrono::steady_clock::now();
+        process.send(GetParam());
+        const Outcome outcome = process.wait();
+        EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2)) << job[1];
+        EXPECT_EQ(outcome.code, 128 + GetParam()) << outcome.err;
+        EXPECT_THAT(outcome.err, HasSubstr("--resume goes on from there"));
+        EXPECT_TRUE(std::filesystem::exists(folder / "f.h5.checkpoint")) << job[1];
+        EXPECT_FALSE(std::filesystem::exists(folder / "f.h5")) << job[1];
+    }
 }
 
-INSTANTIATE_TEST_SUITE_P(ByCommand, InterruptedConversion, ::testing::Values("export", "analyze"),
-                         [](const auto& instance) { return std::string(instance.param); });
+TEST_P(Case17, AConversionStopsInTimeAndWritesNothing) {
+    const ScratchFolder input;
+    const std::string table = long_table(input);
+    for (const std::string command : {"export", "analyze"}) {
+        const ScratchFolder folder;
+        const std::string output = folder / (command == "export" ? "x.csv" : "x.h5");
+        const Process process({GRAINFIELD_PROGRAM, command, table, "-o", output});
+        process.let_work(std::chrono::milliseconds(400), GetParam());
+        const auto start = std::chrono::steady_clock::now();
+        process.send(GetParam());
+        const Outcome outcome = process.wait();
+        EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2)) << command;
+        EXPECT_EQ(outcome.code, 128 + GetParam()) << outcome.err;
+        EXPECT_THAT(outcome.err, HasSubstr("x."));
+        EXPECT_THAT(outcome.err, HasSubstr("was not written"));
+        EXPECT_EQ(folder.entries(), 0U);
+    }
+}
 
-INSTANTIATE_TEST_SUITE_P(BySignal, InterruptedTracking, ::testing::Values(SIGINT, SIGTERM),
+INSTANTIATE_TEST_SUITE_P(BySignal, Case17, ::testing::Values(SIGINT, SIGTERM),
                          [](const auto& instance) {
                              return instance.param == SIGINT ? std::string("Interrupt")
                                                              : std::string("Terminate");
