@@ -85,7 +85,8 @@ TEST_F(Configuration, ExplainTellsThePlanAndWritesNothing) {
 }
 
 TEST_F(Configuration, QuietPrintsNothingAndVerboseListsTheStages) {
-    const Outcome quiet = track({"-o", folder_ / "a.h5", "--quiet", "--sphere-diameter", "10"});
+    const Outcome quiet =
+        track({"-o", folder_ / "a.h5", "--quiet", "--sphere-diameter", "10", "--fps", "25"});
     EXPECT_EQ(quiet.code, 0);
     EXPECT_EQ(quiet.out + quiet.err, "");
     const Outcome normal = track({"-o", folder_ / "b.h5"});

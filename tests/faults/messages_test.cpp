@@ -65,6 +65,10 @@ TEST(Case19, ASecondWriterIsRefusedAndNotToldOfAnInterruptedRun) {
     EXPECT_EQ(second.code, 4);
     EXPECT_THAT(second.err,
                 AllOf(HasSubstr("another run is writing it"), Not(HasSubstr("interrupted"))));
+    const Outcome forced = testing::run_grainfield(
+        {"simulate", "field", "--nx", "64", "--record", "10", "--force", "-o", folder / "x.h5"});
+    EXPECT_EQ(forced.code, 4) << "--force does not take the file from a run that writes it";
+    EXPECT_THAT(forced.err, HasSubstr("another run is writing it"));
     first.send(SIGTERM);
     EXPECT_EQ(first.wait().code, 143);
     const Outcome third = testing::run_grainfield(job);
