@@ -96,7 +96,8 @@ TEST_F(Run, TracksThatWereCutOffDoNotPassForDone) {
         process.let_work(std::chrono::milliseconds(wait), SIGINT);
         process.send(SIGINT);
         outcome = process.wait();
-        if (outcome.code == 130 && fs::exists(fs::path(cut) / "tracks.h5")) break;
+        // Cut off in tracking, and not later.
+        if (outcome.code == 130 && fs::exists(fs::path(cut) / "tracks.h5.checkpoint")) break;
         fs::remove_all(cut);
     }
     ASSERT_EQ(outcome.code, 130) << outcome.err;

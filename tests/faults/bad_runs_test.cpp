@@ -92,8 +92,8 @@ TEST(Case21, AFitOfACurveThatIsImpossibleGivesAReasonAndNoNumber) {
         }
     }
     file.close();
-    const Outcome outcome = run_grainfield(
-        {"analyze", folder / "points.csv", "-o", folder / "r.h5", "--box", "10,10", "--json"});
+    const Outcome outcome = run_grainfield({"analyze", folder / "points.csv", "-o", folder / "r.h5",
+                                            "--box", "10,10", "--sphere-diameter", "1", "--json"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     const json fit = json::parse(outcome.out)["fit"];
     EXPECT_FALSE(fit.contains("value")) << fit;
@@ -148,8 +148,9 @@ TEST(Case23, TooFewFramesOrParticlesGiveAReasonInPlaceOfANumber) {
     for (const char* rows : {"0,0,5,5\n", "0,0,5,5\n0,1,6,5\n", "0,0,5,5\n1,0,5,6\n"}) {
         const ScratchFolder folder;
         std::ofstream(folder / "points.csv") << "frame,particle,x,y\n" << rows;
-        const Outcome outcome = run_grainfield(
-            {"analyze", folder / "points.csv", "-o", folder / "r.h5", "--box", "10,10", "--json"});
+        const Outcome outcome =
+            run_grainfield({"analyze", folder / "points.csv", "-o", folder / "r.h5", "--box",
+                            "10,10", "--sphere-diameter", "1", "--json"});
         ASSERT_EQ(outcome.code, 0) << outcome.err;
         const json summary = json::parse(outcome.out);
         for (const char* name : {"q4", "phase", "msd", "sk", "s4", "variance", "fit"}) {
@@ -166,8 +167,8 @@ TEST(Case23, TooFewFramesOrParticlesGiveAReasonInPlaceOfANumber) {
     }
     const ScratchFolder folder;
     std::ofstream(folder / "points.csv") << "frame,particle,x,y\n";
-    const Outcome none = run_grainfield(
-        {"analyze", folder / "points.csv", "-o", folder / "r.h5", "--box", "10,10", "--json"});
+    const Outcome none = run_grainfield({"analyze", folder / "points.csv", "-o", folder / "r.h5",
+                                         "--box", "10,10", "--sphere-diameter", "1", "--json"});
     EXPECT_EQ(none.code, 0) << none.err;
     EXPECT_THAT(none.err, HasSubstr("points.csv' has no particles"));
     const json summary = json::parse(none.out);

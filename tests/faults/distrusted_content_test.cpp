@@ -177,7 +177,7 @@ TEST_F(Case14, ScriptInNamesOrConfigurationIsInertInTheReport) {
         const std::string results = folder_ / "results.h5";
         const Outcome analysis =
             run_grainfield({"analyze", write(name, points), "-o", results, "--force", "-c",
-                            folder_ / "run.toml", "--box", "10,10"});
+                            folder_ / "run.toml", "--box", "10,10", "--sphere-diameter", "1"});
         ASSERT_EQ(analysis.code, 0) << analysis.err;
         const Outcome report = run_grainfield({"compare", results, "-o", out_ / "r.html", "--title",
                                                label, "--no-figures", "--force"});
