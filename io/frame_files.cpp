@@ -12,7 +12,7 @@
 #include "io/images/picture.h"
 #include "io/images/picture_folder.h"
 #include "io/input_file.h"
-#include "io/recording.h"
+#include "io/joined_films.h"
 #include "io/video/lossless_video.h"
 #include "io/video/video_frames.h"
 

@@ -14,8 +14,8 @@
 #include "core/support/progress.h"
 #include "io/frame_files.h"
 #include "io/h5/trajectory_file.h"
+#include "io/joined_films.h"
 #include "io/open_snapshots.h"
-#include "io/recording.h"
 #include "io/video/colour_video.h"
 #include "report/maps/overlay.h"
 

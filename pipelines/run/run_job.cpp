@@ -11,7 +11,7 @@
 #include "core/support/interrupt.h"
 #include "io/h5/results_file.h"
 #include "io/h5/trajectory_file.h"
-#include "io/recording.h"
+#include "io/joined_films.h"
 #include "pipelines/configuration.h"
 #include "pipelines/overlay/overlay_job.h"
 #include "pipelines/page/report_page.h"

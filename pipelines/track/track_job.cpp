@@ -10,7 +10,7 @@
 #include "core/support/interrupt.h"
 #include "io/h5/snapshot_log.h"
 #include "io/input_record.h"
-#include "io/recording.h"
+#include "io/joined_films.h"
 #include "pipelines/analyze/lengths.h"
 #include "pipelines/interrupt_deadline.h"
 #include "pipelines/track/calibration_file.h"

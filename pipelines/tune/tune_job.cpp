@@ -9,7 +9,7 @@
 #include "analysis/order/bond_order.h"
 #include "core/errors.h"
 #include "core/support/interrupt.h"
-#include "io/recording.h"
+#include "io/joined_films.h"
 #include "pipelines/page/report_page.h"
 #include "pipelines/tune/tune_candidates.h"
 #include "pipelines/tune/tune_report.h"

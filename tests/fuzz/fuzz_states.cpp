@@ -10,7 +10,7 @@
 #include "tracking/calibrate/illumination.h"
 #include "tracking/layers/bilayer.h"
 #include "tracking/synthesis/film_synthesis.h"
-#include "tracking/tracker_checkpoint.h"
+#include "tracking/tracker_state.h"
 
 namespace grainfield::fuzz {
 

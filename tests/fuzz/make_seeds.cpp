@@ -31,7 +31,7 @@
 #include "tracking/layers/bilayer.h"
 #include "tracking/model/known_models.h"
 #include "tracking/synthesis/film_synthesis.h"
-#include "tracking/tracker_checkpoint.h"
+#include "tracking/tracker_state.h"
 
 namespace grainfield::fuzz {
 namespace {

@@ -9,7 +9,7 @@
 #include "core/errors.h"
 #include "core/support/random.h"
 #include "io/frame_files.h"
-#include "io/recording.h"
+#include "io/joined_films.h"
 #include "tests/io/picture_files.h"
 
 namespace grainfield::io {

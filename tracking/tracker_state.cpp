@@ -1,4 +1,4 @@
-#include "tracking/tracker_checkpoint.h"
+#include "tracking/tracker_state.h"
 
 #include <string>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "io/recording.h"
+#include "io/joined_films.h"
 
 #include <algorithm>
 #include <array>
