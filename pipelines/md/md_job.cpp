@@ -245,8 +245,8 @@ MdJobResult run_md(const MdJobOptions& given, Job& job) {
     job.outputs.push_back(resumable.checkpoint_path());
     const double done = simulation.periods_done();
     std::string text = resumable.interrupted(done, options.md.run.periods, "periods");
-    if (done < options.md.run.periods) {
-        text += fmt::format(", and with run.periods = {:g} writes what there is", done);
+    if (done < options.md.run.periods && simulation.settled_snapshots() > 0) {
+        text += fmt::format(", and with run.periods = {:.10g} writes what there is", done);
     }
     job.plan.warn(std::move(text));
     result.signal = caught_signal();

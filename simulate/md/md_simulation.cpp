@@ -358,13 +358,13 @@ void MdSimulation::restore(const Checkpoint& c, const std::string& file) {
     const double done = from.reals("periods", 1)[0];
     const auto settled = static_cast<double>(progress[0] * window_length(n));
     if (options_.run.periods < done) {
-        from.refuse("periods", fmt::format("{:g} periods are done", done),
-                    fmt::format("at most the {:g} of run.periods", options_.run.periods));
+        from.refuse("periods", fmt::format("{:.10g} periods are done", done),
+                    fmt::format("at most the {:.10g} of run.periods", options_.run.periods));
     }
     // The last window of a run ends with it. What follows would be cut into others.
     if (done != settled && options_.run.periods != done) {
-        from.refuse("periods", fmt::format("the run ended after {:g} periods", done),
-                    fmt::format("run.periods = {:g}", done));
+        from.refuse("periods", fmt::format("the run ended after {:.10g} periods", done),
+                    fmt::format("run.periods = {:.10g}", done));
     }
     const auto& series = from.reals("series");
     MdSeries restored(system_, static_cast<std::int64_t>(n));

@@ -20,6 +20,7 @@ namespace {
 using nlohmann::json;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using testing::Outcome;
 using testing::Process;
 using testing::program;
@@ -205,7 +206,7 @@ TEST(SimulateMd, ThatWasStoppedMayEndWhereItStands) {
     const Outcome stopped = process.wait();
     ASSERT_EQ(stopped.code, 130) << stopped.err;
     const json before = json::parse(stopped.out);
-    const std::string periods = fmt::format("{:.17g}", before["periods"].get<double>());
+    const std::string periods = fmt::format("{:.10g}", before["periods"].get<double>());
     EXPECT_THAT(stopped.err, HasSubstr("with --periods = " + periods + " writes what there is"));
     const Outcome ended =
         testing::run_grainfield(with(small_run(folder / "cut.h5", periods), {"--resume"}));
@@ -306,10 +307,8 @@ TEST(SimulateMd, StopsWithinAWindowThatLastsLong) {
     const Outcome outcome = process.wait();
     EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
     EXPECT_EQ(outcome.code, 143) << outcome.err;
-    EXPECT_THAT(
-        outcome.err,
-        HasSubstr("interrupted after 0 of 20 periods; --resume goes on from there, and with "
-                  "--periods = 0 writes what there is"));
+    EXPECT_THAT(outcome.err, HasSubstr("interrupted after 0 of 20 periods; --resume goes on"));
+    EXPECT_THAT(outcome.err, Not(HasSubstr("writes what there is"))) << "there is nothing";
     EXPECT_TRUE(std::filesystem::exists(folder / "a.h5.checkpoint"));
 }
 

@@ -97,12 +97,14 @@ TEST(CriticalJob, SaysHowMuchLongerARunWithoutARiseWouldHaveToBe) {
     const std::vector<std::filesystem::path> inputs{
         write_run(folder / "a.h5", 6), write_run(folder / "b.h5", 7),
         write_run(folder / "weak.h5", 8, true, {}, Measurement{"s1", "-", 0.2, 0.5, 100, ""}),
-        write_run(folder / "falling.h5", 9, true, {}, Measurement{"s1", "-", -1, 0.5, 100, ""})};
-    const Found found = find(folder, inputs, by_value({6, 7, 8, 9}));
+        write_run(folder / "falling.h5", 9, true, {}, Measurement{"s1", "-", -2, 0.5, 100, ""}),
+        write_run(folder / "unknown.h5", 10, true, {}, Measurement{"s1", "-", -1, 0.6, 100, ""})};
+    const Found found = find(folder, inputs, by_value({6, 7, 8, 9, 10}));
     EXPECT_EQ(found.result.runs, 2U);
-    ASSERT_EQ(found.warnings.size(), 2U);
+    ASSERT_EQ(found.warnings.size(), 3U);
     EXPECT_THAT(found.warnings[0], HasSubstr("S1 = 0.2 ± 0.5; a run 25 times as long"));
-    EXPECT_THAT(found.warnings[1], HasSubstr("S1 = -1 ± 0.5, where 1 would be seen"));
+    EXPECT_THAT(found.warnings[1], HasSubstr("S1 = -2 ± 0.5; S falls"));
+    EXPECT_THAT(found.warnings[2], HasSubstr("four times as long would show an S1 of 0.6"));
 }
 
 TEST(CriticalJob, SaysWhatIsWrongWithTheControlParameter) {
