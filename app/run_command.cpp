@@ -24,7 +24,7 @@ std::string words(const pipelines::RunJobResult& result, const pipelines::TrackJ
         const auto source = options.film.fps  ? pipelines::RateSource::given
                             : info.frame_rate ? pipelines::RateSource::file
                                               : pipelines::RateSource::unknown;
-        text += report::verdict(*result.results, 0) + "\n";
+        text += report::verdict(*result.results, std::nullopt) + "\n";
         text += pipelines::units_in_words(info, source, options.lab, session.plan);
     }
     for (const pipelines::RunStage& stage : result.stages) {

@@ -239,7 +239,7 @@ std::string cards_html(const std::vector<Card>& cards, const std::vector<std::st
     return out + "</section>\n";
 }
 
-std::string verdict(const Results& run, std::size_t places) {
+std::string verdict(const Results& run, std::optional<std::size_t> places) {
     if (run.identity.role == RunRole::critical_point) return "critical point";
     if (run.identity.is_field()) return "fields";
     std::string text =
@@ -252,9 +252,9 @@ std::string verdict(const Results& run, std::size_t places) {
                                                                : "poor";
         text += fmt::format("; residual {:.3f}, {}", *residual->value, word);
     }
-    if (places > 0) {
-        text += fmt::format("; {} place{} to look at", places, places == 1 ? "" : "s");
-    } else if (residual != nullptr) {
+    if (places && *places > 0) {
+        text += fmt::format("; {} place{} to look at", *places, *places == 1 ? "" : "s");
+    } else if (places && residual != nullptr) {
         text += "; no place stands out";
     }
     return text;

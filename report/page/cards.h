@@ -32,8 +32,8 @@ std::string cards_html(const std::vector<Card>& cards, const std::vector<std::st
 
 /// One sentence: "10,314 spheres a frame; residual 0.059, good; 3 places to look at". A residual up
 /// to 0.07 of the contrast is good, up to 0.12 fair, poor beyond; only frames of a camera have one.
-/// `places`: of all maps of the run.
-std::string verdict(const Results& run, std::size_t places);
+/// `places`: of all maps of the run; where none was drawn they are not known, and not spoken of.
+std::string verdict(const Results& run, std::optional<std::size_t> places);
 
 /// The file that the run began with: "layer.avi", "frame_0000.tif and 30 more".
 std::string first_file(const Results& run);

@@ -88,6 +88,7 @@ TEST(Verdict, JudgesTheResidualAndCountsPlaces) {
     run.particles_mean = 10274.2;
     EXPECT_EQ(verdict(run, 3), "10,274 spheres a frame; residual 0.059, good; 3 places to look at");
     EXPECT_EQ(verdict(run, 0), "10,274 spheres a frame; residual 0.059, good; no place stands out");
+    EXPECT_EQ(verdict(run, std::nullopt), "10,274 spheres a frame; residual 0.059, good");
     run.observables.back().measurements[1].value = 0.1;
     EXPECT_THAT(verdict(run, 1), HasSubstr("0.100, fair; 1 place to look at"));
     run.observables.back().measurements[1].value = 0.2;
