@@ -25,6 +25,7 @@ VIDEO_FRAME = 4_000_000
 # A thick layer has 1.2 spheres per a^2; where a is not given, a sphere is about 150 pixels.
 SPHERES_PER_A2 = 1.2
 PIXELS_A_SPHERE = 150
+DIAMETERS = ("--sphere-diameter", "--disc-diameter", "--diameter")  # [px], with the unit or without
 
 
 class TableError(ValueError):
@@ -94,7 +95,7 @@ class Run:
         for word, value in itertools.pairwise([*self.track, ""]):
             name, _, given = word.partition("=")
             try:
-                if name in ("--sphere-diameter", "--disc-diameter") and (a := float(given or value)) > 0:
+                if name in DIAMETERS and (a := float((given or value).strip().removesuffix("px"))) > 0:
                     return SPHERES_PER_A2 * pixels / a**2
             except ValueError:
                 pass  # the program says what is wrong with it

@@ -109,7 +109,9 @@ class TheTable(WithFilms):
     def test_spheres_are_counted_by_the_diameter_that_is_given(self):
         for options, expected in [("--sphere-diameter 20", 1.2 * 10000 / 400), ("--sphere-diameter=10", 120),
                                   ("--fps 25 --disc-diameter 10 --memory 3", 120), ("--fps 25", 10000 / 150),
-                                  ("--sphere-diameter", 10000 / 150), ("--sphere-diameter wide", 10000 / 150)]:
+                                  ("--sphere-diameter 10px", 120), ("--sphere-diameter='20 px'", 30), ("--diameter=10px", 120),
+                                  ("--sphere-diameter", 10000 / 150), ("--sphere-diameter wide", 10000 / 150),
+                                  ("--sphere-diameter px", 10000 / 150)]:
             (run,) = self.read(f"film,track\nslow.avi,{options}\n")
             self.assertAlmostEqual(run.spheres(10000), expected, msg=options)
 
