@@ -3,8 +3,10 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -43,6 +45,13 @@ class Command {
 
     /// Tables bound to the command's own fields; called once.
     virtual std::vector<OptionTable> options() = 0;
+
+    /// The text of an option on the command line; empty if it is not there.
+    using GivenText =
+        std::function<std::string(std::string_view section, std::string_view name)>;
+    /// Called when the options file is read, before the command line is: empties what the file
+    /// says and the command line contradicts in other words.
+    virtual void make_room_for(const GivenText& /*given*/) {}
     virtual Summary run(Session& session) = 0;
 };
 

@@ -126,7 +126,12 @@ class BoundCommand {
     Summary run(Session& session) {
         refuse_unknown_words();
         require_inputs();
-        if (!config_.empty()) apply_config_file(config_, options_);
+        if (!config_.empty()) {
+            apply_config_file(config_, options_);
+            command_->make_room_for([this](std::string_view section, std::string_view name) {
+                return given_text(section, name);
+            });
+        }
         for (std::size_t i = 0; i < given_.size(); ++i) {
             if (given_[i]->count() == 0) continue;
             options_.entries()[i].option.set_from_text(given_[i]->results().back());
@@ -160,6 +165,15 @@ class BoundCommand {
         if (option.kind != OptionKind::flag) added->type_name(value_name(option));
         added->description(help_text(option))->group(group_name(entry));
         given_.push_back(added);
+    }
+
+    std::string given_text(std::string_view section, std::string_view name) const {
+        for (std::size_t i = 0; i < given_.size(); ++i) {
+            const OptionSet::Entry& entry = options_.entries()[i];
+            if (entry.section != section || entry.option.name != name) continue;
+            if (given_[i]->count() > 0) return given_[i]->results().back();
+        }
+        return {};
     }
 
     void require_inputs() const {

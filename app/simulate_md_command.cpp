@@ -96,6 +96,14 @@ std::vector<OptionTable> SimulateMdCommand::options() {
     return tables;
 }
 
+void SimulateMdCommand::make_room_for(const GivenText& given) {
+    using Given = simulate::VibrationOptions::Given;
+    job_.md.vibration.make_room_for([&](const std::string& name) {
+        const std::string text = given("vibration", name);
+        return text.empty() ? Given::no : text == automatic ? Given::as_auto : Given::as_value;
+    });
+}
+
 Summary SimulateMdCommand::run(Session& session) {
     job_.output = output_;
     job_.resume.every = std::chrono::duration<double>(60 * checkpoint_every_);

@@ -12,6 +12,9 @@ namespace grainfield::simulate {
 
 namespace {
 
+constexpr Range kAmplitudes{0, 1e3};          // [a]
+constexpr Range kAngularFrequencies{0, 1e4};  // [sqrt(g/a)]
+
 OptionTable describe(CellOptions& o) {
     OptionTable t("cell");
     t.integer("grains", o.grains, "-", {0, 100'000'000}, "number of grains");
@@ -30,9 +33,9 @@ OptionTable describe(CellOptions& o) {
 
 OptionTable describe(VibrationOptions& o) {
     OptionTable t("vibration");
-    t.number("amplitude", o.amplitude, "a", {0, 1e3},
+    t.number("amplitude", o.amplitude, "a", kAmplitudes,
              "amplitude A of both plates, z = A sin ωt; auto: from gamma or amplitude-mm, or 0.08");
-    t.number("angular-frequency", o.angular_frequency, "sqrt(g/a)", {0, 1e4},
+    t.number("angular-frequency", o.angular_frequency, "sqrt(g/a)", kAngularFrequencies,
              "angular frequency ω of the plates; auto: from gamma or frequency, or 5");
     t.number("gamma", o.lab.gamma, "-", {0, 1e6},
              "acceleration A omega^2/g, in place of amplitude or frequency");
@@ -118,6 +121,16 @@ std::optional<double> one_of(const std::string& quantity, const char* name,
     return own ? own : lab;
 }
 
+/// Of a quantity that follows from others: `given` names them with their values.
+void require_in_range(const char* quantity, double derived, const Range& range,
+                      const std::string& given) {
+    if (derived >= range.minimum && derived <= range.maximum) return;
+    throw OptionError({.problem = fmt::format("{} makes {} {:.6g}", given, quantity, derived),
+                       .actual = {},
+                       .expected = fmt::format("{:g} … {:g}", range.minimum, range.maximum),
+                       .suggestion = "check the units: a is the diameter of a sphere"});
+}
+
 }  // namespace
 
 VibrationOptions::Motion VibrationOptions::motion(double gravity) const {
@@ -128,9 +141,17 @@ VibrationOptions::Motion VibrationOptions::motion(double gravity) const {
                            .expected = "a [mm]",
                            .suggestion = "or give vibration.gamma, which needs no scale"});
     }
-    if (lab.amplitude_mm) lab_amplitude = *lab.amplitude_mm / *lab.sphere_mm;
+    if (lab.amplitude_mm) {
+        lab_amplitude = *lab.amplitude_mm / *lab.sphere_mm;
+        require_in_range("an amplitude [a] of", *lab_amplitude, kAmplitudes,
+                         fmt::format("vibration.amplitude-mm {:g} with vibration.diameter-mm {:g}",
+                                     *lab.amplitude_mm, *lab.sphere_mm));
+    }
     if (lab.frequency) {
         lab_omega = 2 * M_PI * *lab.frequency * seconds_of_time_unit(*lab.sphere_mm);
+        require_in_range("an angular frequency [sqrt(g/a)] of", *lab_omega, kAngularFrequencies,
+                         fmt::format("vibration.frequency {:g} with vibration.diameter-mm {:g}",
+                                     *lab.frequency, *lab.sphere_mm));
     }
     const auto a = one_of("the amplitude of the plates [a]", "vibration.amplitude", amplitude,
                           "vibration.amplitude-mm", lab_amplitude);
@@ -150,11 +171,40 @@ VibrationOptions::Motion VibrationOptions::motion(double gravity) const {
     }
     if (a) {
         if (!(*a > 0)) refuse_gamma(gamma, "the amplitude is 0", "an amplitude above 0");
-        return {*a, std::sqrt(gamma * gravity / *a)};
+        const double follows = std::sqrt(gamma * gravity / *a);
+        require_in_range("an angular frequency [sqrt(g/a)] of", follows, kAngularFrequencies,
+                         fmt::format("vibration.gamma {:g} with an amplitude of {:g} a", gamma, *a));
+        return {*a, follows};
     }
     const double w = omega.value_or(kUsualAngularFrequency);
     if (!(w > 0)) refuse_gamma(gamma, "the angular frequency is 0", "a frequency above 0");
-    return {gamma * gravity / (w * w), w};
+    const double follows = gamma * gravity / (w * w);
+    require_in_range(
+        "an amplitude [a] of", follows, kAmplitudes,
+        fmt::format("vibration.gamma {:g} with an angular frequency of {:g} sqrt(g/a)", gamma, w));
+    return {follows, w};
+}
+
+void VibrationOptions::make_room_for(const std::function<Given(const std::string& name)>& given) {
+    const auto is_given = [&](const char* name) { return given(name) == Given::as_value; };
+    const bool has_amplitude = is_given("amplitude") || is_given("amplitude-mm");
+    const bool has_frequency = is_given("angular-frequency") || is_given("frequency");
+    const auto drop_amplitude = [&] { amplitude = lab.amplitude_mm = std::nullopt; };
+    const auto drop_frequency = [&] { angular_frequency = lab.frequency = std::nullopt; };
+    if (is_given("gamma")) {
+        const bool frequency_follows =
+            has_amplitude || given("angular-frequency") == Given::as_auto;
+        frequency_follows ? drop_frequency() : drop_amplitude();
+    } else if ((has_amplitude && (has_frequency || angular_frequency || lab.frequency)) ||
+               (has_frequency && (amplitude || lab.amplitude_mm))) {
+        lab.gamma.reset();
+    }
+    if (has_amplitude) drop_amplitude();
+    if (has_frequency) drop_frequency();
+    if (is_given("diameter-mm")) {  // mm and Hz are another motion now
+        if (lab.amplitude_mm) amplitude.reset();
+        if (lab.frequency) angular_frequency.reset();
+    }
 }
 
 MdSystem MdOptions::system() const {

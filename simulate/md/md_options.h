@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -38,8 +39,14 @@ struct VibrationOptions {
     /// A and ω. With Γ and one of them the other follows from Γ = Aω²/g; with Γ alone, A with ω
     /// = 5. Hz and mm count through lab.sphere_mm. `gravity`: of the cell [g]. Throws OptionError
     /// for statements that contradict each other, with both values, and for lab units without
-    /// lab.sphere_mm.
+    /// lab.sphere_mm, and where what follows is out of the range of its option.
     Motion motion(double gravity) const;
+
+    /// How the option of this name is given where it wins over the values held here.
+    enum class Given { no, as_auto, as_value };
+    /// Empties what the options that are about to be set would contradict. Γ takes the place of
+    /// the amplitude, or of the frequency where an amplitude is given with it.
+    void make_room_for(const std::function<Given(const std::string& name)>& given);
 };
 
 struct InitialOptions {

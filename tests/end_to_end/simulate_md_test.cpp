@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <string>
 #include <thread>
@@ -141,6 +142,29 @@ TEST(SimulateMd, TakesTheVibrationInTheUnitsOfALab) {
     const Outcome no_scale = testing::run_grainfield(with(run, {"--frequency", "80"}));
     EXPECT_EQ(no_scale.code, 2);
     EXPECT_THAT(no_scale.err, HasSubstr("--diameter-mm is not given"));
+}
+
+TEST(SimulateMd, TakesGammaOfTheCommandLineWithAFileThatHasAmplitudeAndFrequency) {
+    const ScratchFolder folder;
+    const std::vector<std::string> plan{
+        "simulate", "md", "--explain", "-c", GRAINFIELD_SOURCE_DIR "/data-samples/md-small.toml"};
+    const Outcome gamma = testing::run_grainfield(with(plan, {"--gamma", "4.7"}));
+    ASSERT_EQ(gamma.code, 0) << gamma.err;
+    EXPECT_THAT(gamma.out, HasSubstr("A = 0.188 a, ω = 5 sqrt(g/a), Γ = 4.7"));
+    const Outcome lab =
+        testing::run_grainfield(with(plan, {"--frequency", "80", "--sphere-mm", "1"}));
+    ASSERT_EQ(lab.code, 0) << lab.err;
+    EXPECT_THAT(lab.out, HasSubstr("A = 0.08 a, ω = 5.07586"));
+    const Outcome both = testing::run_grainfield(
+        with(plan, {"--gamma", "4.7", "--amplitude", "0.1", "--angular-frequency", "5"}));
+    EXPECT_EQ(both.code, 2) << "all of it on the command line";
+    EXPECT_THAT(both.err, AllOf(HasSubstr("--gamma: 4.7"), HasSubstr(": 2.5")));
+    std::ofstream(folder / "both.toml")
+        << "[vibration]\namplitude = 0.1\nangular-frequency = 5\ngamma = 4.7\n";
+    const Outcome file =
+        testing::run_grainfield({"simulate", "md", "--explain", "-c", folder / "both.toml"});
+    EXPECT_EQ(file.code, 2) << file.out;
+    EXPECT_THAT(file.err, HasSubstr("--gamma: 4.7")) << "all of it in the file";
 }
 
 TEST(SimulateMd, SaysBeforeItRunsThatNoSnapshotWillBeWritten) {

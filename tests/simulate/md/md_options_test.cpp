@@ -1,6 +1,9 @@
 #include "simulate/md/md_options.h"
 
 #include <cmath>
+#include <map>
+#include <optional>
+#include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -72,6 +75,67 @@ TEST(VibrationOptions, ThatContradictEachOtherAreRefusedWithBothValues) {
     EXPECT_THAT([&] { two.motion(1); },
                 ThrowsMessage<OptionError>(AllOf(HasSubstr("vibration.amplitude: 0.08"),
                                                  HasSubstr("vibration.amplitude-mm: 0.1"))));
+}
+
+TEST(VibrationOptions, ThatFollowFromOthersKeepTheRangesOfTheirOptions) {
+    VibrationOptions mm;
+    mm.lab = {.sphere_mm = 0.5, .gamma = {}, .frequency = {}, .amplitude_mm = 600};
+    EXPECT_THAT([&] { mm.motion(1); },
+                ThrowsMessage<OptionError>(
+                    AllOf(HasSubstr("vibration.amplitude-mm 600"), HasSubstr("of 1200"))));
+    VibrationOptions hz;
+    hz.lab = {.sphere_mm = 1, .gamma = {}, .frequency = 1e6, .amplitude_mm = {}};
+    EXPECT_THAT([&] { hz.motion(1); },
+                ThrowsMessage<OptionError>(
+                    AllOf(HasSubstr("vibration.frequency 1e+06"), HasSubstr("of 63448"))));
+    VibrationOptions gamma;
+    gamma.lab.gamma = 1e6;
+    EXPECT_THAT([&] { gamma.motion(1); },
+                ThrowsMessage<OptionError>(
+                    AllOf(HasSubstr("vibration.gamma 1e+06"), HasSubstr("of 40000"))));
+    gamma.amplitude = 1e-6;
+    EXPECT_THAT([&] { gamma.motion(1); },
+                ThrowsMessage<OptionError>(
+                    AllOf(HasSubstr("vibration.gamma 1e+06"), HasSubstr("of 1e+06"))));
+}
+
+using Given = VibrationOptions::Given;
+
+/// As when these are on the command line, and `held` is what a file said.
+VibrationOptions with_room(VibrationOptions held, const std::map<std::string, Given>& given) {
+    held.make_room_for([&](const std::string& name) {
+        const auto found = given.find(name);
+        return found == given.end() ? Given::no : found->second;
+    });
+    return held;
+}
+
+TEST(VibrationOptions, MakeRoomForWhatContradictsThem) {
+    VibrationOptions both;
+    both.amplitude = 0.1;
+    both.angular_frequency = 7;
+    const VibrationOptions for_gamma = with_room(both, {{"gamma", Given::as_value}});
+    EXPECT_EQ(for_gamma.amplitude, std::nullopt);
+    EXPECT_EQ(for_gamma.angular_frequency, 7);
+    const std::map<std::string, Given> by_frequency{{"gamma", Given::as_value},
+                                                    {"angular-frequency", Given::as_auto}};
+    EXPECT_EQ(with_room(both, by_frequency).amplitude, 0.1);
+    EXPECT_EQ(with_room(both, by_frequency).angular_frequency, std::nullopt);
+    const VibrationOptions for_mm = with_room(both, {{"amplitude-mm", Given::as_value}});
+    EXPECT_EQ(for_mm.amplitude, std::nullopt);
+    EXPECT_EQ(for_mm.angular_frequency, 7);
+    EXPECT_EQ(with_room(both, {{"frequency", Given::as_value}}).angular_frequency, std::nullopt);
+    EXPECT_EQ(with_room(both, {}).amplitude, 0.1);
+}
+
+TEST(VibrationOptions, GammaMakesRoomForAmplitudeAndFrequency) {
+    VibrationOptions held;
+    held.lab.gamma = 3;
+    const VibrationOptions alone = with_room(held, {{"amplitude", Given::as_value}});
+    EXPECT_EQ(alone.lab.gamma, 3) << "the frequency follows";
+    held.angular_frequency = 7;
+    EXPECT_EQ(with_room(held, {{"amplitude", Given::as_value}}).lab.gamma, std::nullopt);
+    EXPECT_EQ(with_room(held, {{"frequency", Given::as_value}}).lab.gamma, 3);
 }
 
 TEST(VibrationOptions, OfALabNeedTheSphereAndGravity) {
