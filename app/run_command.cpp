@@ -25,7 +25,7 @@ std::string words(const pipelines::RunJobResult& result, const pipelines::TrackJ
                             : info.frame_rate ? pipelines::RateSource::file
                                               : pipelines::RateSource::unknown;
         text += report::verdict(*result.results, std::nullopt) + "\n";
-        text += pipelines::units_in_words(info, source, options.lab, session.plan);
+        text += pipelines::units_in_words(info, source, result.lab, session.plan);
     }
     for (const pipelines::RunStage& stage : result.stages) {
         text += fmt::format("  {:<10} {}{}\n", stage.name, stage.file.string(),
@@ -74,7 +74,7 @@ std::vector<OptionTable> RunCommand::options() {
 Summary RunCommand::run(Session& session) {
     pipelines::RunJobOptions job = job_;
     job.folder = folder_.empty() ? pipelines::default_folder(session.inputs).string() : folder_;
-    // Tracks that were made before are kept: what they say of the lab is said again.
+    // Tracks that are kept say the same, or the run is refused.
     job.report.sphere_mm = job.track.lab.sphere_mm;
     job.analyze.adjustment.acceleration = job.track.lab.acceleration();
     job.track.resume.every = std::chrono::duration<double>(60 * checkpoint_every_);

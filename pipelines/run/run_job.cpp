@@ -13,6 +13,7 @@
 #include "io/h5/trajectory_file.h"
 #include "io/joined_films.h"
 #include "pipelines/configuration.h"
+#include "pipelines/lab.h"
 #include "pipelines/overlay/overlay_job.h"
 #include "pipelines/page/report_page.h"
 
@@ -116,6 +117,37 @@ std::string difference(const RunRecord& made, const RunRecord& wanted) {
     return "other options";
 }
 
+/// What the tracks say of the lab otherwise than what is given now; empty if they do not. Nothing
+/// can be added to tracks that are kept.
+std::string lab_difference(const io::TrajectoryFile& tracks, const LabUnits& given) {
+    const LabUnits stored = lab_units_in(tracks.curves());
+    const auto& control = tracks.info().control;
+    const bool has_gamma = control && control->parameter == ControlParameter::acceleration;
+    const std::optional<double> gamma =
+        has_gamma ? std::optional<double>(control->value) : std::nullopt;
+    const auto said = [](const char* what, const std::optional<double>& now,
+                         const std::optional<double>& then) -> std::string {
+        if (!now || now == then) return {};
+        return fmt::format("{} is {:g}, was {}", what, *now,
+                           then ? fmt::format("{:g}", *then) : "not given");
+    };
+    for (const std::string& difference :
+         {said("option 'sphere-mm'", given.sphere_mm, stored.sphere_mm),
+          said("option 'vibration-frequency'", given.frequency, stored.frequency),
+          said("option 'amplitude-mm'", given.amplitude_mm, stored.amplitude_mm),
+          said(given.gamma ? "option 'gamma'" : "Γ", given.acceleration(), gamma)}) {
+        if (!difference.empty()) return difference;
+    }
+    return {};
+}
+
+[[noreturn]] void refuse_to_replace(const fs::path& tracks, const std::string& difference) {
+    throw OutputError(
+        ErrorText{fmt::format("'{}' holds tracks that were made otherwise", tracks.string()),
+                  difference, "the same film and options",
+                  "choose another folder, or give option 'force' to replace them"});
+}
+
 /// What became of the tracks; nothing if they are there as wanted.
 struct Tracked {
     std::optional<TrackJobResult> result;
@@ -128,7 +160,8 @@ Tracked track(const RunJobOptions& options, const RunFiles& files, Job& job) {
     const fs::path checkpoint = files.tracks.string() + ".checkpoint";
     track.resume.resume = is_there(checkpoint) && job.overwrite == Overwrite::refuse;
     if (!track.resume.resume && is_there(files.tracks) && job.overwrite == Overwrite::refuse) {
-        RunRecord made = io::TrajectoryFile(files.tracks).record();
+        const io::TrajectoryFile kept(files.tracks);
+        RunRecord made = kept.record();
         RunRecord wanted = stage.record();
         if (is_cut_off(made)) {
             // There was no time for checksums: the film is compared by its size.
@@ -138,16 +171,14 @@ Tracked track(const RunJobOptions& options, const RunFiles& files, Job& job) {
         }
         const bool is_same = same_work(made, wanted);
         if (is_same && !is_cut_off(made)) {
+            if (const std::string other = lab_difference(kept, track.lab); !other.empty()) {
+                refuse_to_replace(files.tracks, other);
+            }
             job.plan.skip("track", "done before, '" + files.tracks.string() + "' is kept", "");
             for (const Warning& warning : made.warnings) job.plan.warn(warning);
             return {};
         }
-        if (!is_same) {
-            throw OutputError(ErrorText{
-                fmt::format("'{}' holds tracks that were made otherwise", files.tracks.string()),
-                difference(made, wanted), "the same film and options",
-                "choose another folder, or give option 'force' to replace them"});
-        }
+        if (!is_same) refuse_to_replace(files.tracks, difference(made, wanted));
     }
     stage.overwrite = track.resume.resume ? Overwrite::refuse : Overwrite::force;
     Tracked tracked{track_film(track, stage)};
@@ -262,6 +293,7 @@ RunJobResult run_film(const RunJobOptions& wanted, Job& job) {
         result.signal = tracked.result->signal;
         return result;
     }
+    result.lab = lab_units_in(io::TrajectoryFile(files.tracks).curves());
     result.results = analyze(options, files, job, is_kept);
     result.stages.push_back({"analyze", files.results, is_kept});
     throw_if_interrupted("run");

@@ -124,6 +124,36 @@ TEST_F(Run, DoesNotReplaceTracksOfOtherOptionsUnlessTold) {
     EXPECT_THAT(refused.err, HasSubstr("--force"));
 }
 
+TEST_F(Run, UnitsOfTheLabAreThoseThatTheTracksHold) {
+    for (const std::vector<std::string>& later :
+         {std::vector<std::string>{"--vibration-frequency", "80"}, {"--sphere-mm", "1"},
+          {"--amplitude-mm", "0.1"}, {"--gamma", "4.7"}}) {
+        std::vector<std::string> options{"--sphere-diameter", "11"};
+        options.insert(options.end(), later.begin(), later.end());
+        const Outcome refused = run(options);
+        EXPECT_EQ(refused.code, 4) << refused.out;
+        EXPECT_THAT(refused.err, HasSubstr(later[0] + " is " + later[1] + ", was not given"));
+        EXPECT_THAT(refused.err, HasSubstr("--force"));
+    }
+    const std::string lab = *scratch_ / "lab";
+    const std::vector<std::string> given{"--sphere-diameter", "11", "--sphere-mm", "1",
+                                         "--vibration-frequency", "80", "--amplitude-mm", "0.1"};
+    ASSERT_EQ(run(given, lab).code, 0);
+    const Outcome same = run(given, lab);
+    ASSERT_EQ(same.code, 0) << same.err;
+    EXPECT_TRUE(is_kept(same, "track"));
+    EXPECT_TRUE(is_kept(same, "analyze"));
+    const Outcome other = run({"--sphere-diameter", "11", "--sphere-mm", "2"}, lab);
+    EXPECT_EQ(other.code, 4);
+    EXPECT_THAT(other.err, HasSubstr("--sphere-mm is 2, was 1"));
+    std::vector<std::string> silent = words({"--sphere-diameter", "11"}, lab, frames_);
+    std::erase(silent, "--json");
+    const Outcome again = run_grainfield(silent);
+    ASSERT_EQ(again.code, 0) << again.err;
+    EXPECT_THAT(again.out, HasSubstr("spheres of 1 mm"));
+    EXPECT_THAT(again.out, HasSubstr("Γ = 2.576, 80 Hz, 0.1 mm"));
+}
+
 TEST_F(Run, TakesItsOptionsFromTheFileOfTheLastOne) {
     const std::string options = fs::path(folder()) / "run.toml";
     ASSERT_THAT(text_of(options), HasSubstr("sphere-diameter = 11"));
