@@ -13,6 +13,8 @@
 #include <nlohmann/json.hpp>
 #include <signal.h>
 
+#include "core/version.h"
+#include "io/h5/checkpoint_file.h"
 #include "tests/support/disc_sequence.h"
 #include "tests/support/program.h"
 
@@ -227,8 +229,8 @@ TEST_F(Case25, ACheckpointOfAnotherConfigurationIsRefusedWithTheDifference) {
     expect_refused(with(field, {"--nu", "0.5"}), "--nu: 0.01 in the checkpoint, 0.5 now");
 }
 
-// The fourth byte of the magic is followed by the format's version; the program's is a text.
-TEST_F(Case25, ACheckpointOfAnotherVersionIsRefusedWithBoth) {
+// The signature is followed by the format's version.
+TEST_F(Case25, ACheckpointOfAnotherFormatVersionIsRefusedWithBoth) {
     const Words md{"simulate",   "md",   "--grains",  "400",    "--length-x",         "20.5",
                    "--length-y", "20.5", "--periods", "100000", "--checkpoint-every", "0"};
     interrupt(md);
@@ -240,6 +242,22 @@ TEST_F(Case25, ACheckpointOfAnotherVersionIsRefusedWithBoth) {
     expect_refused(md, "checkpoint");
     std::ofstream(checkpoint_, std::ios::binary) << good.substr(0, good.size() / 2);
     expect_refused(md, "checkpoint");
+}
+
+// A sound checkpoint in every other respect: its numbers may mean something else to this program.
+TEST_F(Case25, ACheckpointOfAnotherProgramVersionIsRefusedWithBoth) {
+    const Words md{"simulate",   "md",   "--grains",  "400",    "--length-x",         "20.5",
+                   "--length-y", "20.5", "--periods", "100000", "--checkpoint-every", "0"};
+    interrupt(md);
+    Checkpoint other = io::read_checkpoint(checkpoint_);
+    ASSERT_EQ(other.texts["program version"], std::vector<std::string>{kVersion});
+    other.texts["program version"] = {"0.0.7"};
+    io::write_checkpoint(other, checkpoint_);
+    expect_refused(md, "version 0.0.7 wrote it");
+    expect_refused(md, std::string("version ") + kVersion);
+    other.texts.erase("program version");
+    io::write_checkpoint(other, checkpoint_);
+    expect_refused(md, "it does not say which version wrote it");
 }
 
 }  // namespace
