@@ -149,6 +149,18 @@ Summary describe_snapshots(const std::filesystem::path& path, const char* kind) 
     return sheet.take();
 }
 
+/// What results keep of the units of the lab: not the amplitude.
+LabUnits lab_of(const Results& results) {
+    LabUnits lab;
+    const ObservableResult* lengths = results.find("lengths");
+    const Measurement* mm = lengths == nullptr ? nullptr : lengths->find_measurement("sphere_mm");
+    if (mm != nullptr) lab.sphere_mm = mm->value;
+    if (results.source.time_unit == TimeUnit::second) {
+        lab.frequency = results.source.vibration_frequency;
+    }
+    return lab;
+}
+
 Summary describe_results(const std::filesystem::path& path) {
     const Results results = io::read_results(path);
     Sheet sheet(fmt::format("{}: results", path.string()));
@@ -172,6 +184,7 @@ Summary describe_results(const std::filesystem::path& path) {
     sheet.add("particles_mean", "particles", results.particles_mean,
               fmt::format("{:.1f} per frame", results.particles_mean));
     sheet.add_info(results.source);
+    sheet.add_lab(results.source, lab_of(results));
     sheet.add_box(results.box, name(results.source.length_unit));
     ordered_json names = ordered_json::array();
     std::string words;

@@ -117,14 +117,17 @@ std::string difference(const RunRecord& made, const RunRecord& wanted) {
     return "other options";
 }
 
+/// Γ of the vibration, where the tracks know it.
+std::optional<double> gamma_of(const TrajectoryInfo& info) {
+    const bool is_known =
+        info.control && info.control->parameter == ControlParameter::acceleration;
+    return is_known ? std::optional<double>(info.control->value) : std::nullopt;
+}
+
 /// What the tracks say of the lab otherwise than what is given now; empty if they do not. Nothing
 /// can be added to tracks that are kept.
 std::string lab_difference(const io::TrajectoryFile& tracks, const LabUnits& given) {
     const LabUnits stored = lab_units_in(tracks.curves());
-    const auto& control = tracks.info().control;
-    const bool has_gamma = control && control->parameter == ControlParameter::acceleration;
-    const std::optional<double> gamma =
-        has_gamma ? std::optional<double>(control->value) : std::nullopt;
     const auto said = [](const char* what, const std::optional<double>& now,
                          const std::optional<double>& then) -> std::string {
         if (!now || now == then) return {};
@@ -135,7 +138,8 @@ std::string lab_difference(const io::TrajectoryFile& tracks, const LabUnits& giv
          {said("option 'sphere-mm'", given.sphere_mm, stored.sphere_mm),
           said("option 'vibration-frequency'", given.frequency, stored.frequency),
           said("option 'amplitude-mm'", given.amplitude_mm, stored.amplitude_mm),
-          said(given.gamma ? "option 'gamma'" : "Γ", given.acceleration(), gamma)}) {
+          said(given.gamma ? "option 'gamma'" : "Γ", given.acceleration(),
+               gamma_of(tracks.info()))}) {
         if (!difference.empty()) return difference;
     }
     return {};
@@ -222,12 +226,9 @@ int draw(const RunFiles& files, Job& job) {
     return signal;
 }
 
-RunJobOptions with_label(RunJobOptions options, const Job& job) {
-    if (options.analyze.label.empty()) {
-        const std::string name = default_folder(job.inputs).string();
-        options.analyze.label = name.substr(0, name.rfind('-'));
-    }
-    return options;
+std::string name_of(const Job& job) {
+    const std::string folder = default_folder(job.inputs).string();
+    return folder.substr(0, folder.rfind('-'));
 }
 
 }  // namespace
@@ -276,7 +277,8 @@ void plan_run(const RunJobOptions& options, Job& job) {
 }
 
 RunJobResult run_film(const RunJobOptions& wanted, Job& job) {
-    const RunJobOptions options = with_label(wanted, job);
+    RunJobOptions options = wanted;
+    if (options.analyze.label.empty()) options.analyze.label = name_of(job);
     job.inputs = io::recording_files(job.inputs);
     const RunFiles files(options.folder);
     std::error_code refused;
@@ -293,7 +295,17 @@ RunJobResult run_film(const RunJobOptions& wanted, Job& job) {
         result.signal = tracked.result->signal;
         return result;
     }
-    result.lab = lab_units_in(io::TrajectoryFile(files.tracks).curves());
+    {
+        const io::TrajectoryFile tracks(files.tracks);
+        result.lab = lab_units_in(tracks.curves());
+        if (const auto gamma = gamma_of(tracks.info())) {
+            options.analyze.adjustment.acceleration = gamma;
+            // As the legends of simulations have it: "layer, Γ = 4.7".
+            if (wanted.analyze.label.empty()) {
+                options.analyze.label += fmt::format(", Γ = {:.4g}", *gamma);
+            }
+        }
+    }
     result.results = analyze(options, files, job, is_kept);
     result.stages.push_back({"analyze", files.results, is_kept});
     throw_if_interrupted("run");

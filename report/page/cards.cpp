@@ -92,14 +92,29 @@ std::string origin_of_rate(const Results& run) {
     return "as the file says";
 }
 
+// "; vibration 80 Hz, Γ = 4.7": what is known of the plates under a film.
+std::string vibration(const Results& run) {
+    if (run.source.origin != Origin::video) return "";
+    std::string text;
+    if (run.source.vibration_frequency && run.source.time_unit == TimeUnit::second) {
+        text = fmt::format("{:.6g} Hz", *run.source.vibration_frequency);
+    }
+    if (const auto& control = run.identity.control;
+        control && control->parameter == ControlParameter::acceleration) {
+        text += fmt::format("{}{} = {:.4g}", text.empty() ? "" : ", ", symbol(control->parameter),
+                            control->value);
+    }
+    return text.empty() ? "" : "; vibration " + text;
+}
+
 CardValue frame_rate(const Results& run, std::optional<double> /*sphere_mm*/) {
     const double rate = run.source.frame_rate.value_or(0);
     const bool in_frames = run.source.time_unit == TimeUnit::frame;
     if (!is_of_particles(run) || run.frames < 2 || in_frames || rate <= 0) return {};
     const std::string time = typeset_text(Unit("time unit"), run.source.time_unit);
     return {fmt::format("{:.4g} frames/{}", rate, time),
-            fmt::format("{}; {:.3g} {} in all", origin_of_rate(run),
-                        static_cast<double>(run.frames) / rate, time)};
+            fmt::format("{}; {:.3g} {} in all{}", origin_of_rate(run),
+                        static_cast<double>(run.frames) / rate, time, vibration(run))};
 }
 
 CardValue phases(const Results& run, std::optional<double> /*sphere_mm*/) {

@@ -143,6 +143,12 @@ TEST_F(Run, UnitsOfTheLabAreThoseThatTheTracksHold) {
     ASSERT_EQ(same.code, 0) << same.err;
     EXPECT_TRUE(is_kept(same, "track"));
     EXPECT_TRUE(is_kept(same, "analyze"));
+    const std::string results = fs::path(lab) / "results.h5";
+    const json info = json::parse(run_grainfield({"info", results, "--json"}).out);
+    EXPECT_EQ(info["sphere_mm"], 1);
+    EXPECT_EQ(info["vibration"], "Γ = 2.576, 80 Hz");
+    EXPECT_THAT(std::string(info["label"]), ::testing::EndsWith(", Γ = 2.576"));
+    EXPECT_THAT(text_of(fs::path(lab) / "report.html"), HasSubstr("vibration 80 Hz, Γ = 2.576"));
     const Outcome other = run({"--sphere-diameter", "11", "--sphere-mm", "2"}, lab);
     EXPECT_EQ(other.code, 4);
     EXPECT_THAT(other.err, HasSubstr("--sphere-mm is 2, was 1"));
@@ -150,6 +156,7 @@ TEST_F(Run, UnitsOfTheLabAreThoseThatTheTracksHold) {
     std::erase(silent, "--json");
     const Outcome again = run_grainfield(silent);
     ASSERT_EQ(again.code, 0) << again.err;
+    EXPECT_THAT(again.out, HasSubstr("results.h5 (kept)"));
     EXPECT_THAT(again.out, HasSubstr("spheres of 1 mm"));
     EXPECT_THAT(again.out, HasSubstr("Γ = 2.576, 80 Hz, 0.1 mm"));
 }

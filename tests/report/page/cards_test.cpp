@@ -61,6 +61,22 @@ TEST(Cards, SayWhereTheFrameRateComesFrom) {
     EXPECT_THAT(make_cards({run}, std::nullopt)[2].values[0].detail, HasSubstr("as the film says"));
 }
 
+TEST(Cards, SayHowTheFilmWasVibrated) {
+    Results run = film();
+    run.source.origin = Origin::video;
+    run.source.vibration_frequency.reset();
+    run.identity.control.reset();
+    EXPECT_THAT(make_cards({run}, std::nullopt)[2].values[0].detail, Not(HasSubstr("vibration")));
+    run.source.vibration_frequency = 80;
+    run.identity.control =
+        ControlValue{.parameter = ControlParameter::acceleration, .value = 4.7, .unit = {}};
+    EXPECT_THAT(make_cards({run}, std::nullopt)[2].values[0].detail,
+                HasSubstr("; vibration 80 Hz, Γ = 4.7"));
+    run.source.vibration_frequency.reset();
+    EXPECT_THAT(make_cards({run}, std::nullopt)[2].values[0].detail,
+                HasSubstr("; vibration Γ = 4.7"));
+}
+
 TEST(Cards, GiveLengthsInMillimetresWhereTheSphereIsKnown) {
     const std::vector<Card> cards = make_cards({film()}, 1.0);
     EXPECT_EQ(cards[1].values[0].value, "10.09 px = 1 mm");
