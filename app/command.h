@@ -47,8 +47,7 @@ class Command {
     virtual std::vector<OptionTable> options() = 0;
 
     /// The text of an option on the command line; empty if it is not there.
-    using GivenText =
-        std::function<std::string(std::string_view section, std::string_view name)>;
+    using GivenText = std::function<std::string(std::string_view section, std::string_view name)>;
     /// Called when the options file is read, before the command line is: empties what the file
     /// says and the command line contradicts in other words.
     virtual void make_room_for(const GivenText& /*given*/) {}

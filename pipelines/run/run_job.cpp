@@ -119,8 +119,7 @@ std::string difference(const RunRecord& made, const RunRecord& wanted) {
 
 /// Γ of the vibration, where the tracks know it.
 std::optional<double> gamma_of(const TrajectoryInfo& info) {
-    const bool is_known =
-        info.control && info.control->parameter == ControlParameter::acceleration;
+    const bool is_known = info.control && info.control->parameter == ControlParameter::acceleration;
     return is_known ? std::optional<double>(info.control->value) : std::nullopt;
 }
 

@@ -40,8 +40,8 @@ struct RunStage {
 struct RunJobResult {
     std::vector<RunStage> stages;
     std::optional<Results> results;  ///< empty if a signal came before
-    LabUnits lab;                    ///< as the tracks have it, without Γ (TrajectoryInfo::control)
-    int signal = 0;                  ///< that ended the run early; 0: none
+    LabUnits lab;    ///< as the tracks have it, without Γ (TrajectoryInfo::control)
+    int signal = 0;  ///< that ended the run early; 0: none
 };
 
 /// The folder for this film where none is named: "layer-results" for layer.avi and for pictures
@@ -56,8 +56,9 @@ void plan_run(const RunJobOptions& options, Job& job);
 ///
 /// Called again with the same film and options it goes on where it was stopped. A stage whose file
 /// records the same program version, options and content of its inputs is kept; from the first one
-/// that differs on all are made again. Tracks of another film, other options or other units of the lab are
-/// only replaced with Overwrite::force. Throws OptionError, InputError, OutputError, Interrupted.
+/// that differs on all are made again. Tracks of another film, other options or other units of the
+/// lab are only replaced with Overwrite::force. Throws OptionError, InputError, OutputError,
+/// Interrupted.
 RunJobResult run_film(const RunJobOptions& options, Job& job);
 
 }  // namespace grainfield::pipelines

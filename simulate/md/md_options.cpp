@@ -172,8 +172,9 @@ VibrationOptions::Motion VibrationOptions::motion(double gravity) const {
     if (a) {
         if (!(*a > 0)) refuse_gamma(gamma, "the amplitude is 0", "an amplitude above 0");
         const double follows = std::sqrt(gamma * gravity / *a);
-        require_in_range("an angular frequency [sqrt(g/a)] of", follows, kAngularFrequencies,
-                         fmt::format("vibration.gamma {:g} with an amplitude of {:g} a", gamma, *a));
+        require_in_range(
+            "an angular frequency [sqrt(g/a)] of", follows, kAngularFrequencies,
+            fmt::format("vibration.gamma {:g} with an amplitude of {:g} a", gamma, *a));
         return {*a, follows};
     }
     const double w = omega.value_or(kUsualAngularFrequency);

@@ -126,8 +126,10 @@ TEST_F(Run, DoesNotReplaceTracksOfOtherOptionsUnlessTold) {
 
 TEST_F(Run, UnitsOfTheLabAreThoseThatTheTracksHold) {
     for (const std::vector<std::string>& later :
-         {std::vector<std::string>{"--vibration-frequency", "80"}, {"--sphere-mm", "1"},
-          {"--amplitude-mm", "0.1"}, {"--gamma", "4.7"}}) {
+         {std::vector<std::string>{"--vibration-frequency", "80"},
+          {"--sphere-mm", "1"},
+          {"--amplitude-mm", "0.1"},
+          {"--gamma", "4.7"}}) {
         std::vector<std::string> options{"--sphere-diameter", "11"};
         options.insert(options.end(), later.begin(), later.end());
         const Outcome refused = run(options);
@@ -136,7 +138,7 @@ TEST_F(Run, UnitsOfTheLabAreThoseThatTheTracksHold) {
         EXPECT_THAT(refused.err, HasSubstr("--force"));
     }
     const std::string lab = *scratch_ / "lab";
-    const std::vector<std::string> given{"--sphere-diameter", "11", "--sphere-mm", "1",
+    const std::vector<std::string> given{"--sphere-diameter",     "11", "--sphere-mm",    "1",
                                          "--vibration-frequency", "80", "--amplitude-mm", "0.1"};
     ASSERT_EQ(run(given, lab).code, 0);
     const Outcome same = run(given, lab);

@@ -146,8 +146,8 @@ TEST(SimulateMd, TakesTheVibrationInTheUnitsOfALab) {
 
 TEST(SimulateMd, TakesGammaOfTheCommandLineWithAFileThatHasAmplitudeAndFrequency) {
     const ScratchFolder folder;
-    const std::vector<std::string> plan{
-        "simulate", "md", "--explain", "-c", GRAINFIELD_SOURCE_DIR "/data-samples/md-small.toml"};
+    const std::vector<std::string> plan{"simulate", "md", "--explain", "-c",
+                                        GRAINFIELD_SOURCE_DIR "/data-samples/md-small.toml"};
     const Outcome gamma = testing::run_grainfield(with(plan, {"--gamma", "4.7"}));
     ASSERT_EQ(gamma.code, 0) << gamma.err;
     EXPECT_THAT(gamma.out, HasSubstr("A = 0.188 a, ω = 5 sqrt(g/a), Γ = 4.7"));
