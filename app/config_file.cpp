@@ -72,12 +72,21 @@ class ConfigReader {
         }
     }
 
+    // In another spelling: "500Hz" of an option in 1/s.
+    static bool is_with_unit(const Option& option, const std::string& text) {
+        const auto is = [](char c, char first, char last) { return c >= first && c <= last; };
+        if (text.empty() || !is(text.front(), '0', '9')) return false;
+        const bool ends_with_letter = is(text.back(), 'a', 'z') || is(text.back(), 'A', 'Z');
+        return ends_with_letter && option.parsed(text).has_value();
+    }
+
     // A number with its unit is a text in TOML: "10.09px".
     static void set_value(const Option& option, const OptionValue& value) {
         const auto* text = std::get_if<std::string>(&value);
-        const bool has_unit = text != nullptr && !option.unit.empty() && option.unit != "-" &&
-                              text->ends_with(option.unit);
-        if (has_unit) return option.set_from_text(*text);
+        const bool may_have = text != nullptr && !option.unit.empty() && option.unit != "-";
+        if (may_have && (text->ends_with(option.unit) || is_with_unit(option, *text))) {
+            return option.set_from_text(*text);
+        }
         option.set(value);
     }
 

@@ -90,12 +90,21 @@ std::string expectation(const Option& option) {
     return text;
 }
 
-// "10.09px" or "10.09 px" of an option in px.
+// "10.09px" or "10.09 px" of an option in px; "500 1/s", "500/s", "500Hz", "500fps" of one in 1/s,
+// where "5001/s" is 5001 a second.
 std::string_view without_unit(std::string_view text, std::string_view unit) {
-    if (unit.empty() || unit == "-" || !text.ends_with(unit)) return text;
-    std::string_view number = text.substr(0, text.size() - unit.size());
-    while (number.ends_with(' ')) number.remove_suffix(1);
-    return number;
+    if (unit.empty() || unit == "-") return text;
+    const bool is_reciprocal = unit.starts_with("1/");
+    std::vector<std::string> spellings{fmt::format("{}{}", is_reciprocal ? " " : "", unit)};
+    if (is_reciprocal) spellings.emplace_back(unit.substr(1));
+    if (unit == "1/s") spellings.insert(spellings.end(), {"Hz", "fps"});
+    for (const std::string& spelling : spellings) {
+        if (!text.ends_with(spelling)) continue;
+        text.remove_suffix(spelling.size());
+        while (text.ends_with(' ')) text.remove_suffix(1);
+        break;
+    }
+    return text;
 }
 
 }  // namespace

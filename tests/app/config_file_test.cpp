@@ -21,6 +21,7 @@ class ConfigFile : public testing::Test {
     bool strict_ = false;
     std::string label_;
     std::optional<double> diameter_;
+    std::optional<double> fps_;
     std::vector<std::int64_t> lags_;
     std::vector<std::string> observables_;
     std::filesystem::path path_ = std::filesystem::path(testing::TempDir()) /
@@ -37,6 +38,7 @@ class ConfigFile : public testing::Test {
         own.names("observables", observables_, {"q4", "sk"}, "observables");
         OptionTable detect("detect");
         detect.number("diameter", diameter_, "px", {3, 400}, "diameter");
+        detect.number("fps", fps_, "1/s", {1e-9, 1e9}, "frame rate");
         return {"track", {own, detect}};
     }
 
@@ -73,6 +75,16 @@ TEST_F(ConfigFile, ANumberMayStandWithItsUnitInAText) {
     apply("[detect]\ndiameter = \"10.09 px\"\n");
     EXPECT_EQ(diameter_, 10.09);
     EXPECT_THAT(refusal("[detect]\ndiameter = \"1mm\"\n"), HasSubstr("[px]"));
+}
+
+TEST_F(ConfigFile, ARateIsReadWholeBeforeItsUnit) {
+    for (const char* text : {"500/s", "500 1/s", "500Hz", "500 Hz", "500fps"}) {
+        apply(std::string("[detect]\nfps = \"") + text + "\"\n");
+        EXPECT_EQ(fps_, 500.0) << text;
+    }
+    apply("[detect]\nfps = \"5001/s\"\n");
+    EXPECT_EQ(fps_, 5001.0) << "not 500 in 1/s";
+    EXPECT_THAT(refusal("[detect]\nfps = \"500px\"\n"), HasSubstr("[1/s]"));
 }
 
 TEST_F(ConfigFile, AnUnknownKeyIsRefusedWithFileLineAndNearestKey) {
