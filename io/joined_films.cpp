@@ -127,14 +127,13 @@ class JoinedFrames : public FrameSource {
         : open_(std::move(open)), given_rate_(rate) {
         NumberedFiles numbered = number_files(std::move(files));
         warnings_ = std::move(numbered.warnings);
-        for (const fs::path& missing : numbered.missing_names) {
-            warnings_.push_back(fmt::format(
-                "'{}' is not there: the parts before and after it are joined", missing.string()));
-        }
+        const std::vector<fs::path> absent = std::move(numbered.missing_names);
         for (fs::path& file : numbered.files) {
             if (!file.empty()) look_at(std::move(file));
         }
-        place();
+        const bool shared = share_clock();
+        if (!shared) warn_of_seams(absent, numbered.step);
+        place(shared);
     }
 
     std::int64_t count() const override { return parts_.back().first + parts_.back().frames; }
@@ -215,8 +214,27 @@ class JoinedFrames : public FrameSource {
         return true;
     }
 
-    void place() {
-        const bool shared = share_clock();
+    // A clock that all parts share shows what is missing; names only that something is.
+    void warn_of_seams(const std::vector<fs::path>& absent, std::int64_t step) {
+        for (const fs::path& missing : absent) {
+            warnings_.push_back(fmt::format(
+                "'{}' is not there: the parts before and after it are joined", missing.string()));
+        }
+        const std::string first = parts_.front().path.string();
+        const std::string last = parts_.back().path.filename().string();
+        if (parts_.size() == 2 && step > 1) {
+            warnings_.push_back(
+                fmt::format("the numbers of '{}' and '{}' are {} apart: parts between them would "
+                            "be missing",
+                            first, last, step));
+        }
+        warnings_.push_back(
+            fmt::format("the {} parts '{}' … '{}' have no common clock: they are joined as if "
+                        "nothing were missing between them",
+                        parts_.size(), first, last));
+    }
+
+    void place(bool shared) {
         std::int64_t next = 0;
         for (std::size_t i = 0; i < parts_.size(); ++i) {
             Part& part = parts_[i];
@@ -231,6 +249,7 @@ class JoinedFrames : public FrameSource {
         }
     }
 
+    /// Throws InputError where the stamps are too far apart for parts of one film.
     std::int64_t gap_before(std::size_t i) {
         const FrameStamps& last = *parts_[i - 1].stamps;
         const double pause = parts_[i].stamps->first - last.last;
@@ -239,11 +258,12 @@ class JoinedFrames : public FrameSource {
         const std::string seam = fmt::format("between '{}' and '{}'", parts_[i - 1].path.string(),
                                              parts_[i].path.filename().string());
         if (frames > longest_gap) {
-            warnings_.push_back(
-                fmt::format("{} the time stamps leave {:g} s; the parts are joined "
-                            "as if nothing were missing",
-                            seam, pause));
-            return 0;
+            throw InputError(
+                {.problem = fmt::format("'{}' and '{}' are not parts of one film",
+                                        parts_[i - 1].path.string(), parts_[i].path.string()),
+                 .actual = fmt::format("the time stamps leave {:.3g} h {}", pause / 3600, seam),
+                 .expected = fmt::format("room for at most {:g} frames", longest_gap),
+                 .suggestion = "track them apart, each as a film of its own"});
         }
         warnings_.push_back(fmt::format("{} frames are missing {}: the time stamps leave {:g} s",
                                         frames, seam, pause));

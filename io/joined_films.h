@@ -32,11 +32,13 @@ using OpenPart = std::function<std::unique_ptr<FrameSource>(const std::filesyste
 ///
 /// Times go on across the seams. Where the time stamps of the files show a common clock, frames
 /// that are absent at a seam are of status missing, as many as the stamps leave room for. Without a
-/// common clock each file begins where the one before ended. The frame rate is that of all files,
+/// common clock each file begins where the one before ended, and a warning says so; another names
+/// the parts whose numbers are absent. The frame rate is that of all files,
 /// unknown if theirs differ by more than 0.1 %.
 ///
 /// `rate`: given by the user, so that times are index / rate. Throws InputError if sizes or depths
-/// differ, a file is given twice, or what `open` throws.
+/// differ, a file is given twice, the
+/// stamps leave room for more than a million frames at a seam, or what `open` throws.
 std::unique_ptr<FrameSource> join_parts(std::vector<std::filesystem::path> files,
                                         const OpenPart& open, std::optional<double> rate);
 

@@ -108,9 +108,10 @@ NumberedFiles open_gaps(std::vector<std::filesystem::path> sorted, const Numberi
                 .missing_names = {},
                 .warnings = {fmt::format("the numbers of the images leave more gaps ({}) than "
                                          "there are images ({}); taken as consecutive",
-                                         spanned - present, present)}};
+                                         spanned - present, present)},
+                .step = step};
     }
-    NumberedFiles result;
+    NumberedFiles result{.files = {}, .missing_names = {}, .warnings = {}, .step = step};
     for (std::size_t i = 0; i < sorted.size(); ++i) {
         for (std::int64_t n = i == 0 ? numbers[0] : numbers[i - 1] + step; n < numbers[i];
              n += step) {
@@ -146,10 +147,7 @@ NumberedFiles number_files(std::vector<std::filesystem::path> files) {
     std::sort(sorted.begin(), sorted.end(),
               [](const auto& a, const auto& b) { return natural_less(a.native(), b.native()); });
     refuse_duplicates(sorted);
-    const bool one_folder = std::all_of(sorted.begin(), sorted.end(), [&](const auto& file) {
-        return file.parent_path() == sorted.front().parent_path();
-    });
-    if (sorted.size() > 1 && one_folder) {
+    if (sorted.size() > 1) {
         std::vector<std::string> names;
         for (const auto& file : sorted) names.push_back(file.filename().string());
         if (const auto numbering = find_numbering(names)) {

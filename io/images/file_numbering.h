@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -15,12 +16,13 @@ struct NumberedFiles {
     std::vector<std::filesystem::path> files;
     std::vector<std::filesystem::path> missing_names;  ///< as they should be, in order
     std::vector<std::string> warnings;
+    std::int64_t step = 0;  ///< from number to number; 0: no number runs through the names
 };
 
-/// Puts files in natural order and opens a gap for every absent number, provided that all stand in
-/// one folder and their names differ in one number only. Numbers may run in steps (0, 10, 20 has no
-/// gap). Names whose numbers would leave more gaps than files are not counted as a sequence; a
-/// warning says so. Throws InputError if a file is given twice.
+/// Puts files in natural order and opens a gap for every absent number, provided that their names
+/// differ in one number only, which increases from folder to folder as well. Numbers may run in
+/// steps (0, 10, 20 has no gap). Names whose numbers would leave more gaps than files are not
+/// counted as a sequence; a warning says so. Throws InputError if a file is given twice.
 NumberedFiles number_files(std::vector<std::filesystem::path> files);
 
 }  // namespace grainfield::io

@@ -1,5 +1,6 @@
 #include "io/images/image_sequence.h"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -34,10 +35,11 @@ class ImageSequence : public FrameSource {
         : options_(options), formats_(formats) {
         for (const auto& file : files) require_input_file(file);
         given_ = files.size();
-        auto [numbered, missing, warnings] = number_files(std::move(files));
-        files_ = std::move(numbered);
-        warnings_ = std::move(warnings);
-        missing_names_ = std::move(missing);
+        NumberedFiles numbered = number_files(std::move(files));
+        files_ = std::move(numbered.files);
+        warnings_ = std::move(numbered.warnings);
+        missing_names_ = std::move(numbered.missing_names);
+        if (numbered.step == 0) warn_of_folders();
         warn_of_gaps();
         find_shape();
     }
@@ -79,6 +81,17 @@ class ImageSequence : public FrameSource {
     }
 
  private:
+    void warn_of_folders() {
+        const auto other = std::ranges::find_if(files_, [&](const auto& file) {
+            return file.parent_path() != files_.front().parent_path();
+        });
+        if (other == files_.end()) return;
+        warnings_.push_back(fmt::format(
+            "the numbers of the images do not go on from '{}' to '{}': the folders are joined as "
+            "if nothing were missing between them",
+            (other - 1)->string(), other->string()));
+    }
+
     void warn_of_gaps() {
         if (missing_names_.empty()) return;
         std::string names;

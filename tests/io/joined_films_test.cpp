@@ -172,7 +172,49 @@ TEST(Recording, WithClocksOfTheirOwnGoesOnWhereTheLastPartEnded) {
     const auto film = joined({{"a1", {3, 0, 10}}, {"a2", {2, 0, 10}}});
     ASSERT_EQ(film->count(), 5);
     EXPECT_NEAR(film->read(4).time, 0.4, 1e-12);
-    EXPECT_TRUE(film->warnings().empty());
+    ASSERT_EQ(film->warnings().size(), 1U);
+    EXPECT_THAT(film->warnings()[0], HasSubstr("no common clock"));
+}
+
+TEST(Recording, WhosePartsLieHoursApartIsRefused) {
+    EXPECT_THAT(
+        [] {
+            joined({{"a1", {3, 0, 500}}, {"a2", {2, 36000, 500}}});
+        },
+        ThrowsMessage<InputError>(AllOf(HasSubstr("not parts of one film"),
+                                        HasSubstr("10 h between 'a1' and 'a2'"),
+                                        HasSubstr("track them apart"))));
+}
+
+TEST(Recording, OfTwoPartsWhoseNumbersDoNotFollowSaysSo) {
+    const auto gap = joined({{"part1.mkv", {3, 0, 10}}, {"part3.mkv", {2, 0, 10}}});
+    ASSERT_EQ(gap->warnings().size(), 2U);
+    EXPECT_THAT(gap->warnings()[0], AllOf(HasSubstr("part1.mkv"), HasSubstr("2 apart")));
+    // Stamps of one clock know better than names.
+    EXPECT_TRUE(
+        joined({{"part0.mkv", {3, 0, 10}}, {"part3.mkv", {2, 0.3, 10}}})->warnings().empty());
+}
+
+TEST(Recording, OfNumberedPicturesInFoldersHasMissingFramesBetweenThem) {
+    const testing::ScratchFolder folder;
+    std::vector<fs::path> files;
+    for (const char* name : {"a/f3.png", "a/f4.png", "c/f7.png", "c/f8.png", "c/f9.png"}) {
+        files.emplace_back(folder / name);
+        fs::create_directories(files.back().parent_path());
+        write_png(files.back().string(), 12, 8, 8, PNG_COLOR_TYPE_GRAY);
+    }
+    const auto film = open_frames(files, {});
+    ASSERT_EQ(film->count(), 7);
+    EXPECT_EQ(film->read(2).status, FrameStatus::missing);
+    EXPECT_EQ(film->read(4).status, FrameStatus::ok);
+    EXPECT_THAT(film->warnings().at(0), HasSubstr("2 of 7"));
+    // Numbers that begin anew say nothing.
+    fs::create_directory(folder / "d");
+    fs::copy_file(files[0], folder / "d/f3.png");
+    files.emplace_back(folder / "d/f3.png");
+    const auto anew = open_frames(files, {});
+    EXPECT_EQ(anew->count(), 6);
+    EXPECT_THAT(anew->warnings().at(0), HasSubstr("do not go on"));
 }
 
 TEST(Recording, OfOtherRatesOrWithoutAPartSaysSo) {
@@ -186,7 +228,7 @@ TEST(Recording, OfOtherRatesOrWithoutAPartSaysSo) {
     };
     EXPECT_TRUE(found("12 a second"));
     const auto gap = joined({{"a1", {3, 0, 10}}, {"a2", {1, 0, 10}}, {"a4", {2, 0, 10}}});
-    ASSERT_EQ(gap->warnings().size(), 1U);
+    ASSERT_EQ(gap->warnings().size(), 2U);
     EXPECT_THAT(gap->warnings()[0], HasSubstr("'a3' is not there"));
 }
 

@@ -26,6 +26,7 @@ TEST(FileNumbering, OpensAGapForEachAbsentNumber) {
     EXPECT_THAT(found.files, ElementsAre("d/a001.tif", "d/a002.tif", "", "d/a004.tif"));
     EXPECT_THAT(found.missing_names, ElementsAre("d/a003.tif"));
     EXPECT_TRUE(found.warnings.empty());
+    EXPECT_THAT(number_files({"p/a1", "q/a3", "q/a4"}).missing_names, ElementsAre("p/a2"));
 }
 
 TEST(FileNumbering, SeesOnlyTheRunningNumber) {
@@ -40,7 +41,7 @@ TEST(FileNumbering, TakesEvenStepsAsComplete) {
 
 TEST(FileNumbering, LeavesGapsAloneWhereNamesAreNoSequence) {
     EXPECT_EQ(number_files({"a1_1", "a2_3", "a3_4"}).files.size(), 3U);  // two numbers change
-    EXPECT_EQ(number_files({"p/a1", "q/a3", "q/a4"}).files.size(), 3U);  // two folders
+    EXPECT_EQ(number_files({"p/a1", "p/a4", "q/a3"}).files.size(), 3U);  // begin anew
     EXPECT_EQ(number_files({"a1", "b3", "b4"}).files.size(), 3U);        // two words
     const auto stamps = number_files({"t1000", "t1997", "t3002"});       // times, not numbers
     EXPECT_EQ(stamps.files.size(), 3U);
