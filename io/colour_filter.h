@@ -27,13 +27,6 @@ const char* name_of(ColourFilter filter);
 /// "red"
 const char* name_of(MosaicChannel channel);
 
-/// A frame source whose file says which filter its pixels have.
-class FilteredFrames {
- public:
-    virtual ~FilteredFrames() = default;
-    virtual ColourFilter colour_filter() const = 0;
-};
-
 /// Contrast of the pixels of each colour, red, green, blue: their 98th less their second percentile
 /// [counts].
 std::array<double, 3> contrasts_of(const Image& mosaic, ColourFilter filter);

@@ -80,17 +80,18 @@ void require_same_kind(const std::filesystem::path& path, const std::filesystem:
 
 }  // namespace
 
-std::unique_ptr<FrameSource> open_frames(const std::vector<std::filesystem::path>& inputs,
+std::unique_ptr<FrameSource> open_frames(const std::vector<std::filesystem::path>& given,
                                          const FrameFileOptions& options,
                                          std::span<const ImageFormat> formats) {
     require_valid(options);
-    if (inputs.empty()) {
+    if (given.empty()) {
         throw InputError({.problem = "no input is given",
                           .actual = {},
                           .expected = "one video or a list of images",
                           .suggestion = "name the files, e.g. run7/*.tif"});
     }
-    for (const auto& input : inputs) require_input_file(input);
+    for (const auto& input : given) require_input_file(input);
+    const std::vector<std::filesystem::path> inputs = each_photron_once(given);
     // The first part of a recording is a full one; the last may hold a single page.
     const auto& first = *std::ranges::min_element(
         inputs, [](const auto& a, const auto& b) { return natural_less(a.native(), b.native()); });

@@ -24,8 +24,7 @@ namespace fs = std::filesystem;
 using namespace std::string_view_literals;
 
 constexpr std::string_view signature = "\xed\xfe\0\0N\0o\0r\0p\0i\0x\0"sv;
-constexpr std::size_t header_bytes = 592;
-constexpr std::uint64_t stamp_bytes = 8;
+constexpr std::size_t header_bytes = 624;
 constexpr std::uint32_t format_grey = 100, format_bayer = 101;
 constexpr double same_rate = 0.02;
 
@@ -41,9 +40,12 @@ struct Header {
     std::uint32_t stored_bits = 0, real_bits = 0;
     std::uint32_t image_bytes = 0, format = 0, allocated = 0;
     std::uint32_t distance = 0;  ///< from image to image [bytes]
-    double rate = 0;             ///< [1/s]
+    std::uint32_t compression = 0;
+    double rate = 0;  ///< [1/s]
 
     std::uint64_t first_image() const { return version >= 5 ? 8192 : 1024; }
+    /// Seconds and milliseconds; from version 5 on microseconds as well.
+    std::uint64_t stamp_bytes() const { return version >= 5 ? 8 : 6; }
     unsigned bytes_a_pixel() const { return stored_bits > 8 ? 2 : 1; }
 };
 
@@ -62,7 +64,7 @@ class NorpixFrames : public FrameSource, public FrameClock {
         count_frames();
         read_stamps();
         find_rate();
-        warn();
+        warn(options.knows_filter);
     }
 
     std::int64_t count() const override { return count_; }
@@ -140,12 +142,18 @@ class NorpixFrames : public FrameSource, public FrameClock {
                    .image_bytes = number(564),
                    .format = number(568),
                    .allocated = number(572),
-                   .distance = number(580)};
+                   .distance = number(580),
+                   .compression = number(620)};
         std::memcpy(&header_.rate, bytes.data() + 584, sizeof(double));
     }
 
     void require_usable(std::int64_t max_pixels) const {
         const Header& h = header_;
+        if (h.compression != 0) {
+            refuse(fmt::format("compression {} at byte 620", h.compression),
+                   "0: images that are not compressed",
+                   "export it as 16-bit TIFF with the recording program");
+        }
         if (h.format != format_grey && h.format != format_bayer) {
             refuse(fmt::format("image format {}", h.format),
                    "100 (grey) or 101 (raw Bayer), not compressed",
@@ -159,7 +167,7 @@ class NorpixFrames : public FrameSource, public FrameClock {
         }
         const std::uint64_t pixels = std::uint64_t{h.width} * h.height;
         if (h.image_bytes < pixels * h.bytes_a_pixel() ||
-            h.distance < std::uint64_t{h.image_bytes} + stamp_bytes) {
+            h.distance < std::uint64_t{h.image_bytes} + h.stamp_bytes()) {
             throw CorruptPicture(
                 path_, fmt::format("byte 564: {} bytes an image, {} from one to the next, for "
                                    "{} × {} pixels of {} bit",
@@ -174,7 +182,7 @@ class NorpixFrames : public FrameSource, public FrameClock {
     // Behind the last image its stamp may be all that the distance holds.
     void count_frames() {
         const std::uint64_t bytes = fs::file_size(path_);
-        const std::uint64_t needed = std::uint64_t{header_.image_bytes} + stamp_bytes;
+        const std::uint64_t needed = std::uint64_t{header_.image_bytes} + header_.stamp_bytes();
         if (bytes >= header_.first_image() + needed) {
             count_ = static_cast<std::int64_t>(
                 (bytes - header_.first_image() - needed) / header_.distance + 1);
@@ -184,12 +192,12 @@ class NorpixFrames : public FrameSource, public FrameClock {
     }
 
     void read_stamps() {
-        std::vector<std::uint8_t> bytes(stamp_bytes);
+        std::vector<std::uint8_t> bytes(header_.stamp_bytes());
         for (std::int64_t i = 0; i < count_; ++i) {
             if (!read_bytes(place_of(i) + header_.image_bytes, bytes)) break;
-            const double stamp = static_cast<double>(word(bytes.data(), 4)) +
-                                 1e-3 * static_cast<double>(word(bytes.data() + 4, 2)) +
-                                 1e-6 * static_cast<double>(word(bytes.data() + 6, 2));
+            double stamp = static_cast<double>(word(bytes.data(), 4)) +
+                           1e-3 * static_cast<double>(word(bytes.data() + 4, 2));
+            if (bytes.size() > 6) stamp += 1e-6 * static_cast<double>(word(bytes.data() + 6, 2));
             if (!stamps_.empty() && !(stamp > stamps_.back())) {
                 warnings_.push_back(fmt::format(
                     "the time stamps of '{}' do not increase at frame {}; they are not used",
@@ -217,16 +225,14 @@ class NorpixFrames : public FrameSource, public FrameClock {
         if (!rate_) rate_ = measured;
     }
 
-    void warn() {
+    void warn(bool knows_filter) {
         if (std::cmp_less(count_, header_.allocated)) {
             warnings_.push_back(fmt::format("'{}' is cut short: {} whole frames of {} declared",
                                             name(), count_, header_.allocated));
         }
-        if (header_.format == format_bayer) {
+        if (header_.format == format_bayer && !knows_filter) {
             warnings_.push_back(fmt::format(
-                "'{}' holds the mosaic of a colour camera and does not name its filter: give "
-                "option 'mosaic'",
-                name()));
+                "'{}' holds the mosaic of a colour camera: give option 'mosaic'", name()));
         }
     }
 

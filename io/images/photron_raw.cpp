@@ -96,6 +96,7 @@ struct Field {
 constexpr Field field_width{"Image Width", "imageDataInfo/resolution/width"};
 constexpr Field field_height{"Image Height", "imageDataInfo/resolution/height"};
 constexpr Field field_bits{"Color Bit", "imageDataInfo/colorInfo/bit"};
+constexpr Field field_colour{"Color Type", "imageDataInfo/colorInfo/type"};
 constexpr Field field_depth{"EffectiveBit Depth", "imageDataInfo/effectiveBit/depth"};
 constexpr Field field_side{"EffectiveBit Side", "imageDataInfo/effectiveBit/side"};
 constexpr Field field_frames{"Total Frame", "frameInfo/totalFrame"};
@@ -167,6 +168,13 @@ class PhotronFrames : public FrameSource {
         if (count_ < declared) {
             warnings_.push_back(fmt::format("'{}' is cut short: {} whole frames of {} declared",
                                             name(), count_, declared));
+        }
+        const std::string colour = header.text(field_colour);
+        if (!colour.empty() && lower(colour) != "mono" && !options.knows_filter) {
+            warnings_.push_back(fmt::format(
+                "'{}' holds pixels of colour type '{}', not Mono: if they are a mosaic, give "
+                "option 'mosaic'",
+                name(), colour));
         }
         const auto rate = header.number(field_rate);
         if (rate && *rate > 0) rate_ = rate;
@@ -259,6 +267,24 @@ class PhotronFrames : public FrameSource {
 bool is_photron_name(const fs::path& path) {
     const std::string extension = lower(path.extension().string());
     return extension == ".mraw" || extension == ".cih" || extension == ".cihx";
+}
+
+std::vector<fs::path> each_photron_once(const std::vector<fs::path>& files) {
+    const auto recording = [](const fs::path& file) {
+        return fs::path(file).replace_extension().lexically_normal();
+    };
+    const auto extension = [](const fs::path& file) { return lower(file.extension().string()); };
+    std::vector<fs::path> kept;
+    for (const fs::path& file : files) {
+        const bool is_header = is_photron_name(file) && extension(file) != ".mraw";
+        const auto stands_for_it = [&](const fs::path& other) {
+            if (!is_photron_name(other) || recording(other) != recording(file)) return false;
+            return extension(other) == ".mraw" ||
+                   (extension(file) == ".cih" && extension(other) == ".cihx");
+        };
+        if (!is_header || std::ranges::none_of(files, stands_for_it)) kept.push_back(file);
+    }
+    return kept;
 }
 
 std::unique_ptr<FrameSource> open_photron(const fs::path& path, const FrameFileOptions& options) {

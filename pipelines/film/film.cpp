@@ -36,13 +36,10 @@ std::optional<Image> first_image(FrameSource& frames) {
 
 Mosaic mosaic_of(FrameSource& frames, const FilmOptions& options, RunPlan& plan) {
     Mosaic mosaic{options.mosaic, options.channel};
-    const auto* filtered = dynamic_cast<const io::FilteredFrames*>(&frames);
-    const bool is_known = filtered != nullptr && mosaic.filter == io::ColourFilter::none;
-    if (is_known) mosaic.filter = filtered->colour_filter();
     if (mosaic.filter == io::ColourFilter::none) {
         if (options.channel == io::MosaicChannel::grey) return mosaic;
         throw OptionError({.problem = "option 'channel' needs the mosaic of a colour camera",
-                           .actual = "the file names none",
+                           .actual = "no colour filter is named",
                            .expected = "option 'mosaic' rggb, grbg, gbrg or bggr",
                            .suggestion = "leave it out for frames of a grey camera"});
     }
@@ -60,8 +57,7 @@ Mosaic mosaic_of(FrameSource& frames, const FilmOptions& options, RunPlan& plan)
             "counts)",
             io::name_of(mosaic.channel), contrast[0], contrast[1], contrast[2]);
     }
-    plan.run("mosaic", fmt::format("{}{} → {}", io::name_of(mosaic.filter),
-                                   is_known ? ", as the file says" : "", made));
+    plan.run("mosaic", fmt::format("{} → {}", io::name_of(mosaic.filter), made));
     return mosaic;
 }
 
@@ -221,14 +217,13 @@ void describe(FilmOptions& options, OptionTable& table) {
     table.text("frames", options.frames, "which frames, as FIRST:END:STEP");
     table.integers("region", options.region, "px", {0, 1e9},
                    "part of the frames to track, as X,Y,WIDTH,HEIGHT", {4, 4});
-    table.choice(
-        "mosaic", options.mosaic,
-        {{"auto", io::ColourFilter::none},
-         {"rggb", io::ColourFilter::rggb},
-         {"grbg", io::ColourFilter::grbg},
-         {"gbrg", io::ColourFilter::gbrg},
-         {"bggr", io::ColourFilter::bggr}},
-        "colour filter of raw frames, first two pixels of two rows; auto: as the file says");
+    table.choice("mosaic", options.mosaic,
+                 {{"auto", io::ColourFilter::none},
+                  {"rggb", io::ColourFilter::rggb},
+                  {"grbg", io::ColourFilter::grbg},
+                  {"gbrg", io::ColourFilter::gbrg},
+                  {"bggr", io::ColourFilter::bggr}},
+                 "colour filter of raw frames, first two pixels of two rows; auto: none");
     table.choice(
         "channel", options.channel,
         {{"grey", io::MosaicChannel::grey},
@@ -256,7 +251,9 @@ void describe(FilmOptions& options, OptionTable& table) {
 
 Film open_film(Job& job, const FilmOptions& options, const tracking::TrackOptions& tracking) {
     std::unique_ptr<FrameSource> frames =
-        io::open_frames(job.inputs, {.fps = options.fps, .max_pixels = options.max_pixels});
+        io::open_frames(job.inputs, {.fps = options.fps,
+                                     .max_pixels = options.max_pixels,
+                                     .knows_filter = options.mosaic != io::ColourFilter::none});
     Film film;
     const Mosaic mosaic = mosaic_of(*frames, options, job.plan);
     frames = io::demosaic_frames(std::move(frames), mosaic.filter, mosaic.channel);

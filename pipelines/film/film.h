@@ -23,7 +23,7 @@ struct FilmOptions {
     bool is_part = false;     ///< the frames are a part of the film
     std::string part_of;      ///< frames of the whole; empty: all, in steps alike
     std::vector<int> region;  ///< X,Y,WIDTH,HEIGHT [px]; empty: all
-    io::ColourFilter mosaic = io::ColourFilter::none;     ///< none: as the file says
+    io::ColourFilter mosaic = io::ColourFilter::none;     ///< none: grey frames
     io::MosaicChannel channel = io::MosaicChannel::grey;  ///< what is made of a mosaic
     std::string flat_field;                               ///< picture of the empty, lit cell
     std::string mask;                                     ///< picture, zero: not looked at

@@ -1,8 +1,5 @@
 #include "io/images/norpix_seq.h"
 
-#include <cstring>
-#include <fstream>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -10,76 +7,24 @@
 #include "core/support/random.h"
 #include "io/frame_files.h"
 #include "tests/io/picture_files.h"
+#include "tests/io/seq_writer.h"
 
 namespace grainfield::io {
 namespace {
 
 using namespace picture_files;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-constexpr int width = 20, height = 12;
-
-/// A writer of its own, from the description of the format.
-struct SeqWriter {
-    int version = 3;
-    std::uint32_t stored_bits = 16, real_bits = 12, format = 100;
-    double rate = 500;
-    std::uint32_t declared = 4;
-    std::uint32_t first_second = 1000;
-    int step_us = 2000;  ///< between stamps
-    int padding = 100;   ///< from the stamp to the next image
-
-    std::string text(int frames) const {
-        std::string out(version >= 5 ? 8192 : 1024, '\0');
-        const auto put = [&](std::size_t at, std::uint32_t value) {
-            for (unsigned i = 0; i < 4; ++i) {
-                out[at + i] = static_cast<char>((value >> (8U * i)) & 255U);
-            }
-        };
-        put(0, 0xfeed);
-        const std::string title = "Norpix seq";
-        for (std::size_t i = 0; i < title.size(); ++i) out[4 + 2 * i] = title[i];
-        put(28, static_cast<std::uint32_t>(version));
-        put(32, 1024);
-        const std::uint32_t image = width * height * (stored_bits / 8);
-        put(548, width);
-        put(552, height);
-        put(556, stored_bits);
-        put(560, real_bits);
-        put(564, image);
-        put(568, format);
-        put(572, declared);
-        put(580, image + 8 + static_cast<std::uint32_t>(padding));
-        std::memcpy(out.data() + 584, &rate, 8);
-        for (int f = 0; f < frames; ++f) {
-            for (int y = 0; y < height; ++y) {
-                for (int x = 0; x < width; ++x) {
-                    const unsigned count = count_at(x, y, static_cast<int>(real_bits), f);
-                    out.push_back(static_cast<char>(count & 255U));
-                    if (stored_bits == 16) out.push_back(static_cast<char>(count >> 8U));
-                }
-            }
-            const int us = f * step_us;
-            const std::uint32_t second = first_second + static_cast<std::uint32_t>(us / 1000000);
-            for (unsigned i = 0; i < 4; ++i) {
-                out.push_back(static_cast<char>((second >> (8U * i)) & 255U));
-            }
-            for (const int part : {us / 1000 % 1000, us % 1000}) {
-                out.push_back(static_cast<char>(part & 255));
-                out.push_back(static_cast<char>(part >> 8));
-            }
-            out += std::string(static_cast<std::size_t>(padding), '\x7f');
-        }
-        return out;
-    }
-};
+constexpr int width = SeqWriter::width, height = SeqWriter::height;
 
 class NorpixSeq : public ::testing::Test {
  protected:
-    std::unique_ptr<FrameSource> open(const std::string& content, std::optional<double> fps = {}) {
+    std::unique_ptr<FrameSource> open(const std::string& content,
+                                      const FrameFileOptions& options = {}) {
         write_content(path_, content);
-        return open_frames({path_}, {.fps = fps});
+        return open_frames({path_}, options);
     }
 
     testing::ScratchFolder folder_;
@@ -104,7 +49,17 @@ TEST_F(NorpixSeq, KeepsEveryBitAndTheStamps) {
             }
         }
     }
-    EXPECT_DOUBLE_EQ(open(SeqWriter{}.text(4), 100)->read(2).time, 0.02);
+    EXPECT_DOUBLE_EQ(open(SeqWriter{}.text(4), {.fps = 100})->read(2).time, 0.02);
+}
+
+TEST_F(NorpixSeq, HasStampsOfMicrosecondsFromVersion5On) {
+    EXPECT_NEAR(open(SeqWriter{.version = 5, .step_us = 2345}.text(4))->read(1).time, 0.002345,
+                1e-6);
+    // Nothing but the stamp behind an image: eight bytes would run into the next.
+    const auto old = open(SeqWriter{.version = 4, .step_us = 2345, .padding = 0}.text(4));
+    ASSERT_EQ(old->count(), 4);
+    EXPECT_NEAR(old->read(3).time, 0.007, 1e-6);
+    EXPECT_TRUE(holds_counts(old->read(3).image, width, height, 12, 3));
 }
 
 TEST_F(NorpixSeq, BelievesStampsAgainstTheHeader) {
@@ -130,7 +85,7 @@ TEST_F(NorpixSeq, OfTwoPartsIsOneFilmWithItsGap) {
 
 TEST_F(NorpixSeq, CutKeepsTheWholeFramesAndNeverCrashes) {
     const std::string whole = SeqWriter{}.text(4);
-    const std::size_t frame = width * height * 2 + 8 + 100;
+    const std::size_t frame = width * height * 2 + 6 + 100;
     for (std::size_t cut = 1; cut < whole.size(); cut += 97) {
         write_content(path_, whole.substr(0, cut));
         const std::size_t left = cut < 1024 ? 0 : (cut - 1024 + 100) / frame;
@@ -153,7 +108,7 @@ TEST_F(NorpixSeq, WithRandomBytesChangedNeverCrashes) {
         std::string damaged = whole;
         for (int n = 0; n < 4; ++n) {
             // Most of the header decides nothing: half the blows fall where it does.
-            const std::size_t at = n % 2 == 0 ? 546 + random.below(46) : random.below(whole.size());
+            const std::size_t at = n % 2 == 0 ? 546 + random.below(78) : random.below(whole.size());
             damaged[at] = static_cast<char>(random.below(256));
         }
         try {
@@ -172,7 +127,11 @@ TEST_F(NorpixSeq, OfOtherKindsIsRefusedWithAWayRound) {
                 ThrowsMessage<InputError>(HasSubstr("image format 102")));
     EXPECT_THAT([&] { open(SeqWriter{.real_bits = 17}.text(4)); },
                 ThrowsMessage<InputError>(HasSubstr("17 of them used")));
-    EXPECT_THAT(open(SeqWriter{.format = 101}.text(4))->warnings().at(0), HasSubstr("mosaic"));
+    const std::string bayer = SeqWriter{.format = 101}.text(4);
+    EXPECT_THAT(open(bayer)->warnings().at(0), HasSubstr("mosaic"));
+    EXPECT_TRUE(open(bayer, {.fps = {}, .knows_filter = true})->warnings().empty());
+    EXPECT_THAT([&] { open(SeqWriter{.compression = 1}.text(4)); },
+                ThrowsMessage<InputError>(AllOf(HasSubstr("compression 1"), HasSubstr("TIFF"))));
     std::string loud = SeqWriter{}.text(4);
     loud[1024 + 1] = '\x7f';  // 0x7f.. is above 12 bit
     const Frame frame = open(loud)->read(0);

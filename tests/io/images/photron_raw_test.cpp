@@ -29,6 +29,7 @@ struct PhotronWriter {
     int depth = 12;
     std::string side = "Lower";
     int declared = frames;
+    std::string colour = "Mono";
 
     std::string pixels() const {
         std::string out;
@@ -56,9 +57,9 @@ struct PhotronWriter {
         return fmt::format(
             "#Camera Information Header\r\nDate : 2026/11/23\r\nCamera Type : FASTCAM Mini\r\n"
             "Record Rate(fps) : 500\r\nTotal Frame : {}\r\nImage Width : {}\r\n"
-            "Image Height : {}\r\nColor Type : Mono\r\nColor Bit : {}\r\nFile Format : MRaw\r\n"
+            "Image Height : {}\r\nColor Type : {}\r\nColor Bit : {}\r\nFile Format : MRaw\r\n"
             "EffectiveBit Depth : {}\r\nEffectiveBit Side : {}\r\n\r\n",
-            declared, width, height, bits, depth, side);
+            declared, width, height, colour, bits, depth, side);
     }
     std::string xml() const {
         return std::string("\x01\0\xff preamble of the vendor\n", 26) +
@@ -66,10 +67,10 @@ struct PhotronWriter {
                    "<cih>\n <recordInfo><recordRate>500</recordRate></recordInfo>\n"
                    " <frameInfo><totalFrame>{}</totalFrame></frameInfo>\n <imageDataInfo>\n"
                    "  <resolution><width>{}</width><height>{}</height></resolution>\n"
-                   "  <colorInfo><type>Mono</type><bit>{}</bit></colorInfo>\n"
+                   "  <colorInfo><type>{}</type><bit>{}</bit></colorInfo>\n"
                    "  <effectiveBit><depth>{}</depth><side>{}</side></effectiveBit>\n"
                    " </imageDataInfo>\n</cih>\nmore of the vendor\n",
-                   declared, width, height, bits, depth, side);
+                   declared, width, height, colour, bits, depth, side);
     }
 };
 
@@ -114,6 +115,30 @@ TEST_F(PhotronRaw, OfAFolderIsOneFilm) {
     write_content(folder_ / "film2.mraw", PhotronWriter{}.pixels());
     write_content(folder_ / "film2.cihx", PhotronWriter{}.xml());
     EXPECT_EQ(open_frames(recording_files({folder_.path()}), {})->count(), 2 * frames);
+}
+
+TEST_F(PhotronRaw, IsOneFilmWhereAPatternFindsBothItsFiles) {
+    write_content(raw_, PhotronWriter{}.pixels());
+    write_content(header_, PhotronWriter{}.xml());
+    const auto both = recording_files({folder_ / "film.*"});
+    ASSERT_EQ(both.size(), 2U);
+    EXPECT_EQ(open_frames(both, {})->count(), frames);
+    write_content(folder_ / "film.cih", PhotronWriter{}.lines());
+    EXPECT_EQ(open_frames(recording_files({folder_ / "film.*"}), {})->count(), frames);
+    EXPECT_EQ(open_frames({folder_ / "film.cih", header_}, {})->count(), frames);
+    EXPECT_THROW(open_frames({raw_, raw_}, {}), InputError) << "one file is still given twice";
+}
+
+TEST_F(PhotronRaw, OfAColourCameraSaysSoUnlessTheFilterIsKnown) {
+    write_content(raw_, PhotronWriter{}.pixels());
+    for (const std::string& header :
+         {PhotronWriter{.colour = "Bayer"}.xml(), PhotronWriter{.colour = "Bayer"}.lines()}) {
+        write_content(header_, header);
+        const auto film = open_frames({raw_}, {});
+        ASSERT_EQ(film->warnings().size(), 1U);
+        EXPECT_THAT(film->warnings()[0], AllOf(HasSubstr("'Bayer'"), HasSubstr("mosaic")));
+        EXPECT_TRUE(open_frames({raw_}, {.fps = {}, .knows_filter = true})->warnings().empty());
+    }
 }
 
 TEST_F(PhotronRaw, CutKeepsTheWholeFramesAndWarns) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/errors.h"
+#include "tests/io/seq_writer.h"
 #include "tests/support/disc_sequence.h"
 #include "tests/support/scratch_folder.h"
 
@@ -50,6 +51,17 @@ TEST_F(OpenFilm, SelectsFramesThatKeepTheirIndices) {
     EXPECT_EQ(film.frames->read(1).index, 3);
     EXPECT_DOUBLE_EQ(film.frames->read(1).time, 0.06);
     EXPECT_EQ(film.frames->frame_rate(), 50.0);
+}
+
+TEST_F(OpenFilm, TheMosaicOfASequenceIsNoDoubtOnceItsFilterIsNamed) {
+    testing::ScratchFolder scratch;
+    const std::string path = scratch / "film.seq";
+    io::picture_files::write_content(path, io::SeqWriter{.format = 101}.text(4));
+    job_.inputs = {path};
+    FilmOptions options = with([](auto& o) { o.strict = true; });
+    EXPECT_THROW(open_film(job_, options, {}), InputError);
+    options.mosaic = io::ColourFilter::rggb;
+    EXPECT_EQ(open_film(job_, options, {}).frames->count(), 4);
 }
 
 TEST_F(OpenFilm, ABadFrameIsPassedOnUnlessAskedToBeStrict) {
