@@ -85,13 +85,15 @@ std::string no_rise(double s1, double error) {
     const std::string what =
         fmt::format("S does not grow with k in its range: S1 = {:.2g} ± {:.2g}", s1, error);
     if (s1 < -2 * error) {
-        return what + "; S falls, and no length of the run makes up for that: is the end of the fit "
-                      "(fit.k-max) too far out?";
+        return what +
+               "; S falls, and no length of the run makes up for that: is the end of the fit "
+               "(fit.k-max) too far out?";
     }
     if (!(s1 > 0)) {
-        return what + fmt::format("; its sign is not known: a run four times as long would show "
-                                  "an S1 of {:.2g}",
-                                  error);
+        return what + fmt::format(
+                          "; its sign is not known: a run four times as long would show "
+                          "an S1 of {:.2g}",
+                          error);
     }
     const double factor = std::ceil(4 * error * error / (s1 * s1) - 1e-9);
     return what +
