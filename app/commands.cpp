@@ -1,4 +1,5 @@
 #include "app/analyze_command.h"
+#include "app/calibrate_camera_command.h"
 #include "app/command.h"
 #include "app/compare_command.h"
 #include "app/critical_command.h"
@@ -21,6 +22,7 @@ std::vector<std::unique_ptr<Command>> make_commands() {
     commands.push_back(std::make_unique<TrackCommand>());
     commands.push_back(std::make_unique<LinkCommand>());
     commands.push_back(std::make_unique<TuneCommand>());
+    commands.push_back(std::make_unique<CalibrateCameraCommand>());
     commands.push_back(std::make_unique<SimulateMdCommand>());
     commands.push_back(std::make_unique<SimulateFieldCommand>());
     commands.push_back(std::make_unique<RenderCommand>());

@@ -20,6 +20,7 @@ install(FILES ${PROJECT_BINARY_DIR}/generated/core/version.h
 # Which package of grainfieldConfig.cmake gives a target that a room links.
 set(package_of_CLI11::CLI11 CLI11)
 set(package_of_Eigen3::Eigen Eigen3)
+set(package_of_OpenCV::calib3d OpenCV)
 set(package_of_OpenCV::core OpenCV)
 set(package_of_OpenCV::imgproc OpenCV)
 set(package_of_OpenMP::OpenMP_CXX OpenMP)

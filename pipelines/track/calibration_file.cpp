@@ -1,19 +1,14 @@
 #include "pipelines/track/calibration_file.h"
 
-#include <cmath>
-#include <cstdint>
-#include <fstream>
-#include <iterator>
 #include <map>
-#include <set>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
-#include "core/errors.h"
-#include "pipelines/detail/toml_text.h"
+#include "pipelines/camera/camera_file.h"
+#include "pipelines/detail/toml_values.h"
 #include "tracking/model/known_models.h"
 
 namespace grainfield::pipelines {
@@ -25,119 +20,6 @@ using tracking::Polarity;
 
 constexpr const char* kFormat = "grainfield calibration 1";
 constexpr int kHighestDegree = 10;
-
-/// TOML has no negative zero without a point.
-template <class Number>
-std::string text_of_number(Number value) {
-    return value == 0 && std::signbit(value) ? "-0.0" : fmt::format("{}", value);
-}
-
-template <class Number>
-std::string list_of(const std::vector<Number>& values) {
-    std::string text = "[";
-    for (const Number value : values) text += (text.size() > 1 ? ", " : "") + text_of_number(value);
-    return text + "]";
-}
-
-/// The values of a file, each to be asked for once by "section.key".
-class Values {
- public:
-    explicit Values(const std::filesystem::path& path) : file_(path.string()) {
-        std::ifstream in;
-        if (std::filesystem::is_regular_file(path)) in.open(path, std::ios::binary);
-        if (!in.is_open()) {
-            refuse("cannot be read as a calibration", "", "a file of --save-calibration");
-        }
-        const std::string text{std::istreambuf_iterator<char>(in),
-                               std::istreambuf_iterator<char>()};
-        try {
-            root_ = parsed_toml(text);
-        } catch (const toml::parse_error& error) {
-            refuse(fmt::format("line {}: not valid TOML", error.source().begin.line),
-                   std::string(error.description()), "a file of --save-calibration");
-        }
-    }
-
-    double number(const std::string& key, double low, double high) {
-        const auto value = node(key).value<double>();
-        if (!value || !(*value >= low && *value <= high)) {
-            refuse_value(key, fmt::format("a number from {} to {}", low, high));
-        }
-        return *value;
-    }
-
-    int whole(const std::string& key, int low, int high) {
-        const auto value = node(key).value_exact<std::int64_t>();
-        if (!value || *value < low || *value > high) {
-            refuse_value(key, fmt::format("a whole number from {} to {}", low, high));
-        }
-        return static_cast<int>(*value);
-    }
-
-    std::vector<double> list(const std::string& key) {
-        std::vector<double> values;
-        const toml::node_view<const toml::node> found = node(key);
-        const toml::array* array = found.as_array();
-        if (array == nullptr) refuse_value(key, "a list of numbers");
-        for (const toml::node& element : *array) {
-            const auto value = element.value<double>();
-            if (!value || !std::isfinite(*value)) refuse_value(key, "a list of numbers");
-            values.push_back(*value);
-        }
-        return values;
-    }
-
-    template <class Choice>
-    Choice choice(const std::string& key, const std::map<std::string, Choice>& choices) {
-        const auto value = node(key).value<std::string>();
-        const auto found = value ? choices.find(*value) : choices.end();
-        if (found == choices.end()) {
-            std::string names;
-            for (const auto& [name, meaning] : choices) names += (names.empty() ? "" : ", ") + name;
-            refuse_value(key, "one of " + names);
-        }
-        return found->second;
-    }
-
-    void require_no_others() const {
-        for (const auto& [section, part] : root_) {
-            const std::string name(section.str());
-            const toml::table* table = part.as_table();
-            if (table == nullptr) {
-                if (!asked_.contains(name)) refuse(fmt::format("unknown key '{}'", name), "", "");
-                continue;
-            }
-            for (const auto& [key, value] : *table) {
-                const std::string whole_name = name + "." + std::string(key.str());
-                if (!asked_.contains(whole_name)) {
-                    refuse(fmt::format("unknown key '{}'", whole_name), "", "");
-                }
-            }
-        }
-    }
-
-    [[noreturn]] void refuse_value(const std::string& key, std::string expected) const {
-        refuse(fmt::format("key '{}' is missing or wrong", key), "", std::move(expected));
-    }
-
- private:
-    toml::node_view<const toml::node> node(const std::string& key) {
-        asked_.insert(key);
-        return std::as_const(root_).at_path(key);
-    }
-
-    [[noreturn]] void refuse(const std::string& problem, std::string actual,
-                             std::string expected) const {
-        throw InputError({.problem = fmt::format("'{}': {}", file_, problem),
-                          .actual = std::move(actual),
-                          .expected = std::move(expected),
-                          .suggestion = "save the calibration again"});
-    }
-
-    std::string file_;
-    toml::table root_;
-    std::set<std::string> asked_;
-};
 
 template <class Part>
 std::map<std::string, const Part*> by_name(std::span<const Part* const> parts) {
@@ -169,12 +51,17 @@ std::string text_of(const KeptCalibration& kept) {
         "{}\ndiameter = {}\nlow = {}\nhigh = {}\n",
         model.noise, model.residual_rms, kept.check.residual, kept.check.diameter,
         text_of_number(kept.check.low), text_of_number(kept.check.high));
+    if (kept.camera) {
+        text += "\n# Lens and tilt, of 'grainfield calibrate-camera'.\n" +
+                text_of(*kept.camera, "camera.");
+    }
     return text;
 }
 
 KeptCalibration read_calibration(const std::filesystem::path& path) {
     constexpr double largest = 1e12;
-    Values values(path);
+    TomlValues values(path, "calibration", "a file of --save-calibration",
+                      "save the calibration again");
     values.choice<int>("format", {{kFormat, 1}});
     KeptCalibration kept;
     kept.width = values.whole("frame.width", 1, 1 << 24);
@@ -209,6 +96,7 @@ KeptCalibration read_calibration(const std::filesystem::path& path) {
     kept.check.diameter = values.number("check.diameter", 0, 1e5);
     kept.check.low = values.number("check.low", -largest, largest);
     kept.check.high = values.number("check.high", -largest, largest);
+    if (values.has("camera")) kept.camera = camera_in(values, "camera.");
     values.require_no_others();
     return kept;
 }

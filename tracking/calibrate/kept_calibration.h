@@ -1,9 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/frame.h"
+#include "tracking/camera/camera.h"
 #include "tracking/model/image_model.h"
 #include "tracking/model/visible_pixels.h"
 
@@ -21,8 +23,9 @@ struct CalibrationCheck {
 /// A calibration that films to come are measured with.
 struct KeptCalibration {
     ImageModel model;
-    int width = 0, height = 0;  ///< of the frames it was made on [px]
-    CalibrationCheck check;     ///< of the frame it was made on
+    int width = 0, height = 0;          ///< of the frames it was made on [px]
+    CalibrationCheck check;             ///< of the frame it was made on
+    std::optional<Camera> camera = {};  ///< lens and tilt, of whole frames; empty: not corrected
 
     /// Throws InputError, with both sizes, for frames of another size.
     void require_size(int other_width, int other_height, const std::string& film) const;

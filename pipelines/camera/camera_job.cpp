@@ -1,0 +1,301 @@
+#include "pipelines/camera/camera_job.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
+#include "core/support/interrupt.h"
+#include "core/support/output_file.h"
+#include "core/support/progress.h"
+#include "io/frame_files.h"
+#include "io/joined_films.h"
+#include "pipelines/camera/camera_file.h"
+#include "pipelines/camera/residual_picture.h"
+#include "tracking/camera/board_points.h"
+
+namespace grainfield::pipelines {
+
+namespace {
+
+namespace fs = std::filesystem;
+using tracking::BoardView;
+
+constexpr double kFarReach = 0.8;    // of the way to the corners
+constexpr double kPoorFit = 0.3;     // px
+constexpr std::size_t kCorners = 8;  // numbers of four corners
+
+/// A picture to look at, by its place in a file.
+struct Place {
+    fs::path file;
+    std::int64_t frame = 0, frames = 1;
+
+    std::string name() const {
+        return frames == 1 ? fmt::format("'{}'", file.string())
+                           : fmt::format("frame {} of '{}'", frame, file.string());
+    }
+};
+
+std::vector<Place> places_of(const Job& job) {
+    std::vector<Place> places;
+    for (const fs::path& file : job.inputs) {
+        const std::int64_t frames = io::open_frames({file}, {})->count();
+        for (std::int64_t i = 0; i < frames; ++i) places.push_back({file, i, frames});
+        throw_if_interrupted("calibrate-camera");
+    }
+    return places;
+}
+
+/// As many as wanted, spread evenly; the one of the cell's plane among them. Gives its new number.
+std::size_t thin_out(std::vector<Place>& places, const CameraJobOptions& options) {
+    const auto count = static_cast<std::int64_t>(places.size());
+    const std::int64_t cell = options.cell_picture;
+    if (cell >= count) {
+        throw OptionError({.problem = "option 'cell-picture' names none of the pictures",
+                           .actual = fmt::format("{} of {}", cell, count),
+                           .expected = fmt::format("0 to {}", count - 1),
+                           .suggestion = {}});
+    }
+    if (count <= options.pictures) return static_cast<std::size_t>(cell);
+    std::vector<Place> kept;
+    std::size_t number = 0;
+    for (std::int64_t i = 0; i < options.pictures; ++i) {
+        std::int64_t at = i * count / options.pictures;
+        const std::int64_t next = (i + 1) * count / options.pictures;
+        if (cell >= at && cell < next) {
+            at = cell;
+            number = kept.size();
+        }
+        kept.push_back(places[static_cast<std::size_t>(at)]);
+    }
+    places = std::move(kept);
+    return number;
+}
+
+Image image_of(const Place& place) {
+    Frame frame = io::open_frames({place.file}, {})->read(place.frame);
+    if (frame.status == FrameStatus::ok) return std::move(frame.image);
+    throw InputError({.problem = place.name() + " cannot be read",
+                      .actual = frame.message,
+                      .expected = "a whole picture",
+                      .suggestion = "leave it out"});
+}
+
+void require_size(const Image& image, const Image& first, const Place& place) {
+    if (image.width() == first.width() && image.height() == first.height()) return;
+    throw InputError(
+        {.problem = "the pictures are not of one size",
+         .actual = fmt::format("{} has {} x {} px", place.name(), image.width(), image.height()),
+         .expected = fmt::format("{} x {} px, as the first", first.width(), first.height()),
+         .suggestion = "take all with the settings of the film"});
+}
+
+BoardView look_for(const Image& image, const CameraJobOptions& options, BoardKind& kind,
+                   int threads) {
+    if (kind != BoardKind::dots) {
+        BoardView view = tracking::find_chessboard(image, options.inner_corners);
+        if (!view.empty()) kind = BoardKind::chessboard;
+        if (kind == BoardKind::chessboard) return view;
+    }
+    BoardView view = tracking::find_dots(image, threads);
+    constexpr std::size_t least = 9;
+    if (view.pixel.size() < least) return {};
+    kind = BoardKind::dots;
+    return view;
+}
+
+const char* name_of(BoardKind kind) {
+    switch (kind) {
+        case BoardKind::chessboard:
+            return "a chessboard";
+        case BoardKind::dots:
+            return "dots";
+        case BoardKind::automatic:
+            break;
+    }
+    return "a chessboard or dots";
+}
+
+bool is_of_corners(const CameraJobOptions& options) {
+    if (options.corners && options.sides) return true;
+    if (!options.corners && !options.sides) return false;
+    throw OptionError({.problem = "a rectangle needs its corners and its sides",
+                       .actual = options.corners ? "option 'sides' is not given"
+                                                 : "option 'corners' is not given",
+                       .expected = "corners x,y,x,y,x,y,x,y [px] and sides w,h",
+                       .suggestion = {}});
+}
+
+double largest_shift(const tracking::Camera& camera) {
+    const tracking::CameraMap map(camera);
+    constexpr int steps = 32;
+    double largest = 0;
+    for (int j = 0; j <= steps; ++j) {
+        for (int i = 0; i <= steps; ++i) {
+            const Vec2 p{camera.width * static_cast<double>(i) / steps - 0.5,
+                         camera.height * static_cast<double>(j) / steps - 0.5};
+            largest = std::max(largest, norm(map.corrected(p).position - p));
+        }
+    }
+    return largest;
+}
+
+CameraJobResult of_rectangle(const CameraJobOptions& options, const Place& place) {
+    const Image image = image_of(place);
+    const std::vector<double>& numbers = *options.corners;
+    std::array<Vec2, 4> corners;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        corners[i] = {numbers[2 * i], numbers[2 * i + 1]};
+    }
+    CameraJobResult result;
+    result.pictures = 1;
+    result.fit.camera =
+        tracking::camera_of_rectangle(corners, options.sides->front(), options.sides->back(),
+                                      options.unit, image.width(), image.height());
+    return result;
+}
+
+/// Said before the work.
+void require_free(const fs::path& output, const Job& job) {
+    const OutputFile claimed(output, job.overwrite);
+}
+
+void warn_of(const CameraJobResult& result, RunPlan& plan) {
+    const tracking::CameraFit& fit = result.fit;
+    if (fit.reach < kFarReach) {
+        plan.warn(
+            fmt::format("the board reaches {:.0f} % of the way to the corners of the frame: "
+                        "beyond it the lens is extrapolated",
+                        100 * fit.reach));
+    }
+    if (fit.camera.residual_rms > kPoorFit) {
+        plan.warn(
+            fmt::format("the residual is {:.2f} px per axis: is the board flat, sharp and "
+                        "at rest, and its grid square?",
+                        fit.camera.residual_rms));
+    }
+    if (fit.dropped > 0) {
+        plan.warn(fmt::format("{} did not fit and were left out", counted(fit.dropped, "point")));
+    }
+}
+
+CameraJobResult of_boards(const CameraJobOptions& options, std::vector<Place> places, Job& job) {
+    const std::size_t cell = thin_out(places, options);
+    CameraJobResult result;
+    result.board = options.board;
+    result.pictures = static_cast<std::int64_t>(places.size());
+    Progress progress("looking for boards", result.pictures, "pictures", job.verbosity);
+    std::vector<BoardView> views;
+    Image first;
+    std::size_t cell_view = 0;
+    // The picture that matters says what kind of board it is.
+    std::vector<std::size_t> order{cell};
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        if (i != cell) order.push_back(i);
+    }
+    for (const std::size_t i : order) {
+        const Image image = image_of(places[i]);
+        if (first.empty()) first = Image(image.width(), image.height());
+        require_size(image, first, places[i]);
+        BoardView view = look_for(image, options, result.board, job.threads);
+        throw_if_interrupted("calibrate-camera");
+        progress.advance();
+        if (!view.empty()) {
+            views.push_back(std::move(view));
+            continue;
+        }
+        if (i == cell) {
+            throw InputError(
+                {.problem = fmt::format("no board in {}", places[i].name()),
+                 .actual = fmt::format("{} was looked for", name_of(options.board)),
+                 .expected = "3 x 3 inner corners of a chessboard, or a square grid of dots",
+                 .suggestion = "it is the picture of the cell's plane: choose another with "
+                               "option 'cell-picture', or name the inner corners of the board "
+                               "with option 'inner-corners'"});
+        }
+        job.plan.warn(fmt::format("no board in {}: left out", places[i].name()));
+    }
+    progress.finish();
+    result.views = static_cast<std::int64_t>(views.size());
+    std::optional<tracking::PlaneScale> pitch;
+    if (options.pitch) pitch = tracking::PlaneScale{*options.pitch, options.unit};
+    result.fit = tracking::fit_camera(views, cell_view, first.width(), first.height(), pitch);
+    job.plan.run(
+        "lens",
+        fmt::format("{} in {} of {}, {}; centre {}", name_of(result.board), result.views,
+                    counted(result.pictures, "picture"),
+                    counted(static_cast<std::int64_t>(result.fit.residuals.size()), "point"),
+                    result.fit.is_centre_fitted ? "fitted" : "in the middle of the frame"));
+    job.plan.run("tilt", fmt::format("the plane of the board in {}", places[cell].name()));
+    warn_of(result, job.plan);
+    return result;
+}
+
+}  // namespace
+
+void describe(CameraJobOptions& options, OptionTable& table) {
+    using tracking::PlaneUnit;
+    table.choice("board", options.board,
+                 {{"auto", BoardKind::automatic},
+                  {"chessboard", BoardKind::chessboard},
+                  {"dots", BoardKind::dots}},
+                 "what the pictures show; auto: a chessboard, else a square grid of dots");
+    table.integers("inner-corners", options.inner_corners, "-", {3, 1000},
+                   "inner corners of the chessboard, as COLUMNS,ROWS; auto: as found", {2, 2});
+    table.number("pitch", options.pitch, "", {1e-9, 1e9},
+                 "distance of neighbouring corners or dots, in 'unit'; auto: the scale is not "
+                 "known");
+    table.choice("unit", options.unit, {{"mm", PlaneUnit::mm}, {"a", PlaneUnit::diameter}},
+                 "of pitch and sides: mm, or diameters a of the spheres");
+    table.integer("cell-picture", options.cell_picture, "-", {0, 1e9},
+                  "picture whose board lies in the plane of the cell, from 0 in the order given");
+    table.integer("pictures", options.pictures, "-", {1, 10000},
+                  "looked at, spread over those that are given");
+    table.numbers("corners", options.corners, "px", {-1e6, 1e6},
+                  "instead of a board: corners of a rectangle in the plane of the cell, in order "
+                  "around it, as X,Y,X,Y,X,Y,X,Y",
+                  {kCorners, kCorners});
+    table.numbers("sides", options.sides, "", {1e-9, 1e9},
+                  "with corners: from the first to the second corner, and from there to the "
+                  "third, as W,H in 'unit'",
+                  {2, 2});
+}
+
+void plan_camera(const CameraJobOptions& options, Job& job) {
+    job.inputs = io::recording_files(job.inputs);
+    if (is_of_corners(options)) {
+        job.plan.skip("lens", "corners are given", "pictures of a board");
+        job.plan.run("tilt", "the plane of the rectangle; its sides are the walls of the cell");
+        return;
+    }
+    std::vector<Place> places = places_of(job);
+    const std::size_t cell = thin_out(places, options);
+    job.plan.run("lens", fmt::format("{} in {}", name_of(options.board),
+                                     counted(static_cast<std::int64_t>(places.size()), "picture")));
+    job.plan.run("tilt", fmt::format("the plane of the board in {}", places[cell].name()));
+}
+
+CameraJobResult calibrate_camera(const CameraJobOptions& options, Job& job) {
+    job.inputs = io::recording_files(job.inputs);
+    CameraJobResult result;
+    const fs::path picture = fs::path(options.output).replace_extension(".svg");
+    require_free(options.output, job);
+    if (is_of_corners(options)) {
+        plan_camera(options, job);
+        result = of_rectangle(options, {job.inputs.front(), 0, 1});
+    } else {
+        require_free(picture, job);
+        result = of_boards(options, places_of(job), job);
+        write_file(picture, residual_picture(result.fit, 0), job.overwrite);
+        result.picture = picture;
+    }
+    result.largest_shift = largest_shift(result.fit.camera);
+    write_file(options.output, camera_file_text(result.fit.camera), job.overwrite);
+    job.outputs.push_back(options.output);
+    if (!result.picture.empty()) job.outputs.push_back(result.picture);
+    return result;
+}
+
+}  // namespace grainfield::pipelines
