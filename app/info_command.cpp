@@ -12,6 +12,7 @@
 #include "io/joined_films.h"
 #include "io/open_snapshots.h"
 #include "io/text/points_csv.h"
+#include "pipelines/camera/camera_file.h"
 #include "pipelines/lab.h"
 #include "pipelines/track/calibration_file.h"
 #include "report/text.h"
@@ -268,6 +269,37 @@ Summary describe_calibration(const std::filesystem::path& path) {
     sheet.add("core", "core", model.dark_level, fmt::format("{:.1f} counts", model.dark_level));
     sheet.add("residual", "residual", kept.check.residual,
               fmt::format("{:.4f} of the contrast", kept.check.residual));
+    if (kept.camera) {
+        sheet.add(
+            "camera_residual_px", "camera", kept.camera->residual_rms,
+            fmt::format("lens and tilt, residual {:.4f} px per axis", kept.camera->residual_rms));
+    }
+    return sheet.take();
+}
+
+Summary describe_camera(const std::filesystem::path& path) {
+    const tracking::Camera camera = pipelines::read_camera(path);
+    const tracking::Lens& lens = camera.lens;
+    Sheet sheet(fmt::format("{}: camera", path.string()));
+    sheet.add("kind", "kind", std::string("camera"));
+    sheet.add("width", "width", camera.width, fmt::format("{} px", camera.width));
+    sheet.add("height", "height", camera.height, fmt::format("{} px", camera.height));
+    sheet.add("focal_px", "focal length", lens.focal, fmt::format("{:.5g} px", lens.focal));
+    sheet.add("centre_px", "centre", ordered_json{lens.centre.x, lens.centre.y},
+              fmt::format("({:.1f}, {:.1f}) px", lens.centre.x, lens.centre.y));
+    sheet.add("distortion", "k1 k2 p1 p2", ordered_json{lens.k1, lens.k2, lens.p1, lens.p2},
+              fmt::format("{:.4g}, {:.4g}, {:.4g}, {:.4g}", lens.k1, lens.k2, lens.p1, lens.p2));
+    if (camera.scale) {
+        const char* unit = camera.scale->unit == tracking::PlaneUnit::mm ? "mm" : "a";
+        sheet.add(
+            "scale", "scale", camera.scale->length,
+            fmt::format("1 px is {:.5g} {} in the plane of the cell", camera.scale->length, unit));
+        sheet.add("scale_unit", "unit", std::string(unit));
+    } else {
+        sheet.add("scale", "scale", nullptr, "not known");
+    }
+    sheet.add("residual_px", "residual", camera.residual_rms,
+              fmt::format("{:.4f} px per axis", camera.residual_rms));
     return sheet.take();
 }
 
@@ -328,7 +360,9 @@ Summary InfoCommand::run(Session& session) {
         case io::FileKind::unknown:
             break;
     }
-    if (path.extension() == ".toml") return describe_calibration(path);
+    if (path.extension() == ".toml") {
+        return pipelines::is_camera_file(path) ? describe_camera(path) : describe_calibration(path);
+    }
     return describe_frames(session);
 }
 

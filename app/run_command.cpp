@@ -59,6 +59,8 @@ std::vector<OptionTable> RunCommand::options() {
              "write every plot as SVG, PDF and CSV beside the page");
     describe(job_.track.film, own);
     pipelines::describe(job_.track.lab, own);
+    own.text("camera", job_.track.camera,
+             "camera file of calibrate-camera: positions are corrected for lens and tilt");
     own.integer("previews", job_.track.previews, "-", {0, 1000}, "frames that the report shows");
     own.number("checkpoint-every", checkpoint_every_, "min", {0, 1e6}, "time between checkpoints");
     tables_ = {own};

@@ -61,6 +61,17 @@ ordered_json candidate_facts(const std::vector<tracking::SizeCandidate>& weighed
     return facts;
 }
 
+std::string camera_in_words(const TrackJobResult& result) {
+    if (!result.camera) return "";
+    const tracking::Camera& camera = *result.camera;
+    std::string text = "  camera     positions are corrected for lens and tilt";
+    if (camera.scale) {
+        text += fmt::format("; 1 px is {:.5g} {}", camera.scale->length,
+                            camera.scale->unit == tracking::PlaneUnit::mm ? "mm" : "a");
+    }
+    return text + fmt::format("; residual {:.3f} px\n", camera.residual_rms);
+}
+
 std::string words(const Session& session, const TrackJobResult& result, const LabUnits& lab) {
     const tracking::TrackSummary& summary = result.summary;
     std::string text =
@@ -76,6 +87,7 @@ std::string words(const Session& session, const TrackJobResult& result, const La
                             spheres->diameter, spheres->edge_width);
     }
     text += pipelines::units_in_words(result.info, result.rate_source, lab, session.plan);
+    text += camera_in_words(result);
     if (result.weighed.size() > 1) {
         text += "  weighed    " + tracking::in_words(result.weighed) + "\n";
     }
@@ -119,6 +131,8 @@ void add_units(ordered_json& facts, const TrackJobResult& result, const LabUnits
     facts["sphere_px"] = info.diameter;
     facts["sphere_px_source"] = is_apparent ? "apparent" : "given";
     facts["sphere_mm"] = known(lab.sphere_mm);
+    facts["camera"] = nullptr;
+    if (result.camera) facts["camera"] = {{"residual_px", result.camera->residual_rms}};
     facts["gamma"] = info.control ? ordered_json(info.control->value) : ordered_json();
     facts["vibration_frequency_hz"] = known(lab.frequency);
     facts["amplitude_mm"] = known(lab.amplitude_mm);
@@ -187,6 +201,8 @@ std::vector<OptionTable> TrackCommand::options() {
              "with no-link: frames of the whole film, as FIRST:END:STEP; by default all, in the "
              "same steps");
     own.integer("previews", job_.previews, "-", {0, 1000}, "frames kept in the output to look at");
+    own.text("camera", job_.camera,
+             "camera file of calibrate-camera: positions are corrected for lens and tilt");
     own.text("calibration", job_.calibration,
              "use the calibration that another run kept in this file");
     own.text("save-calibration", job_.save_calibration,
@@ -209,8 +225,8 @@ Summary TrackCommand::run(Session& session) {
         return explanation(session.plan);
     }
     const TrackJobResult result = pipelines::track_film(job_, session);
-    return {.text = words(session, result, job_.lab),
-            .facts = facts(result, job_.lab),
+    return {.text = words(session, result, result.lab),
+            .facts = facts(result, result.lab),
             .signal = result.signal};
 }
 

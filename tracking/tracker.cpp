@@ -68,10 +68,33 @@ void require_diameter(const TrackOptions& options) {
                       "track.sphere-diameter is not known", "a [px]",
                       "give track.sphere-diameter; the dark disc is smaller than the sphere"});
     }
+    if (options.synthesis && options.camera) {
+        throw OptionError({.problem = "synthesis cannot be corrected for lens and tilt",
+                           .actual = "a camera is given",
+                           .expected = "no camera: it renders spheres as a straight lens sees them",
+                           .suggestion = "leave out the camera, or synthesis"});
+    }
     if (options.synthesis && !options.visible.are_all()) {
         throw OptionError(ErrorText{"synthesis renders whole frames", "a mask hides part of them",
                                     "no mask", "choose a region without hidden pixels instead"});
     }
+}
+
+/// Leaves out the spheres beside the box; `evidence` has one entry each, too.
+void keep_within(const Box& box, Snapshot& snapshot, std::vector<double>& evidence) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < snapshot.size(); ++i) {
+        if (!box.contains(snapshot.position[i])) continue;
+        snapshot.position[kept] = snapshot.position[i];
+        snapshot.position_error[kept] = snapshot.position_error[i];
+        snapshot.quality[kept] = snapshot.quality[i];
+        evidence[kept] = evidence[i];
+        ++kept;
+    }
+    snapshot.position.resize(kept);
+    snapshot.position_error.resize(kept);
+    snapshot.quality.resize(kept);
+    evidence.resize(kept);
 }
 
 }  // namespace
@@ -97,6 +120,9 @@ std::vector<OptionTable> describe(TrackOptions& options) {
 Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan)
     : source_(source), options_(options), plan_(plan), threads_(thread_count(options.threads)) {
     require_diameter(options);
+    box_.origin = {-0.5, -0.5};
+    box_.length = {static_cast<double>(source.width()), static_cast<double>(source.height())};
+    if (options.camera) box_ = options.camera->box(source.width(), source.height());
     // Mirrors before a panel are dark.
     PolarityChoice& polarity = options_.calibration.polarity;
     if (options.synthesis && !options.kept && polarity == PolarityChoice::automatic) {
@@ -143,7 +169,19 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
                              "them while these move less than {:.2g} D",
                              kWarmStep));
     }
+    plan_camera(plan);
     plan_heights(plan);
+}
+
+void Tracker::plan_camera(RunPlan& plan) {
+    if (!options_.camera) return;
+    const double all = static_cast<double>(source_.width()) * source_.height();
+    plan.run("camera",
+             fmt::format("positions corrected for lens and tilt; box of {:.1f} x {:.1f} px{}, "
+                         "{:.1f} % of the frame",
+                         box_.length.x, box_.length.y,
+                         options_.camera->camera().cell ? " between the walls" : "",
+                         100 * box_.area() / all));
 }
 
 void Tracker::plan_heights(RunPlan& plan) {
@@ -339,9 +377,7 @@ Snapshot Tracker::snapshot_of(const Job& job, Run& run) {
     Snapshot snapshot;
     snapshot.frame = job.frame.index;
     snapshot.time = job.frame.time;
-    snapshot.box.origin = {-0.5, -0.5};
-    snapshot.box.length = {static_cast<double>(job.frame.image.width()),
-                           static_cast<double>(job.frame.image.height())};
+    snapshot.box = box_;
     if (!is_calibrated()) return snapshot;
     if (!job.blank.empty()) {
         repeated_.add(job.frame.index, job.blank);
@@ -386,8 +422,14 @@ void Tracker::report(const Job& job, Snapshot& snapshot, TrackSummary& summary) 
         const double misfit = std::max(0.0, found.residual[j] * found.residual[j] - noise);
         snapshot.position_error[j] *= std::sqrt(noise + found.correlation * misfit);
     }
-
-    if (bilayer_) bilayer_->admit(snapshot, found.explained);
+    if (!options_.camera) {
+        if (bilayer_) bilayer_->admit(snapshot, found.explained);
+        return;
+    }
+    options_.camera->correct(snapshot);
+    std::vector<double> explained = found.explained;
+    keep_within(box_, snapshot, explained);
+    if (bilayer_) bilayer_->admit(snapshot, explained);
 }
 
 void Tracker::link(const Job& job, Run& run, Snapshot& snapshot) {

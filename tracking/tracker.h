@@ -17,6 +17,7 @@
 #include "tracking/calibrate/film_calibration.h"
 #include "tracking/calibrate/illumination.h"
 #include "tracking/calibrate/kept_calibration.h"
+#include "tracking/camera/camera.h"
 #include "tracking/layers/bilayer.h"
 #include "tracking/link/linker.h"
 #include "tracking/link/long_tracks.h"
@@ -42,6 +43,7 @@ struct TrackOptions {
     std::optional<FrameSpan> part;          ///< measured, not linked; empty: all, and linked
     VisiblePixels visible;                  ///< pixels that are looked at
     std::optional<KeptCalibration> kept;    ///< instead of a calibration on this film
+    std::optional<CameraMap> camera;        ///< corrects positions; counts pixels of the source
     bool keeps = false;  ///< start as films will that use the calibration: frame 0 knows nothing
     int threads = 0;     ///< 0: all
 };
@@ -85,16 +87,19 @@ struct TrackResumption {
 /// room between the plates are left out. The others get the layer that their overlaps imply
 /// (Bilayer), up to a flip of each cluster.
 ///
-/// Positions are in pixels of the source. Three frames are in memory at a time. Results do not
-/// depend on the number of threads: frames are fitted in twos on one thread as well.
+/// Positions are in pixels of the source. With a camera they are corrected as soon as a frame is
+/// fitted, so that layers and identities follow from corrected ones. Those outside of
+/// CameraMap::box, which becomes the box, are left out. Fitting itself knows nothing of it. Three
+/// frames are in memory at a time. Results do not depend on the number of threads: frames are
+/// fitted in twos on one thread as well.
 class Tracker {
  public:
     /// Calibrates; what was decided goes into `plan`. The source must outlive the tracker. A source
     /// without any usable frame gives a tracker that writes empty snapshots, with warnings. Throws
     /// OptionError if the height of the cell, or synthesis, is asked for without the true diameter
-    /// of the spheres, if synthesis is asked for with a mask or bright spheres, or if a kept
-    /// calibration comes with options that estimate or give what it holds; InputError if it is of
-    /// frames of another size.
+    /// of the spheres, if synthesis is asked for with a mask, bright spheres or a camera, or if
+    /// a kept calibration comes with options that estimate or give what it holds; InputError if it
+    /// is of frames of another size, or the camera leaves no box.
     Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan);
 
     Tracker(const Tracker&) = delete;
@@ -178,6 +183,7 @@ class Tracker {
     void begin_stretch();
     void finish(Job& job, Run& run, const EachFrame& each_frame);
     void keep(Job& job);
+    void plan_camera(RunPlan& plan);
     Snapshot snapshot_of(const Job& job, Run& run);
     void report(const Job& job, Snapshot& snapshot, TrackSummary& summary);
     void link(const Job& job, Run& run, Snapshot& snapshot);
@@ -188,6 +194,7 @@ class Tracker {
     RunPlan& plan_;
     int threads_;
     FilmCalibration film_;
+    Box box_;                    ///< of all snapshots, without its height
     RepeatedWarnings repeated_;  ///< of the frames tracked so far
     std::vector<Lane> lanes_;
     IlluminationFollower::State light_, first_light_;

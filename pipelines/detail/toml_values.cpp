@@ -74,6 +74,12 @@ std::vector<double> TomlValues::list(const std::string& key) {
     return values;
 }
 
+std::string TomlValues::text(const std::string& key) {
+    const auto value = node(key).value<std::string>();
+    if (!value) refuse_value(key, "a text");
+    return *value;
+}
+
 bool TomlValues::has(const std::string& key) const {
     return static_cast<bool>(root_.at_path(key));
 }

@@ -34,6 +34,7 @@ class TomlValues {
     double number(const std::string& key, double low, double high);
     int whole(const std::string& key, int low, int high);
     std::vector<double> list(const std::string& key);
+    std::string text(const std::string& key);
 
     template <class Choice>
     Choice choice(const std::string& key, const std::map<std::string, Choice>& choices) {

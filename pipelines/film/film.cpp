@@ -265,6 +265,8 @@ Film open_film(Job& job, const FilmOptions& options, const tracking::TrackOption
                             whole.first + (whole.count - 1) * whole.step + 1, whole.step);
     }
     frames = io::select_frames(std::move(frames), range);
+    film.whole_width = frames->width();
+    film.whole_height = frames->height();
     const auto region = io::region_within(options.region, frames->width(), frames->height());
     film.visible = visible_pixels(*frames, options, region, job.plan);
     if (region) film.origin = {static_cast<double>(region->x), static_cast<double>(region->y)};

@@ -49,6 +49,8 @@ void describe(FilmOptions& options, OptionTable& table);
 struct Film {
     std::unique_ptr<WatchedFrames> frames;
     Vec2 origin;                       ///< of the region in the frames of the source [px]
+    int whole_width = 0;               ///< of the frames of the source [px]
+    int whole_height = 0;              ///< likewise [px]
     tracking::VisiblePixels visible;   ///< where the mask is not zero
     std::optional<io::FilmPart> part;  ///< what is asked for; empty: all frames
 };

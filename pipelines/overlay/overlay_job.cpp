@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <system_error>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "io/joined_films.h"
 #include "io/open_snapshots.h"
 #include "io/video/colour_video.h"
+#include "pipelines/camera/stored_camera.h"
 #include "report/maps/overlay.h"
 
 namespace grainfield::pipelines {
@@ -111,12 +113,19 @@ OverlayJobResult draw_overlay(const OverlayJobOptions& options, Job& job) {
                           {.width = result.width, .height = result.height, .fps = result.fps},
                           job.overwrite);
     report::Overlay overlay(drawn_as);
+    std::optional<tracking::CorrectedPictures> corrected;
+    const auto camera = tracks == nullptr ? std::nullopt : stored_camera(tracks->curves());
+    if (film != nullptr && camera) {
+        camera->require_size(film->width(), film->height(), film->name());
+        corrected.emplace(tracking::CameraMap(*camera), film->width(), film->height());
+    }
     Progress progress("drawing", snapshots->count(), "frames", job.verbosity);
     for (; result.frames < snapshots->count() && caught_signal() == 0; ++result.frames) {
         const Snapshot snapshot = snapshots->read(result.frames);
         Image image;
         if (film != nullptr && snapshot.frame < film->count()) {
             image = film->read(snapshot.frame).image;
+            if (corrected) image = (*corrected)(image);
         }
         video.write(
             overlay.draw(image, snapshot, analysis::abs_q4(snapshot, drawn_as.diameter, {})));

@@ -11,6 +11,7 @@
 #include "core/support/interrupt.h"
 #include "io/h5/results_file.h"
 #include "io/h5/trajectory_file.h"
+#include "io/input_record.h"
 #include "io/joined_films.h"
 #include "pipelines/configuration.h"
 #include "pipelines/lab.h"
@@ -34,7 +35,11 @@ Configuration options_of_tracking(const TrackJobOptions& options) {
     describe(copy.film, tables.front());
     tables.front().integer("previews", copy.previews, "-", {}, "");
     for (OptionTable& table : tracking::describe(copy.tracking)) tables.push_back(std::move(table));
-    return physics_of(tables);
+    Configuration configuration = physics_of(tables);
+    if (!options.camera.empty()) {
+        configuration.emplace_back("camera", io::describe_input(options.camera).checksum);
+    }
+    return configuration;
 }
 
 Configuration options_of_analysis(const AnalyzeJobOptions& options) {
@@ -297,6 +302,7 @@ RunJobResult run_film(const RunJobOptions& wanted, Job& job) {
     {
         const io::TrajectoryFile tracks(files.tracks);
         result.lab = lab_units_in(tracks.curves());
+        if (!options.report.sphere_mm) options.report.sphere_mm = result.lab.sphere_mm;
         if (const auto gamma = gamma_of(tracks.info())) {
             options.analyze.adjustment.acceleration = gamma;
             // As the legends of simulations have it: "layer, Γ = 4.7".

@@ -12,6 +12,8 @@
 #include "io/input_record.h"
 #include "io/joined_films.h"
 #include "pipelines/analyze/lengths.h"
+#include "pipelines/camera/camera_file.h"
+#include "pipelines/camera/stored_camera.h"
 #include "pipelines/interrupt_deadline.h"
 #include "pipelines/track/calibration_file.h"
 #include "pipelines/track/film_part.h"
@@ -53,6 +55,7 @@ Resumable::Identity identity_of(const TrackJobOptions& options, const Job& job) 
     compared.emplace_back("seed", std::to_string(job.seed));
     std::vector<std::string> files = pictures_of(options.film);
     if (!options.calibration.empty()) files.push_back(options.calibration);
+    if (!options.camera.empty()) files.push_back(options.camera);
     compared.emplace_back("calibration is kept", options.save_calibration.empty() ? "no" : "yes");
     for (const std::string& picture : files) {
         const RunRecord::Input record = io::describe_input(picture);
@@ -86,12 +89,12 @@ std::optional<SphereImage> spheres_of(const Tracker& tracker) {
     return SphereImage{model.polarity, model.disc.diameter, model.disc.edge_width};
 }
 
-void warn_of_units(const TrackJobOptions& options, const FrameSource& frames,
+void warn_of_units(const tracking::TrackOptions& options, const FrameSource& frames,
                    const Tracker& tracker, RunPlan& plan) {
     if (frames.count() > 1 && !frames.frame_rate()) {
         plan.warn("times are in frames: the frame rate is not known; give option 'fps'");
     }
-    if (options.tracking.sphere_diameter || !tracker.is_calibrated()) return;
+    if (options.sphere_diameter || !tracker.is_calibrated()) return;
     plan.warn(WarningCode::apparent_diameter,
               fmt::format("lengths are in apparent disc diameters D = {:.3f} px; steel spheres: D "
                           "is about 0.88 a; give track.sphere-diameter",
@@ -170,6 +173,11 @@ class Resumption {
     Resumption(Resumable& resumable, KeptTracks& tracks, PreviewChoice& choice)
         : resumable_(resumable), tracks_(tracks), choice_(choice) {}
 
+    /// Previews are to be as a camera without lens and tilt has them.
+    void correct(const tracking::CameraMap& map, const FrameSource& frames) {
+        corrected_.emplace(map, frames.width(), frames.height());
+    }
+
     void replay(FrameSource& frames) {
         if (resumable_.from() == nullptr) return;
         for (const std::int64_t position : recorded_previews(*resumable_.from())) {
@@ -183,7 +191,9 @@ class Resumption {
 
     void take(const Frame& frame, const Snapshot& snapshot, std::int64_t position) {
         if (!choice_.takes(position)) return;
-        tracks_.add_preview(frame, snapshot);
+        Frame shown = frame;
+        if (corrected_) shown.image = (*corrected_)(frame.image);
+        tracks_.add_preview(shown, snapshot);
         previews_.push_back(position);
     }
 
@@ -202,6 +212,7 @@ class Resumption {
     Resumable& resumable_;
     KeptTracks& tracks_;
     PreviewChoice& choice_;
+    std::optional<tracking::CorrectedPictures> corrected_;
     std::vector<std::int64_t> previews_;
 };
 
@@ -210,13 +221,57 @@ RateSource rate_source(const TrackJobOptions& options, const FrameSource& frames
     return frames.frame_rate() ? RateSource::file : RateSource::unknown;
 }
 
-/// The options of the tracker, with the calibration that is kept.
-tracking::TrackOptions tracking_of(const TrackJobOptions& options, const Job& job) {
+/// The camera that is named, or that the kept calibration holds.
+std::optional<tracking::Camera> camera_of(const TrackJobOptions& options,
+                                          const std::optional<tracking::KeptCalibration>& kept) {
+    const std::optional<tracking::Camera> held = kept ? kept->camera : std::nullopt;
+    if (options.camera.empty()) return held;
+    tracking::Camera camera = read_camera(options.camera);
+    if (held && *held != camera) {
+        throw OptionError({.problem = "two cameras are given",
+                           .actual = fmt::format("'{}' and the one that '{}' holds differ",
+                                                 options.camera, options.calibration),
+                           .expected = "one camera",
+                           .suggestion = "leave out option 'camera', or calibrate again"});
+    }
+    return camera;
+}
+
+/// The options of the tracker, with the calibration that is kept and, where the camera's scale
+/// tells it, the diameter of the spheres.
+tracking::TrackOptions tracking_of(const TrackJobOptions& options, const Job& job,
+                                   std::optional<tracking::Camera>& camera) {
     tracking::TrackOptions tracking = options.tracking;
     tracking.threads = job.threads;
     tracking.keeps = !options.save_calibration.empty();
     if (!options.calibration.empty()) tracking.kept = read_calibration(options.calibration);
+    camera = camera_of(options, tracking.kept);
+    const auto diameter = camera ? camera->diameter_px(options.lab.sphere_mm) : std::nullopt;
+    if (diameter && tracking.sphere_diameter) {
+        require_agreement("diameter of the spheres in px", "track.sphere-diameter",
+                          *tracking.sphere_diameter, "scale of the camera", *diameter);
+    }
+    if (diameter) tracking.sphere_diameter = diameter;
     return tracking;
+}
+
+/// Lengths of the lab as the camera's scale has them.
+LabUnits lab_of(const LabUnits& given, const std::optional<tracking::Camera>& camera,
+                const TrajectoryInfo& info) {
+    LabUnits lab = given;
+    const bool knows_mm = camera && camera->scale && camera->scale->unit == tracking::PlaneUnit::mm;
+    if (knows_mm && !lab.sphere_mm) lab.sphere_mm = info.diameter * camera->scale->length;
+    return lab;
+}
+
+/// What the film adds to the options of the tracker.
+void complete(tracking::TrackOptions& tracking, const Film& film,
+              const std::optional<tracking::Camera>& camera) {
+    tracking.visible = film.visible;
+    if (film.part) tracking.part = film.part->span;
+    if (!camera) return;
+    camera->require_size(film.whole_width, film.whole_height, film.frames->name());
+    tracking.camera.emplace(*camera, film.origin);
 }
 
 }  // namespace
@@ -225,10 +280,10 @@ void plan_tracking(const TrackJobOptions& options, Job& job) {
     options.lab.acceleration();  // contradictions are said before the work
     job.inputs = io::recording_files(job.inputs);
     Resumable resumable(job, identity_of(options, job), options.resume);
-    tracking::TrackOptions tracking = tracking_of(options, job);
+    std::optional<tracking::Camera> camera;
+    tracking::TrackOptions tracking = tracking_of(options, job, camera);
     const Film film = open_film(job, options.film, tracking);
-    tracking.visible = film.visible;
-    if (film.part) tracking.part = film.part->span;
+    complete(tracking, film, camera);
     plan_checkpoints(resumable, film.frames->count(), job.plan);
     const Tracker tracker(*film.frames, tracking, job.plan);
     plan_part(film, tracker, job.plan);
@@ -247,35 +302,39 @@ TrackJobResult track_film(const TrackJobOptions& options, Job& job) {
     LastAct last_act(job, resumable);
     std::optional<InterruptDeadline> deadline;
     deadline.emplace([&](int) { return last_act(); });
-    tracking::TrackOptions tracking = tracking_of(options, job);
+    std::optional<tracking::Camera> camera;
+    tracking::TrackOptions tracking = tracking_of(options, job, camera);
     const Film film = open_film(job, options.film, tracking);
     WatchedFrames& frames = *film.frames;
-    tracking.visible = film.visible;
-    if (film.part) tracking.part = film.part->span;
+    complete(tracking, film, camera);
     const std::int64_t wanted = film.part ? film.part->span.size() : frames.count();
     plan_checkpoints(resumable, frames.count(), job.plan);
 
     Tracker tracker(frames, tracking, job.plan);
     require_calibration(tracker, frames);
     plan_part(film, tracker, job.plan);
-    warn_of_units(options, frames, tracker, job.plan);
+    warn_of_units(tracking, frames, tracker, job.plan);
     if (frames.count() > 1) {
         resumable.start();
         log.emplace(resumable.log());
     }
     TrajectoryInfo info = tracker.info();
-    apply(options.lab, info);
+    const LabUnits lab = lab_of(options.lab, camera, info);
+    apply(lab, info);
     tracks.emplace(std::move(output), info, film.origin, log ? &*log : nullptr);
     last_act.holds(&*tracks, job);
     PreviewChoice choice(options.previews, frames.count());
     if (film.part) choice.begin_at(film.part->span.begin);
     Resumption resumption(resumable, *tracks, choice);
+    if (tracking.camera) resumption.correct(*tracking.camera, frames);
     resumption.replay(frames);
 
     Progress progress("tracking", tracker.frames_to_fit().size(), "frames", job.verbosity);
     TrackJobResult result;
     result.info = info;
     result.rate_source = rate_source(options, frames);
+    result.lab = lab;
+    result.camera = camera;
     result.summary = tracker.run(
         *tracks, progress,
         [&](const Frame& frame, const Snapshot& snapshot, std::int64_t position) {
@@ -309,7 +368,8 @@ TrackJobResult track_film(const TrackJobOptions& options, Job& job) {
         tracks->add_curve(calibration_curve(result.spheres->diameter, result.spheres->edge_width,
                                             summary.residual_rms));
     }
-    if (const auto lab = curve_of(options.lab)) tracks->add_curve(*lab);
+    if (const auto units = curve_of(lab)) tracks->add_curve(*units);
+    if (camera) tracks->add_curve(curve_of(*camera));
     if (summary.synthesis.frames > 0) tracks->add_curve(synthesis_curve(summary.synthesis));
     if (film.part) {
         for (const Curve& curve : curves_of(record_of(film, tracking, tracker, done))) {
@@ -319,7 +379,9 @@ TrackJobResult track_film(const TrackJobOptions& options, Job& job) {
     tracks->finish(job.record());
     job.outputs.push_back(options.output);
     if (!options.save_calibration.empty()) {
-        write_file(options.save_calibration, text_of(tracker.to_keep()), job.overwrite);
+        tracking::KeptCalibration kept = tracker.to_keep();
+        kept.camera = camera;
+        write_file(options.save_calibration, text_of(kept), job.overwrite);
         job.outputs.emplace_back(options.save_calibration);
     }
     if (is_complete) resumable.finish();

@@ -24,6 +24,7 @@ struct TrackJobOptions {
     ResumeOptions resume{.resume = false, .every = std::chrono::minutes(1)};
     tracking::TrackOptions tracking;
     LabUnits lab;                  ///< stored with the trajectory
+    std::string camera;            ///< file of lens and tilt; empty: positions as seen
     std::string calibration;       ///< file of a kept calibration to use; empty: calibrate
     std::string save_calibration;  ///< file to keep the calibration in; empty: not kept
 };
@@ -42,6 +43,8 @@ struct TrackJobResult {
     std::vector<tracking::SizeCandidate> weighed;  ///< of size and polarity, on one frame
     TrajectoryInfo info;                           ///< as the file has it
     RateSource rate_source = RateSource::unknown;  ///< of the frame rate
+    LabUnits lab;                                  ///< as given, or as the camera says
+    std::optional<tracking::Camera> camera;        ///< positions were corrected with
     int signal = 0;                                ///< that ended it early; 0: none
 
     /// Whether summary.residual_rms was measured.
@@ -55,9 +58,10 @@ void plan_tracking(const TrackJobOptions& options, Job& job);
 /// identities, but what link_parts needs (PartRecord). At a signal the frames done so far are a
 /// complete output, and a checkpoint beside it is what `resume` goes on from (Resumable, log
 /// ".snapshots"): the file in the end is that of a run that was not stopped, byte by byte but for
-/// the wall time. A frame that takes longer than a second is given up at a signal. Throws
-/// OptionError, InputError, OutputError; InputError too if no frame says what its spheres are, or
-/// no frame holds one.
+/// the wall time. With a camera, positions, box and previews are corrected ones, and where its
+/// scale is known the diameter of the spheres follows from it, or the spheres' millimetres. A frame
+/// that takes longer than a second is given up at a signal. Throws OptionError, InputError,
+/// OutputError; InputError too if no frame says what its spheres are, or no frame holds one.
 TrackJobResult track_film(const TrackJobOptions& options, Job& job);
 
 }  // namespace grainfield::pipelines

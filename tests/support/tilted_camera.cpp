@@ -160,19 +160,25 @@ Image TiltedCamera::discs(const std::vector<Vec2>& place, double diameter, const
     });
 }
 
+Pose held(const std::array<double, 3>& turn, Vec2 middle_of_board, double distance) {
+    Pose pose{turn, {0, 0, distance}};
+    const Matrix r = rotation(turn);
+    for (std::size_t i = 0; i < 3; ++i) {
+        pose.shift[i] -= r[i][0] * middle_of_board.x + r[i][1] * middle_of_board.y;
+    }
+    return pose;
+}
+
 std::vector<Pose> board_poses(Vec2 middle_of_board, double distance) {
     std::vector<Pose> poses;
     const std::vector<std::array<double, 5>> ways{
-        {0, 0, 0, 0, 0},          {0.4, 0, 0.1, 0, 0},        {-0.4, 0.1, 0, 0, 0},
-        {0, 0.4, -0.1, 0, 0},     {0.1, -0.4, 0.2, 0, 0},     {0.3, 0.3, 0.3, 0.05, 0.03},
+        {0, 0, 0, 0, 0},          {0.4, 0, 0.1, 0, 0},    {-0.4, 0.1, 0, 0, 0},
+        {0, 0.4, -0.1, 0, 0},     {0.1, -0.4, 0.2, 0, 0}, {0.3, 0.3, 0.3, 0.05, 0.03},
         {-0.3, 0.3, 0, -0.05, 0}, {0.2, -0.3, -0.2, 0, -0.04}};
     for (const auto& [a, b, g, dx, dy] : ways) {
-        Pose pose{{a, b, g}, {}};
-        const Matrix r = rotation(pose.turn);
-        const std::array<double, 3> middle{distance * dx, distance * dy, distance};
-        for (std::size_t i = 0; i < 3; ++i) {
-            pose.shift[i] = middle[i] - r[i][0] * middle_of_board.x - r[i][1] * middle_of_board.y;
-        }
+        Pose pose = held({a, b, g}, middle_of_board, distance);
+        pose.shift[0] += distance * dx;
+        pose.shift[1] += distance * dy;
         poses.push_back(pose);
     }
     return poses;

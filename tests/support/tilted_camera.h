@@ -38,6 +38,9 @@ struct TiltedCamera {
                 std::uint64_t seed) const;
 };
 
+/// A board that is turned so, its middle seen straight ahead at that distance.
+Pose held(const std::array<double, 3>& turn, Vec2 middle_of_board, double distance);
+
 /// Boards held in eight ways before that camera, so that their middle is seen about in the middle;
 /// the first one lies straight.
 std::vector<Pose> board_poses(Vec2 middle_of_board, double distance);

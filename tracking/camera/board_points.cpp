@@ -1,6 +1,7 @@
 #include "tracking/camera/board_points.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <limits>
@@ -10,6 +11,7 @@
 #include <utility>
 
 #include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "core/image_mat.h"
 #include "tracking/tracking.h"
@@ -17,8 +19,11 @@
 namespace grainfield::tracking {
 namespace {
 
-constexpr double kOff = 0.2;   // of a step: farther is another point
-constexpr int kLeastGrid = 3;  // corners a side
+constexpr double kOff = 0.2;         // of a step: farther is another point
+constexpr int kLeastGrid = 3;        // corners a side
+constexpr double kSmallSquare = 28;  // px: below, corners are better found on a larger picture
+constexpr float kInSquare = 0.7F;    // of the way from the middle of a square to its corners
+constexpr double kRight = 0.97;      // of the samples of a chessboard
 
 /// 8 bit, from the 0.5 % to the 99.5 % quantile.
 cv::Mat eight_bit(const Image& counts) {
@@ -35,6 +40,84 @@ cv::Mat eight_bit(const Image& counts) {
     const double gain = high > low ? 255 / (high - low) : 1;
     as_mat(counts).convertTo(bytes, CV_8U, gain, -gain * low);
     return bytes;
+}
+
+/// Inner corners, row by row.
+struct Corners {
+    std::vector<cv::Point2f> point;  ///< [px]
+    cv::Size size;                   ///< columns, rows
+
+    cv::Point2f at(int column, int row) const {
+        return point[static_cast<std::size_t>(row) * static_cast<std::size_t>(size.width) +
+                     static_cast<std::size_t>(column)];
+    }
+};
+
+/// On the picture made larger or smaller; empty if there are none.
+Corners corners_of(const cv::Mat& bytes, cv::Size least, int flags, double scale) {
+    cv::Mat scaled = bytes;
+    if (scale != 1) {
+        cv::resize(bytes, scaled, {}, scale, scale, scale > 1 ? cv::INTER_CUBIC : cv::INTER_AREA);
+    }
+    Corners corners;
+    cv::Mat meta;
+    if (!cv::findChessboardCornersSB(scaled, least, corners.point, flags, meta)) return {};
+    corners.size = (flags & cv::CALIB_CB_LARGER) != 0 ? meta.size() : least;
+    if (corners.size.area() != static_cast<int>(corners.point.size())) return {};
+    const auto factor = static_cast<float>(1 / scale);
+    for (cv::Point2f& p : corners.point) {
+        p = {(p.x + 0.5F) * factor - 0.5F, (p.y + 0.5F) * factor - 0.5F};
+    }
+    return corners;
+}
+
+/// Least distance of neighbours in a row or column [px].
+double least_step(const Corners& corners) {
+    double least = std::numeric_limits<double>::infinity();
+    for (int row = 0; row < corners.size.height; ++row) {
+        for (int column = 0; column < corners.size.width; ++column) {
+            const cv::Point2f here = corners.at(column, row);
+            if (column > 0) least = std::min(least, cv::norm(here - corners.at(column - 1, row)));
+            if (row > 0) least = std::min(least, cv::norm(here - corners.at(column, row - 1)));
+        }
+    }
+    return least;
+}
+
+/// Whether the squares between the corners are evenly bright up to their corners, and bright and
+/// dark by turns. Dots on a grid have saddles between them, too, but are round.
+bool is_chessboard(const Image& counts, const Corners& corners) {
+    std::vector<std::pair<double, bool>> samples;  // brightness, kind of square
+    std::array<double, 2> sum{};                   // of the middles of squares
+    std::array<double, 2> count{};
+    bool is_inside = true;
+    const auto brightness = [&](cv::Point2f p) {
+        const int x = static_cast<int>(std::lround(p.x));
+        const int y = static_cast<int>(std::lround(p.y));
+        is_inside = is_inside && x >= 0 && y >= 0 && x < counts.width() && y < counts.height();
+        return is_inside ? static_cast<double>(counts(x, y)) : 0.0;
+    };
+    for (int row = 0; row + 1 < corners.size.height; ++row) {
+        for (int column = 0; column + 1 < corners.size.width; ++column) {
+            const std::array<cv::Point2f, 4> around{
+                corners.at(column, row), corners.at(column + 1, row),
+                corners.at(column + 1, row + 1), corners.at(column, row + 1)};
+            const cv::Point2f middle = 0.25F * (around[0] + around[1] + around[2] + around[3]);
+            const bool is_odd = (row + column) % 2 == 1;
+            sum[is_odd ? 1 : 0] += brightness(middle);
+            ++count[is_odd ? 1 : 0];
+            for (const cv::Point2f corner : around) {
+                samples.emplace_back(brightness(middle + kInSquare * (corner - middle)), is_odd);
+            }
+        }
+    }
+    if (!is_inside || count[0] == 0 || count[1] == 0) return false;
+    const double even = sum[0] / count[0];
+    const double odd = sum[1] / count[1];
+    const auto right = std::ranges::count_if(samples, [&](const auto& sample) {
+        return (sample.first > 0.5 * (even + odd)) == (sample.second == (odd > even));
+    });
+    return static_cast<double>(right) >= kRight * static_cast<double>(samples.size());
 }
 
 using Place = std::pair<int, int>;
@@ -82,22 +165,35 @@ std::optional<GridPoint> seed(const std::vector<Vec2>& points, std::size_t index
 }  // namespace
 
 BoardView find_chessboard(const Image& counts, const std::vector<std::int64_t>& columns_rows) {
-    int flags = cv::CALIB_CB_EXHAUSTIVE | cv::CALIB_CB_ACCURACY;
-    cv::Size size(kLeastGrid, kLeastGrid);
+    const cv::Mat bytes = eight_bit(counts);
+    // What is allowed to be larger is sometimes found in part: a smaller picture may show more.
+    Corners found;
     if (columns_rows.empty()) {
-        flags |= cv::CALIB_CB_LARGER;
+        const int flags = cv::CALIB_CB_EXHAUSTIVE | cv::CALIB_CB_LARGER;
+        for (const double scale : {1.0, 0.5}) {
+            Corners corners = corners_of(bytes, {kLeastGrid, kLeastGrid}, flags, scale);
+            if (corners.point.size() > found.point.size() && is_chessboard(counts, corners)) {
+                found = std::move(corners);
+            }
+        }
+        if (found.point.empty()) return {};
     } else {
-        size = {static_cast<int>(columns_rows.front()), static_cast<int>(columns_rows.back())};
+        found.size = {static_cast<int>(columns_rows.front()),
+                      static_cast<int>(columns_rows.back())};
+        found = corners_of(bytes, found.size, cv::CALIB_CB_EXHAUSTIVE, 1);
+        if (found.point.empty() || !is_chessboard(counts, found)) return {};
     }
-    std::vector<cv::Point2f> corners;
-    cv::Mat meta;
-    if (!cv::findChessboardCornersSB(eight_bit(counts), size, corners, flags, meta)) return {};
-    if (columns_rows.empty()) size = meta.size();
-    if (size.area() != static_cast<int>(corners.size())) return {};
+    const int flags = cv::CALIB_CB_EXHAUSTIVE | cv::CALIB_CB_ACCURACY |
+                      (columns_rows.empty() ? cv::CALIB_CB_LARGER : 0);
+    const double scale = least_step(found) < kSmallSquare ? 2 : 1;
+    Corners fine = corners_of(bytes, found.size, flags, scale);
+    if (fine.point.size() >= found.point.size() && is_chessboard(counts, fine)) {
+        found = std::move(fine);
+    }
     BoardView view;
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-        const auto columns = static_cast<std::size_t>(size.width);
-        view.pixel.push_back({corners[i].x, corners[i].y});
+    const auto columns = static_cast<std::size_t>(found.size.width);
+    for (std::size_t i = 0; i < found.point.size(); ++i) {
+        view.pixel.push_back({found.point[i].x, found.point[i].y});
         view.place.push_back({static_cast<double>(i % columns), static_cast<double>(i / columns)});
     }
     return view;

@@ -18,7 +18,8 @@ struct BoardView {
 
 /// Inner corners of a chessboard, to a few hundredths of a pixel (OpenCV findChessboardCornersSB on
 /// 8 bit). `columns` × `rows` inner corners; without them the
-/// board is taken as large as it is found, three by three at least. Empty: there is none.
+/// board is taken as large as it is found, three by three at least. What has no squares, bright and
+/// dark by turns, is none. Empty: there is none.
 BoardView find_chessboard(const Image& counts, const std::vector<std::int64_t>& columns_rows = {});
 
 /// Dots of one size on a square grid, located as spheres are (locate). Empty: there is none.

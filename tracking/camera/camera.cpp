@@ -177,7 +177,7 @@ Vec2 CameraMap::in_picture(Vec2 corrected) const {
     return lens.focal * seen + lens.centre - origin_;
 }
 
-void CameraMap::correct(Snapshot& snapshot, int width, int height) const {
+void CameraMap::correct(Snapshot& snapshot) const {
     for (std::size_t i = 0; i < snapshot.size(); ++i) {
         const auto [position, j] = corrected(snapshot.position[i]);
         snapshot.position[i] = position;
@@ -186,9 +186,6 @@ void CameraMap::correct(Snapshot& snapshot, int width, int height) const {
         error = {std::hypot(j.xx * error.x, j.xy * error.y),
                  std::hypot(j.yx * error.x, j.yy * error.y)};
     }
-    const Box seen = box(width, height);
-    snapshot.box.origin = seen.origin;
-    snapshot.box.length = seen.length;
 }
 
 Box CameraMap::box(int width, int height) const {
@@ -233,20 +230,42 @@ Box CameraMap::box(int width, int height) const {
     return between(low, high);
 }
 
-Image CameraMap::picture(const Image& frame) const {
-    if (frame.empty()) return {};
-    Image x(frame.width(), frame.height());
-    Image y(frame.width(), frame.height());
-    for (int row = 0; row < frame.height(); ++row) {
-        for (int column = 0; column < frame.width(); ++column) {
-            const Vec2 p = in_picture({static_cast<double>(column), static_cast<double>(row)});
-            x(column, row) = static_cast<float>(p.x);
-            y(column, row) = static_cast<float>(p.y);
+CorrectedPictures::CorrectedPictures(const CameraMap& map, int width, int height)
+    : x_(width, height), y_(width, height) {
+    for (int row = 0; row < height; ++row) {
+        for (int column = 0; column < width; ++column) {
+            const Vec2 p = map.in_picture({static_cast<double>(column), static_cast<double>(row)});
+            x_(column, row) = static_cast<float>(p.x);
+            y_(column, row) = static_cast<float>(p.y);
         }
     }
+}
+
+Image CorrectedPictures::operator()(const Image& frame) const {
+    if (frame.empty()) return {};
     cv::Mat seen;
-    cv::remap(as_mat(frame), seen, as_mat(x), as_mat(y), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+    cv::remap(as_mat(frame), seen, as_mat(x_), as_mat(y_), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
     return from_mat(seen);
+}
+
+std::vector<double> numbers_of(const Camera& camera) {
+    const Lens& lens = camera.lens;
+    std::vector<double> numbers{static_cast<double>(camera.width),
+                                static_cast<double>(camera.height),
+                                lens.focal,
+                                lens.centre.x,
+                                lens.centre.y,
+                                lens.k1,
+                                lens.k2,
+                                lens.p1,
+                                lens.p2};
+    numbers.insert(numbers.end(), camera.homography.begin(), camera.homography.end());
+    const PlaneScale scale = camera.scale.value_or(PlaneScale{0, PlaneUnit::mm});
+    numbers.push_back(scale.length);
+    numbers.push_back(static_cast<double>(scale.unit));
+    const Box cell = camera.cell.value_or(Box{});
+    numbers.insert(numbers.end(), {cell.origin.x, cell.origin.y, cell.length.x, cell.length.y});
+    return numbers;
 }
 
 }  // namespace grainfield::tracking

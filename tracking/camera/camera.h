@@ -3,6 +3,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/box.h"
 #include "core/frame.h"
@@ -86,17 +87,13 @@ class CameraMap {
     Vec2 in_picture(Vec2 corrected) const;
 
     /// Corrects positions and their standard errors: σ_x'² = J_xx² σ_x² + J_xy² σ_y², the
-    /// covariance of x and y taken as zero. Heights and velocities stay. Sets the box.
-    void correct(Snapshot& snapshot, int width, int height) const;
+    /// covariance of x and y taken as zero. All other columns stay.
+    void correct(Snapshot& snapshot) const;
 
     /// The rectangle that analysis takes for the cell, for frames of that size: the cell's own
     /// walls where these are known and seen, else the rectangle of which all was seen, bounded by
     /// the innermost points of the frame's corrected sides. Throws InputError if there is none.
     Box box(int width, int height) const;
-
-    /// The picture as the ideal camera has it, by linear interpolation: for people, not for
-    /// measurements. Of the size of the frame; what was not seen has the value of the border.
-    Image picture(const Image& frame) const;
 
     const Camera& camera() const { return camera_; }
 
@@ -105,5 +102,19 @@ class CameraMap {
     std::array<double, 9> back_;  ///< inverse of the homography
     Vec2 origin_;
 };
+
+/// Pictures as the ideal camera has them, by linear interpolation: for people, not for
+/// measurements. Of the size of the frame; what was not seen has the value of the nearest border.
+class CorrectedPictures {
+ public:
+    CorrectedPictures(const CameraMap& map, int width, int height);
+    Image operator()(const Image& frame) const;
+
+ private:
+    Image x_, y_;  ///< where each pixel is in the frame
+};
+
+/// Every number of it, to tell cameras apart.
+std::vector<double> numbers_of(const Camera& camera);
 
 }  // namespace grainfield::tracking

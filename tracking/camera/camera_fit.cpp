@@ -20,7 +20,7 @@ constexpr std::size_t kViewsForCentre = 3;
 constexpr double kCentreError = 0.01;   // of the width
 constexpr double kOutlier = 5;          // times the median distance
 constexpr double kLeastOutlier = 0.05;  // px
-constexpr int kRounds = 3;
+constexpr int kRounds = 5;
 constexpr int kFlags =
     cv::CALIB_USE_INTRINSIC_GUESS | cv::CALIB_FIX_ASPECT_RATIO | cv::CALIB_FIX_K3;
 
@@ -211,77 +211,14 @@ void require_possible(const Camera& camera) {
     }
 }
 
-/// Lens of all views, tilt of one, and what is left over.
-CameraFit fit_all(const std::vector<BoardView>& views, std::size_t cell_view, int width, int height,
-                  const std::optional<PlaneScale>& pitch) {
-    const Points points = points_of(views);
-    const cv::Size size(width, height);
-    CameraFit fit;
+/// The lens of all views that have points, and what is left over.
+struct FittedViews {
     LensFit lens;
-    if (views.size() >= kViewsForCentre) {
-        lens = best_lens(points, size, kFlags);
-        const double largest = std::max(lens.centre_error.x, lens.centre_error.y);
-        fit.is_centre_fitted = largest < kCentreError * width;
-    }
-    if (!fit.is_centre_fitted) {
-        lens = best_lens(points, size, kFlags | cv::CALIB_FIX_PRINCIPAL_POINT);
-    }
-    Camera& camera = fit.camera;
-    camera.width = width;
-    camera.height = height;
-    camera.lens = lens.lens;
-    camera.homography = array_of(plane_of(views[cell_view], camera));
-    const Corrected corrected = complete(camera);
-    require_possible(camera);
-    if (pitch) camera.scale = PlaneScale{corrected.unit_per_px * pitch->length, pitch->unit};
+    bool is_centre_fitted = false;
+    std::vector<BoardResidual> residuals;
+};
 
-    const CameraMap map(camera);
-    const Vec2 middle = middle_of(width, height);
-    double squares = 0;
-    for (std::size_t v = 0; v < views.size(); ++v) {
-        const BoardView& view = views[v];
-        const std::vector<Vec2> fitted = seen_by(lens, points, v);
-        for (std::size_t i = 0; i < fitted.size(); ++i) {
-            const Vec2 there = v == cell_view
-                                   ? map.in_picture(moved(corrected.from_plane, view.place[i]))
-                                   : fitted[i];
-            fit.residuals.push_back({v, view.pixel[i], view.pixel[i] - there});
-            squares += squared_norm(view.pixel[i] - there);
-            fit.reach = std::max(fit.reach, norm(view.pixel[i] - middle) / norm(middle));
-        }
-    }
-    camera.residual_rms = std::sqrt(0.5 * squares / static_cast<double>(fit.residuals.size()));
-    return fit;
-}
-
-/// Takes out the points that a fit leaves far from their places. A view that keeps less than half
-/// of its points goes as a whole: its points were given wrong places. Gives the number of points.
-std::int64_t drop_outliers(std::vector<BoardView>& views, const CameraFit& fit) {
-    std::vector<double> distances;
-    for (const BoardResidual& point : fit.residuals) distances.push_back(norm(point.residual));
-    std::vector<double> sorted = distances;
-    const auto half = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::ranges::nth_element(sorted, half);
-    const double largest = std::max(kOutlier * *half, kLeastOutlier);
-    std::int64_t dropped = 0;
-    std::size_t next = 0;
-    for (BoardView& view : views) {
-        BoardView kept;
-        for (std::size_t i = 0; i < view.pixel.size(); ++i, ++next) {
-            if (distances[next] > largest) continue;
-            kept.pixel.push_back(view.pixel[i]);
-            kept.place.push_back(view.place[i]);
-        }
-        if (2 * kept.pixel.size() < view.pixel.size()) kept = {};
-        dropped += static_cast<std::int64_t>(view.pixel.size() - kept.pixel.size());
-        view = std::move(kept);
-    }
-    return dropped;
-}
-
-/// Views without points are not fitted; residuals keep the numbers of the others.
-CameraFit fit_used(const std::vector<BoardView>& views, std::size_t cell_view, int width,
-                   int height, const std::optional<PlaneScale>& pitch) {
+FittedViews fit_lens(const std::vector<BoardView>& views, std::size_t cell_view, cv::Size size) {
     std::vector<BoardView> used;
     std::vector<std::size_t> number;
     for (std::size_t i = 0; i < views.size(); ++i) {
@@ -290,10 +227,61 @@ CameraFit fit_used(const std::vector<BoardView>& views, std::size_t cell_view, i
         used.push_back(views[i]);
         number.push_back(i);
     }
-    const auto cell = std::ranges::find(number, cell_view) - number.begin();
-    CameraFit fit = fit_all(used, static_cast<std::size_t>(cell), width, height, pitch);
-    for (BoardResidual& point : fit.residuals) point.view = number[point.view];
+    const Points points = points_of(used);
+    FittedViews fit;
+    if (used.size() >= kViewsForCentre) {
+        fit.lens = best_lens(points, size, kFlags);
+        const double largest = std::max(fit.lens.centre_error.x, fit.lens.centre_error.y);
+        fit.is_centre_fitted = largest < kCentreError * size.width;
+    }
+    if (!fit.is_centre_fitted) {
+        fit.lens = best_lens(points, size, kFlags | cv::CALIB_FIX_PRINCIPAL_POINT);
+    }
+    for (std::size_t v = 0; v < used.size(); ++v) {
+        const std::vector<Vec2> seen = seen_by(fit.lens, points, v);
+        for (std::size_t i = 0; i < seen.size(); ++i) {
+            const Vec2 pixel = used[v].pixel[i];
+            fit.residuals.push_back({number[v], pixel, pixel - seen[i]});
+        }
+    }
     return fit;
+}
+
+double median_of(std::vector<double> values) {
+    const auto half = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::ranges::nth_element(values, half);
+    return *half;
+}
+
+/// Takes out what a fit leaves far from its place: views as a whole if there are any, whose points
+/// were given wrong places and pull at all others; else single points. Gives their number.
+std::int64_t drop_outliers(std::vector<BoardView>& views,
+                           const std::vector<BoardResidual>& residuals) {
+    std::vector<double> all;
+    std::vector<std::vector<double>> distance(views.size());
+    for (const BoardResidual& point : residuals) {
+        all.push_back(norm(point.residual));
+        distance[point.view].push_back(all.back());
+    }
+    const double largest = std::max(kOutlier * median_of(all), kLeastOutlier);
+    std::int64_t dropped = 0;
+    for (std::size_t v = 0; v < views.size(); ++v) {
+        if (views[v].empty() || median_of(distance[v]) <= 0.5 * largest) continue;
+        dropped += static_cast<std::int64_t>(views[v].pixel.size());
+        views[v] = {};
+    }
+    if (dropped > 0) return dropped;
+    for (std::size_t v = 0; v < views.size(); ++v) {
+        BoardView kept;
+        for (std::size_t i = 0; i < views[v].pixel.size(); ++i) {
+            if (distance[v][i] > largest) continue;
+            kept.pixel.push_back(views[v].pixel[i]);
+            kept.place.push_back(views[v].place[i]);
+        }
+        dropped += static_cast<std::int64_t>(views[v].pixel.size() - kept.pixel.size());
+        views[v] = std::move(kept);
+    }
+    return dropped;
 }
 
 }  // namespace
@@ -302,15 +290,41 @@ CameraFit fit_camera(const std::vector<BoardView>& found, std::size_t cell_view,
                      int height, const std::optional<PlaneScale>& pitch) {
     for (std::size_t i = 0; i < found.size(); ++i) require_usable(found[i], i);
     std::vector<BoardView> views = unmirrored(found);
-    CameraFit fit = fit_used(views, cell_view, width, height, pitch);
-    std::int64_t dropped = 0;
+    const cv::Size size(width, height);
+    CameraFit fit;
+    FittedViews fitted = fit_lens(views, cell_view, size);
     for (int round = 0; round < kRounds; ++round) {
-        const std::int64_t more = drop_outliers(views, fit);
+        const std::int64_t more = drop_outliers(views, fitted.residuals);
         if (more == 0) break;
-        dropped += more;
-        fit = fit_used(views, cell_view, width, height, pitch);
+        fit.dropped += more;
+        fitted = fit_lens(views, cell_view, size);
     }
-    fit.dropped = dropped;
+    fit.is_centre_fitted = fitted.is_centre_fitted;
+    fit.residuals = std::move(fitted.residuals);
+
+    Camera& camera = fit.camera;
+    camera.width = width;
+    camera.height = height;
+    camera.lens = fitted.lens.lens;
+    const BoardView& cell = views[cell_view];
+    camera.homography = array_of(plane_of(cell, camera));
+    const Corrected corrected = complete(camera);
+    require_possible(camera);
+    if (pitch) camera.scale = PlaneScale{corrected.unit_per_px * pitch->length, pitch->unit};
+
+    const CameraMap map(camera);
+    const Vec2 middle = middle_of(width, height);
+    double squares = 0;
+    std::size_t in_cell = 0;
+    for (BoardResidual& point : fit.residuals) {
+        if (point.view == cell_view) {
+            const Vec2 there = moved(corrected.from_plane, cell.place[in_cell++]);
+            point.residual = point.pixel - map.in_picture(there);
+        }
+        squares += squared_norm(point.residual);
+        fit.reach = std::max(fit.reach, norm(point.pixel - middle) / norm(middle));
+    }
+    camera.residual_rms = std::sqrt(0.5 * squares / static_cast<double>(fit.residuals.size()));
     return fit;
 }
 

@@ -35,8 +35,8 @@ struct CameraFit {
 /// 1e-12 or 300 iterations, best of three starts). The centre is that of the frame unless three
 /// views or more tell it to within 1 % of the frame's width. Tilt: the homography of view
 /// `cell_view`, whose board lies in the plane of the cell, to the undistorted points (OpenCV
-/// findHomography). Points more than five times the median distance off are left out, with most of
-/// a view the whole view, and all is fitted again.
+/// findHomography). Views whose median distance is more than 2.5 times that of all are left out,
+/// then points at more than five times the median, and all is fitted again.
 ///
 /// `pitch`: distance of neighbours on the board; empty: the scale is not known. Throws InputError
 /// for a view with fewer than 9 points or none across, and where no map fits (fault_of).
