@@ -59,10 +59,10 @@ void require_same_again(const Target& target) {
 }  // namespace
 
 bool read_configurations(std::string_view bytes) {
-    // "# 7" on the first line chooses the command; other files are one of the first.
+    // "# C" on the first line chooses the command; other files are one of the first.
     std::size_t number = 0;
     if (bytes.size() > 2 && bytes.starts_with("# ")) {
-        number = static_cast<unsigned char>(bytes[2]) % targets().size();
+        number = static_cast<unsigned char>(bytes[2] - 'A') % targets().size();
     }
     const Target& target = *targets()[number];
     const Input input(bytes, ".toml");

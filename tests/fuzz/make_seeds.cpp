@@ -20,6 +20,7 @@
 #include "io/h5/results_file.h"
 #include "io/h5/trajectory_file.h"
 #include "io/text/export_files.h"
+#include "pipelines/camera/camera_file.h"
 #include "pipelines/track/calibration_file.h"
 #include "simulate/field/integrators/adjoint.h"
 #include "simulate/field/integrators/integrator_choice.h"
@@ -176,7 +177,7 @@ void write_texts(const fs::path& folder) {
     std::ofstream(in(folder, "wavevectors", "plain.csv")) << "1,2\n\n3,4\n";
 
     const std::vector<std::pair<std::size_t, std::string>> samples{
-        {4, "md-small"}, {5, "field-small"}, {6, "camera"}, {10, "scene"}};
+        {5, "md-small"}, {6, "field-small"}, {7, "camera"}, {11, "scene"}};
     for (const auto& [command, name] : samples) {
         std::ofstream(in(folder, "configurations", name + ".toml"))
             << chosen(command)
@@ -200,6 +201,16 @@ void write_texts(const fs::path& folder) {
     kept.model.correction = {.spacing = 0.5, .value = {0.125F, -0.25F}};
     kept.model.background = tracking::BackgroundSurface(20, 14, 1, {100, 1, -2});
     std::ofstream(in(folder, "calibrations", "own.toml")) << pipelines::text_of(kept);
+    tracking::Camera camera;
+    camera.width = 20;
+    camera.height = 14;
+    camera.lens = {.focal = 30, .centre = {9, 7}, .k1 = -0.125, .k2 = 0.25, .p1 = -0.0, .p2 = 0};
+    camera.scale = tracking::PlaneScale{0.5, tracking::PlaneUnit::mm};
+    camera.cell.emplace();
+    camera.cell->length = {10, 8};
+    std::ofstream(in(folder, "cameras", "own.toml")) << pipelines::camera_file_text(camera);
+    kept.camera = camera;
+    std::ofstream(in(folder, "calibrations", "with-camera.toml")) << pipelines::text_of(kept);
 }
 
 void write_checkpoint(const fs::path& path, const Checkpoint& checkpoint) {

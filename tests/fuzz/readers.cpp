@@ -15,6 +15,7 @@ std::span<const Reader> readers() {
                                      Reader{"wavevectors", read_wavevectors, 2000},
                                      Reader{"configurations", read_configurations, 2000},
                                      Reader{"calibrations", read_calibrations, 2000},
+                                     Reader{"cameras", read_cameras, 2000},
                                      Reader{"checkpoints", read_checkpoints, 2000},
                                      Reader{"states", read_states, 2000},
                                      Reader{"logs", read_logs, 2000}};

@@ -21,6 +21,7 @@ bool read_points(std::string_view bytes);
 bool read_wavevectors(std::string_view bytes);
 bool read_configurations(std::string_view bytes);  ///< cameras and scenes included
 bool read_calibrations(std::string_view bytes);
+bool read_cameras(std::string_view bytes);
 bool read_checkpoints(std::string_view bytes);  ///< without the checksum at their end
 bool read_states(std::string_view bytes);       ///< numbers in checkpoints and logs
 bool read_logs(std::string_view bytes);
