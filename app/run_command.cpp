@@ -73,6 +73,13 @@ std::vector<OptionTable> RunCommand::options() {
     return tables_;
 }
 
+void RunCommand::make_room_for(const GivenText& given) {
+    pipelines::make_room_for(job_.track.lab, [&](const std::string& option) {
+        const std::string text = given("", option);
+        return !text.empty() && text != automatic;
+    });
+}
+
 Summary RunCommand::run(Session& session) {
     pipelines::RunJobOptions job = job_;
     job.folder = folder_.empty() ? pipelines::default_folder(session.inputs).string() : folder_;

@@ -16,6 +16,7 @@ class RunCommand : public Command {
     std::string purpose() const override;
     Inputs inputs() const override;
     std::vector<OptionTable> options() override;
+    void make_room_for(const GivenText& given) override;
     Summary run(Session& session) override;
 
  private:

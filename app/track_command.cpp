@@ -215,6 +215,13 @@ std::vector<OptionTable> TrackCommand::options() {
     return tables;
 }
 
+void TrackCommand::make_room_for(const GivenText& given) {
+    pipelines::make_room_for(job_.lab, [&](const std::string& option) {
+        const std::string text = given("", option);
+        return !text.empty() && text != automatic;
+    });
+}
+
 Summary TrackCommand::run(Session& session) {
     require_output(session, output_);
     require_hdf5_name(output_);

@@ -35,6 +35,17 @@ void describe(LabUnits& lab, OptionTable& table) {
     table.affects(Effect::work);
 }
 
+void make_room_for(LabUnits& lab, const std::function<bool(const std::string& name)>& is_given) {
+    const bool has_amplitude = is_given("amplitude-mm");
+    const bool has_frequency = is_given("vibration-frequency");
+    if (is_given("gamma")) {
+        (has_amplitude ? lab.frequency : lab.amplitude_mm).reset();
+    } else if ((has_amplitude && (has_frequency || lab.frequency)) ||
+               (has_frequency && lab.amplitude_mm)) {
+        lab.gamma.reset();
+    }
+}
+
 void apply(const LabUnits& lab, TrajectoryInfo& info) {
     if (const auto gamma = lab.acceleration()) {
         info.control = {.parameter = ControlParameter::acceleration, .value = *gamma, .unit = {}};

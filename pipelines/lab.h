@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,6 +16,12 @@ namespace grainfield::pipelines {
 /// Adds the rows sphere-mm, gamma, vibration-frequency and amplitude-mm of a film to a command's
 /// own table. No position depends on them.
 void describe(LabUnits& lab, OptionTable& table);
+
+/// Empties what `lab` has from a file where the command line, which wins, says the vibration in
+/// other words: of Γ, frequency and amplitude two make the third. With Γ on the command line the
+/// amplitude goes, or the frequency if the amplitude is given there; with frequency and amplitude Γ
+/// goes. `is_given`: whether the option of that name is on the command line.
+void make_room_for(LabUnits& lab, const std::function<bool(const std::string& name)>& is_given);
 
 /// What a trajectory says of itself because of it: the control parameter Γ, and the frequency of
 /// the vibration where times are in seconds. Throws OptionError for contradictions.

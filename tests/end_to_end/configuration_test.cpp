@@ -53,6 +53,19 @@ TEST_F(Configuration, TheFileSetsOptionsAndTheCommandLineWins) {
     EXPECT_EQ(json::parse(run_grainfield({"info", output, "--json"}).out)["previews"], 1);
 }
 
+TEST_F(Configuration, HzAndMillimetresOfTheCommandLineWinOverGammaOfTheFile) {
+    const std::string file = config("gamma = 4.5\n");
+    const std::string output = folder_ / "tracks.h5";
+    const Outcome outcome = track({"--json", "-o", output, "-c", file, "--vibration-frequency",
+                                   "80", "--amplitude-mm", "0.1"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_NEAR(json::parse(outcome.out)["gamma"], 2.576, 1e-3);
+    const std::string motion = config("vibration-frequency = 80\namplitude-mm = 0.1\n");
+    const Outcome other = track({"--json", "-o", output, "--force", "-c", motion, "--gamma", "3"});
+    ASSERT_EQ(other.code, 0) << other.err;
+    EXPECT_EQ(json::parse(other.out)["gamma"], 3);
+}
+
 TEST_F(Configuration, TheTwoDiametersHaveNamesOfTheirOwnAndTheOldOneIsAccepted) {
     for (const char* name : {"--disc-diameter", "--diameter"}) {
         const std::string output = folder_ / "tracks.h5";

@@ -172,8 +172,8 @@ Pose held(const std::array<double, 3>& turn, Vec2 middle_of_board, double distan
 std::vector<Pose> board_poses(Vec2 middle_of_board, double distance) {
     std::vector<Pose> poses;
     const std::vector<std::array<double, 5>> ways{
-        {0, 0, 0, 0, 0},          {0.4, 0, 0.1, 0, 0},    {-0.4, 0.1, 0, 0, 0},
-        {0, 0.4, -0.1, 0, 0},     {0.1, -0.4, 0.2, 0, 0}, {0.3, 0.3, 0.3, 0.05, 0.03},
+        {0, 0, 0, 0, 0},          {0.4, 0, 0.1, 0, 0},        {-0.4, 0.1, 0, 0, 0},
+        {0, 0.4, -0.1, 0, 0},     {0.1, -0.4, 0.2, 0, 0},     {0.3, 0.3, 0.3, 0.05, 0.03},
         {-0.3, 0.3, 0, -0.05, 0}, {0.2, -0.3, -0.2, 0, -0.04}};
     for (const auto& [a, b, g, dx, dy] : ways) {
         Pose pose = held({a, b, g}, middle_of_board, distance);

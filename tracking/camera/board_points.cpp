@@ -193,8 +193,11 @@ BoardView find_chessboard(const Image& counts, const std::vector<std::int64_t>& 
     BoardView view;
     const auto columns = static_cast<std::size_t>(found.size.width);
     for (std::size_t i = 0; i < found.point.size(); ++i) {
-        view.pixel.push_back({found.point[i].x, found.point[i].y});
-        view.place.push_back({static_cast<double>(i % columns), static_cast<double>(i / columns)});
+        const std::size_t row = i / columns;
+        const std::size_t column = i % columns;
+        view.pixel.push_back(
+            {static_cast<double>(found.point[i].x), static_cast<double>(found.point[i].y)});
+        view.place.push_back({static_cast<double>(column), static_cast<double>(row)});
     }
     return view;
 }

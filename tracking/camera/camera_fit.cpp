@@ -119,7 +119,9 @@ std::vector<Vec2> seen_by(const LensFit& fit, const Points& points, std::size_t 
     cv::projectPoints(points.place[view], fit.turn[view], fit.shift[view], matrix, distortion,
                       seen);
     std::vector<Vec2> result;
-    for (const cv::Point2f p : seen) result.push_back({p.x, p.y});
+    for (const cv::Point2f p : seen) {
+        result.push_back({static_cast<double>(p.x), static_cast<double>(p.y)});
+    }
     return result;
 }
 
@@ -132,7 +134,7 @@ void require_usable(const BoardView& view, std::size_t index) {
     }
     const auto kinds = [](std::vector<double>& values) {
         std::ranges::sort(values);
-        return std::ranges::unique(values).begin() - values.begin();
+        return std::unique(values.begin(), values.end()) - values.begin();
     };
     const auto across = kinds(columns);
     const auto down = kinds(rows);
@@ -361,7 +363,7 @@ Camera camera_of_rectangle(const std::array<Vec2, 4>& corners, double first_side
         };
         if (slope(i) > slope(first)) first = i;
     }
-    std::ranges::rotate(corner, corner.begin() + static_cast<std::ptrdiff_t>(first));
+    std::rotate(corner.begin(), corner.begin() + first, corner.end());
     if (first % 2 == 1) std::swap(across, down);
 
     Camera camera;
