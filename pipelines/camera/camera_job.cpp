@@ -100,8 +100,7 @@ BoardView look_for(const Image& image, const CameraJobOptions& options, BoardKin
         if (kind == BoardKind::chessboard) return view;
     }
     BoardView view = tracking::find_dots(image, threads);
-    constexpr std::size_t least = 9;
-    if (view.pixel.size() < least) return {};
+    if (!view.is_usable()) return {};
     kind = BoardKind::dots;
     return view;
 }

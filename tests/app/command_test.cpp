@@ -88,9 +88,10 @@ TEST(Commands, HaveOneLinePurposesAndUniqueFlags) {
         const auto flags = OptionSet(command->name(), tables).flags();
         EXPECT_EQ(std::set<std::string>(flags.begin(), flags.end()).size(), flags.size());
     }
-    EXPECT_EQ(names, (std::vector<std::string>{"run", "track", "link", "tune", "simulate md",
-                                               "simulate field", "render", "analyze", "critical",
-                                               "compare", "validate", "export", "info"}));
+    EXPECT_EQ(names,
+              (std::vector<std::string>{"run", "track", "link", "tune", "calibrate-camera",
+                                        "simulate md", "simulate field", "render", "analyze",
+                                        "critical", "compare", "validate", "export", "info"}));
 }
 
 }  // namespace

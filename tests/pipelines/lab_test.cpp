@@ -17,8 +17,8 @@ LabUnits left_of(LabUnits lab, std::initializer_list<std::string> given) {
     return lab;
 }
 
-const LabUnits file_of_gamma{.sphere_mm = 1, .gamma = 4};
-const LabUnits file_of_motion{.sphere_mm = 1, .frequency = 80, .amplitude_mm = 0.1};
+const LabUnits file_of_gamma{.sphere_mm = 1, .gamma = 4, .frequency = {}, .amplitude_mm = {}};
+const LabUnits file_of_motion{.sphere_mm = 1, .gamma = {}, .frequency = 80, .amplitude_mm = 0.1};
 
 TEST(LabUnitsOfAFile, KeepsGammaUnlessBothFrequencyAndAmplitudeAreKnown) {
     EXPECT_EQ(left_of(file_of_gamma, {}).gamma, 4);

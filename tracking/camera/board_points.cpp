@@ -164,6 +164,17 @@ std::optional<GridPoint> seed(const std::vector<Vec2>& points, std::size_t index
 
 }  // namespace
 
+bool BoardView::is_usable() const {
+    constexpr std::size_t least = 9;
+    std::set<double> columns;
+    std::set<double> rows;
+    for (const Vec2 p : place) {
+        columns.insert(p.x);
+        rows.insert(p.y);
+    }
+    return pixel.size() >= least && columns.size() >= kLeastGrid && rows.size() >= kLeastGrid;
+}
+
 BoardView find_chessboard(const Image& counts, const std::vector<std::int64_t>& columns_rows) {
     const cv::Mat bytes = eight_bit(counts);
     // What is allowed to be larger is sometimes found in part: a smaller picture may show more.

@@ -14,6 +14,8 @@ struct BoardView {
     std::vector<Vec2> place;  ///< on the board, whole numbers [distance of neighbours]
 
     bool empty() const { return pixel.empty(); }
+    /// Whether it can be fitted: 9 points, 3 columns and 3 rows or more.
+    bool is_usable() const;
 };
 
 /// Inner corners of a chessboard, to a few hundredths of a pixel (OpenCV findChessboardCornersSB on

@@ -15,7 +15,6 @@
 namespace grainfield::tracking {
 namespace {
 
-constexpr std::size_t kLeastPoints = 9;
 constexpr std::size_t kViewsForCentre = 3;
 constexpr double kCentreError = 0.01;   // of the width
 constexpr double kOutlier = 5;          // times the median distance
@@ -126,22 +125,9 @@ std::vector<Vec2> seen_by(const LensFit& fit, const Points& points, std::size_t 
 }
 
 void require_usable(const BoardView& view, std::size_t index) {
-    std::vector<double> rows;
-    std::vector<double> columns;
-    for (const Vec2 p : view.place) {
-        columns.push_back(p.x);
-        rows.push_back(p.y);
-    }
-    const auto kinds = [](std::vector<double>& values) {
-        std::ranges::sort(values);
-        return std::unique(values.begin(), values.end()) - values.begin();
-    };
-    const auto across = kinds(columns);
-    const auto down = kinds(rows);
-    if (view.pixel.size() >= kLeastPoints && across >= 3 && down >= 3) return;
+    if (view.is_usable()) return;
     throw InputError({.problem = fmt::format("picture {} shows too little of a board", index),
-                      .actual = fmt::format("{} points in {} columns and {} rows",
-                                            view.pixel.size(), across, down),
+                      .actual = fmt::format("{} points", view.pixel.size()),
                       .expected = "9 points, 3 columns, 3 rows or more",
                       .suggestion = "leave it out, or show more of the board"});
 }
