@@ -30,6 +30,7 @@ constexpr int kFrames = 2;
 constexpr double kDiameter = 12;   // of the spheres in the plane, and about that in px
 constexpr double kApparent = 10;   // of their discs
 constexpr Vec2 kMiddle{280, 220};  // of the layer
+constexpr double kPitch = 36;      // of the dots of the plate
 constexpr double kNoise = 2;       // counts
 
 /// A layer larger than the frame.
@@ -39,8 +40,8 @@ std::vector<Vec2> layer(std::uint64_t seed) {
 
 std::vector<Vec2> plate() {
     std::vector<Vec2> dots;
-    for (double y = -20; y < 470; y += 24) {
-        for (double x = -20; x < 590; x += 24) dots.push_back({x, y});
+    for (double y = -20; y < 470; y += kPitch) {
+        for (double x = -20; x < 590; x += kPitch) dots.push_back({x, y});
     }
     return dots;
 }
@@ -148,7 +149,7 @@ class TiltedFilm : public ::testing::Test {
         }
         // One unit of the plane is a pixel of the straight camera.
         camera =
-            tracking::fit_camera(views, 0, truth.width, truth.height, tracking::PlaneScale{24.0})
+            tracking::fit_camera(views, 0, truth.width, truth.height, tracking::PlaneScale{kPitch})
                 .camera;
         TiltedCamera straight = truth;
         straight.k1 = straight.k2 = straight.p1 = straight.p2 = 0;
