@@ -157,6 +157,11 @@ void AnalyzeCommand::require_inputs(const Session& session) const {
     }
 }
 
+std::vector<std::string> AnalyzeCommand::usual() const {
+    return {"output",   "label",       "fps",        "sphere-diameter", "box",
+            "boundary", "observables", "neighbours", "largest",         "threads"};
+}
+
 Summary AnalyzeCommand::run(Session& session) {
     return pipelines::run_or_discard("analysis", output_, [&]() -> Summary {
         require_output(session, output_);

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "app/command.h"
 #include "pipelines/analyze/analyze_job.h"
@@ -15,6 +16,7 @@ class AnalyzeCommand : public Command {
     std::string purpose() const override;
     Inputs inputs() const override;
     std::vector<OptionTable> options() override;
+    std::vector<std::string> usual() const override;
     Summary run(Session& session) override;
 
  private:

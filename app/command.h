@@ -46,6 +46,10 @@ class Command {
     /// Tables bound to the command's own fields; called once.
     virtual std::vector<OptionTable> options() = 0;
 
+    /// The options that `--help` shows, by their names on the command line, at most ten; the rest
+    /// is in `--help-all`. Empty: the first ten of the tables.
+    virtual std::vector<std::string> usual() const { return {}; }
+
     /// The text of an option on the command line; empty if it is not there.
     using GivenText = std::function<std::string(std::string_view section, std::string_view name)>;
     /// Called when the options file is read, before the command line is: empties what the file

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <new>
 #include <optional>
@@ -11,10 +12,15 @@
 #include <fmt/format.h>
 
 #include "app/command.h"
+#include "app/command_page.h"
+#include "app/completion.h"
 #include "app/config_file.h"
 #include "app/exit_code.h"
+#include "app/help_text.h"
+#include "app/manual_page.h"
 #include "app/option_set.h"
 #include "core/errors.h"
+#include "core/support/output_file.h"
 #include "core/support/printable.h"
 #include "core/support/team.h"
 #include "core/version.h"
@@ -27,25 +33,15 @@ constexpr const char* about =
     "Tracking and analysis of vibrated granular layers: camera frames in, particles, order and "
     "density fluctuations out.";
 
-// With the short forms that the table does not know.
+// The names of an option as the parser reads them.
 std::string spelling(const OptionSet::Entry& entry) {
-    if (entry.flag == "output") return "-o,--output";
-    if (entry.flag == "verbose") return "-v,--verbose";
-    if (entry.option.default_value == OptionValue(true)) {
-        return fmt::format("--{0},!--no-{0}", entry.flag);
+    std::string names;
+    for (const std::string& name : names_of(entry)) {
+        if (!names.empty()) names += ',';
+        if (name == "--no-" + entry.flag) names += '!';
+        names += name;
     }
-    std::string names = "--" + entry.flag;
-    for (const std::string& other : entry.option.other_names) names += ",--" + other;
     return names;
-}
-
-std::string group_name(const OptionSet::Entry& entry) {
-    return entry.section.empty() ? "Options" : fmt::format("Options of [{}]", entry.section);
-}
-
-std::string help_text(const Option& option) {
-    const std::string domain = option.domain_text();
-    return domain.empty() ? option.meaning : fmt::format("{} ({})", option.meaning, domain);
 }
 
 std::string first_word(const std::string& name) {
@@ -63,44 +59,10 @@ CLI::App* place(CLI::App& app, const std::string& name) {
     const auto known =
         app.get_subcommands([&](const CLI::App* present) { return present->get_name() == group; });
     if (!known.empty()) return known.front();
-    CLI::App* parent = app.add_subcommand(group, "make data from nothing; see --help");
+    CLI::App* parent = app.add_subcommand(group);
     parent->require_subcommand(1);
     return parent;
 }
-
-const char* element_name(OptionKind kind) {
-    switch (kind) {
-        case OptionKind::flag:
-            return "";
-        case OptionKind::integer:
-            return "N";
-        case OptionKind::number:
-            return "X";
-        case OptionKind::text:
-            return "TEXT";
-        case OptionKind::choice:
-            return "NAME";
-    }
-    return "";
-}
-
-std::string value_name(const Option& option) {
-    const std::string name = element_name(option.kind);
-    return option.is_list ? fmt::format("{0},{0},…", name) : name;
-}
-
-/// Without CLI11's "{false}" behind --no-… flags.
-class HelpFormatter : public CLI::Formatter {
- public:
-    std::string make_option_name(const CLI::Option* option, bool is_positional) const override {
-        std::string name = CLI::Formatter::make_option_name(option, is_positional);
-        constexpr std::string_view mark = "{false}";
-        for (std::size_t at = 0; (at = name.find(mark, at)) != std::string::npos;) {
-            name.erase(at, mark.size());
-        }
-        return name;
-    }
-};
 
 /// A command together with its place in the command-line parser.
 class BoundCommand {
@@ -108,16 +70,13 @@ class BoundCommand {
     BoundCommand(CLI::App& app, std::unique_ptr<Command> command)
         : command_(std::move(command)), options_(command_->name(), tables()) {
         parser_ = place(app, command_->name())->add_subcommand(last_word(command_->name()));
-        parser_->description(command_->purpose());
         parser_->allow_extras();  // refused below, with a suggestion
         const Command::Inputs inputs = command_->inputs();
         if (inputs.count != Command::Count::none) {
-            parser_->add_option("inputs", inputs_, inputs.meaning)
-                ->type_name(inputs.placeholder)
+            parser_->add_option("inputs", inputs_)
                 ->expected(inputs.count == Command::Count::one ? 1 : -1);  // see require_inputs
         }
-        parser_->add_option("-c,--config", config_, "read options from this TOML file")
-            ->type_name("FILE");
+        parser_->add_option("-c,--config", config_);
         for (const OptionSet::Entry& entry : options_.entries()) add(entry);
     }
 
@@ -148,6 +107,7 @@ class BoundCommand {
     }
 
     const OptionSet& options() const { return options_; }
+    CommandPage page() const { return page_of(*command_, options_); }
     /// The file that options were read from; empty if there was none.
     const std::string& config() const { return config_; }
 
@@ -159,12 +119,9 @@ class BoundCommand {
     }
 
     void add(const OptionSet::Entry& entry) {
-        const Option& option = entry.option;
-        CLI::Option* added = option.kind == OptionKind::flag ? parser_->add_flag(spelling(entry))
-                                                             : parser_->add_option(spelling(entry));
-        if (option.kind != OptionKind::flag) added->type_name(value_name(option));
-        added->description(help_text(option))->group(group_name(entry));
-        given_.push_back(added);
+        const bool is_flag = entry.option.kind == OptionKind::flag;
+        given_.push_back(is_flag ? parser_->add_flag(spelling(entry))
+                                 : parser_->add_option(spelling(entry)));
     }
 
     std::string given_text(std::string_view section, std::string_view name) const {
@@ -307,6 +264,100 @@ std::optional<std::string> unknown_command(int argc, const char* const* argv,
                                        : fmt::format("; did you mean '{}'?", nearest));
 }
 
+OptionPage own_option(std::vector<std::string> names, std::string value, std::string words,
+                      std::vector<std::string> choices = {}) {
+    OptionPage page{.names = std::move(names),
+                    .value = std::move(value),
+                    .meaning = std::move(words),
+                    .domain = {},
+                    .section = {},
+                    .choices = std::move(choices),
+                    .is_usual = true};
+    page.may_be_file = page.value == "FOLDER";
+    return page;
+}
+
+ProgramPage program_page(const std::vector<std::unique_ptr<BoundCommand>>& commands) {
+    ProgramPage page{.about = about, .options = {}, .commands = {}, .missing = GRAINFIELD_MISSING};
+    page.options = {
+        own_option({"-h", "--help"}, "", "print this, then stop; of a command: its usual options"),
+        own_option({"--version"}, "", "print the version, then stop"),
+        own_option({"--man"}, "COMMAND", "print the manual page of a command, for 'man -l -'"),
+        own_option({"--completion"}, "SHELL", "print the completion script for bash, zsh or fish",
+                   {"bash", "zsh", "fish"}),
+        own_option({"--write-manual"}, "FOLDER",
+                   "write all manual pages and completion scripts into an existing folder")};
+    for (const auto& command : commands) page.commands.push_back(command->page());
+    return page;
+}
+
+std::string completion(const ProgramPage& page, const std::string& shell) {
+    if (shell == "bash") return bash_completion(page);
+    if (shell == "zsh") return zsh_completion(page);
+    if (shell == "fish") return fish_completion(page);
+    throw OptionError({.problem = "option 'completion' has a wrong value",
+                       .actual = fmt::format("'{}'", shell),
+                       .expected = "one of bash, zsh, fish",
+                       .suggestion = {}});
+}
+
+std::string manual(const ProgramPage& page, const std::string& command) {
+    if (command.empty()) return manual_page(page);
+    if (const CommandPage* found = page.find(command)) return manual_page(*found);
+    throw OptionError({.problem = fmt::format("there is no command '{}'", command),
+                       .actual = {},
+                       .expected = {},
+                       .suggestion = "see 'grainfield --help'"});
+}
+
+// The names under which the shells and man look for them.
+void write_manual(const ProgramPage& page, const std::filesystem::path& folder) {
+    const auto write = [&folder](const std::string& name, const std::string& text) {
+        write_file(folder / name, text, Overwrite::force);
+    };
+    write(manual_name("") + ".1", manual_page(page));
+    for (const CommandPage& command : page.commands) {
+        write(manual_name(command.name) + ".1", manual_page(command));
+    }
+    write("grainfield", bash_completion(page));
+    write("_grainfield", zsh_completion(page));
+    write("grainfield.fish", fish_completion(page));
+}
+
+// What the program says about itself: nothing if that is not what it is asked for.
+std::optional<int> document(const std::vector<std::string>& words, const ProgramPage& page) {
+    if (words.empty()) return std::nullopt;
+    std::string rest;
+    for (std::size_t i = 1; i < words.size(); ++i) rest += (i > 1 ? " " : "") + words[i];
+    try {
+        if (words[0] == "--man") {
+            fmt::print("{}", manual(page, rest));
+        } else if (words[0] == "--completion") {
+            fmt::print("{}", completion(page, rest));
+        } else if (words[0] == "--write-manual") {
+            write_manual(page, rest);
+        } else {
+            return std::nullopt;
+        }
+        if (std::fflush(stdout) != 0) throw OutputError("cannot write to standard output.");
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "error: {}\n", printable(error.what()));
+        return exit_code(error);
+    }
+    return static_cast<int>(ExitCode::done);
+}
+
+// Help of the command, the group of commands, or the program that the words name.
+std::string help(const CLI::App& app, const ProgramPage& page, HelpExtent extent) {
+    std::string name;
+    for (auto called = app.get_subcommands(); !called.empty();
+         called = called.front()->get_subcommands()) {
+        name += (name.empty() ? "" : " ") + called.front()->get_name();
+    }
+    const CommandPage* command = page.find(name);
+    return command == nullptr ? help_text(page, name) : help_text(*command, extent);
+}
+
 }  // namespace
 
 int run_command_line(int argc, const char* const* argv) {
@@ -316,25 +367,30 @@ int run_command_line(int argc, const char* const* argv) {
 int run_command_line(int argc, const char* const* argv,
                      std::vector<std::unique_ptr<Command>> commands) {
     CLI::App app(about, "grainfield");
-    app.formatter(std::make_shared<HelpFormatter>());
+    app.set_help_all_flag("--help-all");
     app.set_version_flag("--version", std::string("grainfield ") + kVersion);
     app.require_subcommand(1);
-    constexpr const char* missing = GRAINFIELD_MISSING;
-    if (*missing != '\0') app.footer(fmt::format("This build is without: {}.", missing));
     std::vector<std::unique_ptr<BoundCommand>> bound;
     std::vector<std::string> names;
     for (auto& command : commands) {
         names.push_back(first_word(command->name()));
         bound.push_back(std::make_unique<BoundCommand>(app, std::move(command)));
     }
+    if (const auto code = document({argv + 1, argv + argc}, program_page(bound))) return *code;
     if (const auto problem = unknown_command(argc, argv, names)) {
         fmt::print(stderr, "error: {}\n", printable(*problem));
         return static_cast<int>(ExitCode::wrong_usage);
     }
     try {
         app.parse(argc, argv);
+    } catch (const CLI::CallForHelp&) {
+        fmt::print("{}", help(app, program_page(bound), HelpExtent::usual));
+        return static_cast<int>(ExitCode::done);
+    } catch (const CLI::CallForAllHelp&) {
+        fmt::print("{}", help(app, program_page(bound), HelpExtent::all));
+        return static_cast<int>(ExitCode::done);
     } catch (const CLI::ParseError& error) {
-        if (error.get_exit_code() == 0) {  // help, version
+        if (error.get_exit_code() == 0) {  // version
             app.exit(error);
             return static_cast<int>(ExitCode::done);
         }

@@ -62,6 +62,11 @@ std::vector<OptionTable> LinkCommand::options() {
     return {own, tracking::describe(job_.link)};
 }
 
+std::vector<std::string> LinkCommand::usual() const {
+    return {"output",    "allow-gaps",     "allow-overlaps", "search-range", "memory",
+            "predictor", "minimum-length", "threads",        "force",        "json"};
+}
+
 Summary LinkCommand::run(Session& session) {
     return pipelines::run_or_discard("linking", output_, [&]() -> Summary {
         require_output(session, output_);

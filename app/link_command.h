@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "app/command.h"
 #include "pipelines/link/link_job.h"
@@ -14,6 +15,7 @@ class LinkCommand : public Command {
     std::string purpose() const override;
     Inputs inputs() const override;
     std::vector<OptionTable> options() override;
+    std::vector<std::string> usual() const override;
     Summary run(Session& session) override;
 
  private:

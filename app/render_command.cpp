@@ -48,6 +48,11 @@ std::vector<OptionTable> RenderCommand::options() {
     return tables;
 }
 
+std::vector<std::string> RenderCommand::usual() const {
+    return {"output", "truth", "format", "most-frames", "optics",
+            "camera", "width", "height", "scale",       "frame-rate"};
+}
+
 Summary RenderCommand::run(Session& session) {
     if (session.common.explain) {
         pipelines::plan_rendering(job_, session);

@@ -15,6 +15,7 @@ class RenderCommand : public Command {
     std::string purpose() const override;
     Inputs inputs() const override;
     std::vector<OptionTable> options() override;
+    std::vector<std::string> usual() const override;
     Summary run(Session& session) override;
 
  private:

@@ -80,6 +80,11 @@ void RunCommand::make_room_for(const GivenText& given) {
     });
 }
 
+std::vector<std::string> RunCommand::usual() const {
+    return {"output", "fps",  "sphere-diameter", "disc-diameter", "polarity", "frames",
+            "region", "mask", "background",      "height"};
+}
+
 Summary RunCommand::run(Session& session) {
     pipelines::RunJobOptions job = job_;
     job.folder = folder_.empty() ? pipelines::default_folder(session.inputs).string() : folder_;

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "app/command.h"
 #include "pipelines/run/run_job.h"
@@ -17,6 +18,7 @@ class RunCommand : public Command {
     Inputs inputs() const override;
     std::vector<OptionTable> options() override;
     void make_room_for(const GivenText& given) override;
+    std::vector<std::string> usual() const override;
     Summary run(Session& session) override;
 
  private:

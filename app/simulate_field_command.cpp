@@ -97,6 +97,10 @@ std::vector<pipelines::FieldJobOptions> SimulateFieldCommand::jobs() const {
     return jobs;
 }
 
+std::vector<std::string> SimulateFieldCommand::usual() const {
+    return {"output", "nu", "b", "dimension", "nx", "ny", "relax", "record", "replicas", "resume"};
+}
+
 Summary SimulateFieldCommand::run(Session& session) {
     require_output(session, output_);
     require_hdf5_name(output_);

@@ -17,6 +17,7 @@ class SimulateFieldCommand : public Command {
         return {.placeholder = "", .meaning = "", .count = Count::none};
     }
     std::vector<OptionTable> options() override;
+    std::vector<std::string> usual() const override;
     Summary run(Session& session) override;
 
  private:

@@ -104,6 +104,11 @@ void SimulateMdCommand::make_room_for(const GivenText& given) {
     });
 }
 
+std::vector<std::string> SimulateMdCommand::usual() const {
+    return {"output", "grains",  "length-x", "length-y", "height",
+            "gamma",  "periods", "start",    "resume",   "threads"};
+}
+
 Summary SimulateMdCommand::run(Session& session) {
     job_.output = output_;
     job_.resume.every = std::chrono::duration<double>(60 * checkpoint_every_);

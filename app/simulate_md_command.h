@@ -15,6 +15,7 @@ class SimulateMdCommand : public Command {
     std::string purpose() const override;
     Inputs inputs() const override;
     std::vector<OptionTable> options() override;
+    std::vector<std::string> usual() const override;
     void make_room_for(const GivenText& given) override;
     Summary run(Session& session) override;
 

@@ -222,6 +222,11 @@ void TrackCommand::make_room_for(const GivenText& given) {
     });
 }
 
+std::vector<std::string> TrackCommand::usual() const {
+    return {"output", "fps",  "sphere-diameter", "disc-diameter", "polarity", "frames",
+            "region", "mask", "background",      "resume"};
+}
+
 Summary TrackCommand::run(Session& session) {
     require_output(session, output_);
     require_hdf5_name(output_);

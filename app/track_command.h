@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "app/command.h"
 #include "pipelines/track/track_job.h"
@@ -15,6 +16,7 @@ class TrackCommand : public Command {
     Inputs inputs() const override;
     std::vector<OptionTable> options() override;
     void make_room_for(const GivenText& given) override;
+    std::vector<std::string> usual() const override;
     Summary run(Session& session) override;
 
  private:

@@ -60,6 +60,11 @@ std::vector<OptionTable> TuneCommand::options() {
     return tables;
 }
 
+std::vector<std::string> TuneCommand::usual() const {
+    return {"output",     "samples",       "frames",   "region",  "mask",
+            "background", "disc-diameter", "polarity", "profile", "meeting-edges"};
+}
+
 Summary TuneCommand::run(Session& session) {
     return pipelines::run_or_discard("tuning", output_, [&] { return work(session); });
 }

@@ -16,6 +16,7 @@ class TuneCommand : public Command {
     std::string purpose() const override;
     Inputs inputs() const override;
     std::vector<OptionTable> options() override;
+    std::vector<std::string> usual() const override;
     Summary run(Session& session) override;
 
  private:

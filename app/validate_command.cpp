@@ -38,6 +38,11 @@ std::vector<OptionTable> ValidateCommand::options() {
     return tables;
 }
 
+std::vector<std::string> ValidateCommand::usual() const {
+    return {"output", "trajectory", "truth",   "optics",   "camera",
+            "scale",  "scenes",     "periods", "previews", "figures"};
+}
+
 Summary ValidateCommand::run(Session& session) {
     const bool is_random = pipelines::is_random(job_);
     if (session.common.explain) {

@@ -94,7 +94,7 @@ class AnOptionAddedToATable : public testing::Test {
 };
 
 TEST_F(AnOptionAddedToATable, AppearsInTheHelpWithUnitRangeAndDefault) {
-    EXPECT_THAT(call({"--help"}).out,
+    EXPECT_THAT(call({"--help-all"}).out,
                 AllOf(HasSubstr("[sieve]"), HasSubstr("--mesh"), HasSubstr("width of a mesh"),
                       HasSubstr("[px] 1 … 9"), HasSubstr("default 2")));
 }

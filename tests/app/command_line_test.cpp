@@ -41,11 +41,11 @@ TEST(CommandLine, VersionAndHelpAreNoErrors) {
 }
 
 TEST(CommandLine, HelpOfACommandShowsUnitRangeAndDefaultOfItsOptions) {
-    const Outcome help = call({"track", "--help"});
+    const Outcome help = call({"track", "--help-all"});
     EXPECT_EQ(help.code, 0);
     EXPECT_THAT(help.out,
                 AllOf(HasSubstr("--max-sweeps"), HasSubstr("[px]"), HasSubstr("default auto"),
-                      HasSubstr("--threads"), HasSubstr("-c,--config"), HasSubstr("-o,--output"),
+                      HasSubstr("--threads"), HasSubstr("-c, --config"), HasSubstr("-o, --output"),
                       HasSubstr("[refine]")));
     EXPECT_EQ(call({"analyze", "--help"}).code, 0);
     EXPECT_EQ(call({"compare", "--help"}).code, 0);

@@ -44,6 +44,17 @@ TEST_F(Package, TheInstalledProgramRuns) {
     EXPECT_EQ(outcome.out, std::string("grainfield ") + kVersion + "\n");
 }
 
+TEST_F(Package, ManualPagesAndCompletionsAreWhereManAndTheShellsLook) {
+    namespace fs = std::filesystem;
+    const fs::path share = fs::path(prefix()) / "share";
+    for (const char* file :
+         {"man/man1/grainfield.1", "man/man1/grainfield-simulate-md.1",
+          "bash-completion/completions/grainfield", "zsh/site-functions/_grainfield",
+          "fish/vendor_completions.d/grainfield.fish"}) {
+        EXPECT_TRUE(fs::exists(share / file)) << file;
+    }
+}
+
 /// Configures and builds a project of tests/end_to_end against the installed package.
 std::string built(const std::string& project, const std::string& build, const std::string& prefix) {
     const Outcome configured =
