@@ -8,7 +8,7 @@
 #include "io/h5/results_file.h"
 #include "io/h5/trajectory_file.h"
 #include "io/open_snapshots.h"
-#include "io/text/export_files.h"
+#include "io/text/points_statement.h"
 #include "io/video/colour_video.h"
 #include "pipelines/interrupt_deadline.h"
 
@@ -77,6 +77,11 @@ Command::Inputs ExportCommand::inputs() const {
 std::vector<OptionTable> ExportCommand::options() {
     OptionTable own("");
     own.text("output", output_, "FILE.csv or FILE.xyz for trajectories, a folder for curves");
+    own.flag("header", form_.header,
+             "units, diameter, rate and box as comments in the CSV; else in FILE.csv.meta");
+    own.choice("digits", form_.digits,
+               {{"as-errors", io::Digits::as_errors}, {"all", io::Digits::all}},
+               "of positions: to a tenth of their error, or all that a number has");
     own.text("overlay", overlay_output_,
              "FILE.mp4: the film with detections, trails and |Q4| colours; in place of --output");
     own.text(
@@ -144,12 +149,15 @@ Summary ExportCommand::work(Session& session) const {
         summary.facts["observables"] = results.observables.size();
     } else {
         const auto snapshots = io::open_snapshots(input, std::nullopt, {});
-        if (form == Form::csv) io::export_csv(*snapshots, output_, overwrite);
-        if (form == Form::xyz) io::export_xyz(*snapshots, output_, overwrite);
+        if (form == Form::csv) io::export_csv(*snapshots, output_, overwrite, form_);
+        if (form == Form::xyz) io::export_xyz(*snapshots, output_, overwrite, form_.digits);
         summary.text = fmt::format("{}: {}\n", output_, counted(snapshots->count(), "frame"));
         summary.facts["frames"] = snapshots->count();
     }
     session.outputs.push_back(output_);
+    if (form == Form::csv && !form_.header) {
+        session.outputs.push_back(io::statement_path(output_));
+    }
     return summary;
 }
 

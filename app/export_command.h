@@ -3,6 +3,7 @@
 #include <string>
 
 #include "app/command.h"
+#include "io/text/export_files.h"
 #include "pipelines/overlay/overlay_job.h"
 
 namespace grainfield::app {
@@ -21,6 +22,7 @@ class ExportCommand : public Command {
     Summary run_overlay(Session& session) const;
 
     std::string output_;
+    io::PointsForm form_;
     std::string overlay_output_;
     std::string film_;
     pipelines::OverlayJobOptions overlay_;

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -70,34 +73,77 @@ Columns columns_of(SnapshotSource& source) {
     return columns;
 }
 
-template <class Number>
-void append_cell(std::string& text, Number value) {
-    text += ',';
-    append_number(text, value);
+/// Numbers of one form.
+class NumberWriter {
+ public:
+    explicit NumberWriter(Digits digits) : is_rounded_(digits == Digits::as_errors) {}
+
+    /// A measured value; nothing for NaN.
+    void append_value(std::string& text, double value, double error) const {
+        const double decimals = std::max(0.0, std::ceil(1 - std::log10(error)));
+        const bool is_usable = error > 0 && std::isfinite(value) && decimals <= most_decimals;
+        if (is_rounded_ && is_usable) {
+            fmt::format_to(std::back_inserter(text), "{:.{}f}", value, static_cast<int>(decimals));
+        } else {
+            append_number(text, value);
+        }
+    }
+
+    /// A number that needs no more than `digits`; nothing for NaN.
+    void append_estimate(std::string& text, double value, int digits) const {
+        if (is_rounded_ && std::isfinite(value)) {
+            fmt::format_to(std::back_inserter(text), "{:.{}g}", value, digits);
+        } else {
+            append_number(text, value);
+        }
+    }
+
+ private:
+    static constexpr double most_decimals = 15;
+    bool is_rounded_;
+};
+
+constexpr int error_digits = 3;
+constexpr int quality_digits = 4;
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+Vec3 errors_of(const Snapshot& s, std::size_t i) {
+    const Vec2 error = s.position_error.empty() ? Vec2{unknown, unknown} : s.position_error[i];
+    return {error.x, error.y, s.z_error.empty() ? unknown : s.z_error[i]};
 }
 
-void append_csv_line(std::string& text, const Snapshot& s, std::size_t i, const Columns& columns) {
+void append_csv_line(std::string& text, const Snapshot& s, std::size_t i, const Columns& columns,
+                     const NumberWriter& numbers) {
+    const Vec3 errors = errors_of(s, i);
+    const auto append_value = [&](double value, double error) {
+        text += ',';
+        numbers.append_value(text, value, error);
+    };
+    const auto append_estimate = [&](double value, int digits) {
+        text += ',';
+        numbers.append_estimate(text, value, digits);
+    };
     append_number(text, s.frame);
     if (columns.id) {
         text += ',';
         if (!s.id.empty()) append_number(text, s.id[i]);
     }
-    append_cell(text, s.position[i].x);
-    append_cell(text, s.position[i].y);
-    if (columns.z) append_cell(text, s.z.empty() ? std::nan("") : s.z[i]);
+    append_value(s.position[i].x, errors.x);
+    append_value(s.position[i].y, errors.y);
+    if (columns.z) append_value(s.z.empty() ? unknown : s.z[i], errors.z);
     if (columns.position_error) {
-        const Vec2 error =
-            s.position_error.empty() ? Vec2{std::nan(""), std::nan("")} : s.position_error[i];
-        append_cell(text, error.x);
-        append_cell(text, error.y);
+        append_estimate(errors.x, error_digits);
+        append_estimate(errors.y, error_digits);
     }
-    if (columns.z_error) append_cell(text, s.z_error.empty() ? std::nan("") : s.z_error[i]);
+    if (columns.z_error) append_estimate(errors.z, error_digits);
     if (columns.layer) {
         text += ',';
         const Layer layer = s.layer.empty() ? Layer::unknown : s.layer[i];
         if (layer != Layer::unknown) append_number(text, static_cast<std::int64_t>(layer));
     }
-    if (columns.quality) append_cell(text, s.quality.empty() ? std::nan("") : s.quality[i]);
+    if (columns.quality) {
+        append_estimate(s.quality.empty() ? unknown : s.quality[i], quality_digits);
+    }
     text += '\n';
 }
 
@@ -123,31 +169,49 @@ std::string xyz_header(const Snapshot& s, const Columns& columns) {
     append_xyz_number(text, s.box.origin.y);
     text += fmt::format(" 0\" pbc=\"{} {} F\" frame={} Time=", flag(0), flag(1), s.frame);
     append_number(text, s.time);
-    text += " Properties=species:S:1:pos:R:3";
+    text += " Properties=species:S:1:pos:R:3:radius:R:1";
     if (columns.id) text += ":id:I:1";
     if (columns.velocity) text += ":velo:R:3";
+    if (columns.position_error || columns.z_error) text += ":position_error:R:3";
     if (columns.layer) text += ":layer:I:1";
     if (columns.quality) text += ":quality:R:1";
     return text + "\n";
 }
 
-void append_xyz_line(std::string& text, const Snapshot& s, std::size_t i, const Columns& columns) {
+void append_xyz_line(std::string& text, const Snapshot& s, std::size_t i, const Columns& columns,
+                     double radius, const NumberWriter& numbers) {
     const double layer = s.layer.empty() ? -1 : static_cast<double>(s.layer[i]);
+    const Vec3 errors = errors_of(s, i);
+    const auto append_value = [&](double value, double error) {
+        text += ' ';
+        if (std::isnan(value)) text += "nan";
+        numbers.append_value(text, value, error);
+    };
+    const auto append_estimate = [&](double value, int digits) {
+        text += ' ';
+        if (std::isnan(value)) text += "nan";
+        numbers.append_estimate(text, value, digits);
+    };
     text += 'A';
-    append_xyz_number(text, s.position[i].x);
-    append_xyz_number(text, s.position[i].y);
-    append_xyz_number(text, s.z.empty() ? std::max(layer, 0.0) : s.z[i]);
+    append_value(s.position[i].x, errors.x);
+    append_value(s.position[i].y, errors.y);
+    append_value(s.z.empty() ? std::max(layer, 0.0) : s.z[i], errors.z);
+    append_xyz_number(text, radius);
     if (columns.id) text += fmt::format(" {}", s.id.empty() ? -1 : s.id[i]);
     if (columns.velocity) {
-        const double missing = std::nan("");
-        const Vec3 v = s.velocity.empty() ? Vec3{missing, missing, missing} : s.velocity[i];
+        const Vec3 v = s.velocity.empty() ? Vec3{unknown, unknown, unknown} : s.velocity[i];
         append_xyz_number(text, v.x);
         append_xyz_number(text, v.y);
         append_xyz_number(text, v.z);
     }
+    if (columns.position_error || columns.z_error) {
+        append_estimate(errors.x, error_digits);
+        append_estimate(errors.y, error_digits);
+        append_estimate(errors.z, error_digits);
+    }
     if (columns.layer) append_xyz_number(text, layer);
     if (columns.quality) {
-        append_xyz_number(text, s.quality.empty() ? std::nan("") : s.quality[i]);
+        append_estimate(s.quality.empty() ? unknown : s.quality[i], quality_digits);
     }
     text += '\n';
 }
@@ -221,11 +285,17 @@ void make_folder(const std::filesystem::path& folder) {
 
 }  // namespace
 
-void export_csv(SnapshotSource& source, const std::filesystem::path& path, Overwrite overwrite) {
+void export_csv(SnapshotSource& source, const std::filesystem::path& path, Overwrite overwrite,
+                const PointsForm& form) {
     TextOutput output(path, overwrite);
+    std::optional<TextOutput> beside;
+    if (!form.header) beside.emplace(statement_path(path), overwrite);
+    TextOutput& statement_output = beside ? *beside : output;
+    const NumberWriter numbers(form.digits);
     const Columns columns = columns_of(source);
     const PointsStatement statement = statement_of(source);
-    std::string text = text_of(statement) + "frame";
+    statement_output.write(text_of(statement));
+    std::string text = "frame";
     if (columns.id) text += ",particle";
     text += ",x,y";
     if (columns.z) text += ",z";
@@ -237,24 +307,29 @@ void export_csv(SnapshotSource& source, const std::filesystem::path& path, Overw
     for (std::int64_t index = 0; index < source.count(); ++index) {
         throw_if_interrupted("export");
         const Snapshot snapshot = source.read(index);
-        text = frame_comment(snapshot, statement.info);
+        statement_output.write(frame_comment(snapshot, statement.info));
+        text.clear();
         for (std::size_t i = 0; i < snapshot.size(); ++i) {
-            append_csv_line(text, snapshot, i, columns);
+            append_csv_line(text, snapshot, i, columns, numbers);
         }
         output.write(text);
     }
+    if (beside) beside->commit();
     output.commit();
 }
 
-void export_xyz(SnapshotSource& source, const std::filesystem::path& path, Overwrite overwrite) {
+void export_xyz(SnapshotSource& source, const std::filesystem::path& path, Overwrite overwrite,
+                Digits digits) {
     TextOutput output(path, overwrite);
+    const NumberWriter numbers(digits);
     const Columns columns = columns_of(source);
+    const double radius = source.info().diameter / 2;
     for (std::int64_t index = 0; index < source.count(); ++index) {
         throw_if_interrupted("export");
         const Snapshot snapshot = source.read(index);
         std::string text = xyz_header(snapshot, columns);
         for (std::size_t i = 0; i < snapshot.size(); ++i) {
-            append_xyz_line(text, snapshot, i, columns);
+            append_xyz_line(text, snapshot, i, columns, radius, numbers);
         }
         output.write(text);
     }

@@ -105,6 +105,16 @@ void drop_columns_without_values(Snapshot& snapshot) {
     drop_if_all(snapshot.layer, [](Layer layer) { return layer == Layer::unknown; });
 }
 
+// What the comments before the header line say.
+PointsStatementReader reader_before_header(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    PointsStatementReader comments({});
+    for (std::string line; std::getline(file, line) && PointsLine::is_blank(line);) {
+        comments.take(line);
+    }
+    return comments;
+}
+
 class PointsTable : public SnapshotSource {
  public:
     PointsTable(const std::filesystem::path& path, const std::optional<Box>& box,
@@ -120,6 +130,7 @@ class PointsTable : public SnapshotSource {
             const bool exists = std::filesystem::exists(path, error);
             reader_.fail(0, exists ? "it may not be read" : "no such file");
         }
+        take_statement_beside(path);
         index_lines();
         set_box(box);
     }
@@ -129,6 +140,7 @@ class PointsTable : public SnapshotSource {
     Snapshot read(std::int64_t index) override;
 
  private:
+    void take_statement_beside(const std::filesystem::path& path);
     void index_lines();
     void take_comment(const LineReader& lines);
     void refuse_repeated(std::int64_t frame);
@@ -139,6 +151,7 @@ class PointsTable : public SnapshotSource {
     TrajectoryInfo info_;
     PointsLine reader_;
     PointsStatementReader comments_;
+    bool is_stated_beside_ = false;
     std::ifstream file_;
     std::map<std::int64_t, IndexedFrame> found_;
     std::vector<std::pair<std::int64_t, std::int64_t>> named_;   ///< identities and their lines
@@ -149,7 +162,27 @@ class PointsTable : public SnapshotSource {
     Vec2 high_{-low_.x, -low_.y};
 };
 
+void PointsTable::take_statement_beside(const std::filesystem::path& path) {
+    if (reader_before_header(path).is_ours()) return;
+    std::ifstream file(statement_path(path), std::ios::binary);
+    std::int64_t number = 0;
+    for (std::string line; std::getline(file, line);) {
+        const std::string wrong = comments_.take(line);
+        if (!wrong.empty()) {
+            throw InputError(
+                {.problem = fmt::format("'{}', line {}", statement_path(path).string(), number + 1),
+                 .actual = wrong,
+                 .expected = "what grainfield export writes",
+                 .suggestion = "remove the file if it does not belong to the table"});
+        }
+        if (const auto& said = comments_.frame_time()) found_[said->frame].time = said->time;
+        ++number;
+    }
+    is_stated_beside_ = comments_.is_ours();
+}
+
 void PointsTable::take_comment(const LineReader& lines) {
+    if (is_stated_beside_) return;
     const std::string wrong = comments_.take(lines.text());
     if (!wrong.empty()) reader_.fail(lines.number(), wrong, "what grainfield export writes");
     if (const auto& said = comments_.frame_time()) found_[said->frame].time = said->time;
@@ -296,23 +329,22 @@ Snapshot PointsTable::read(std::int64_t index) {
     return snapshot;
 }
 
-PointsStatement statement_before_header(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    PointsStatementReader comments({});
-    for (std::string line; std::getline(file, line) && PointsLine::is_blank(line);) {
-        comments.take(line);
-    }
-    return comments.statement();
+PointsStatement statement_of(const std::filesystem::path& path) {
+    PointsStatementReader reader = reader_before_header(path);
+    if (reader.is_ours()) return reader.statement();
+    std::ifstream beside(statement_path(path), std::ios::binary);
+    for (std::string line; std::getline(beside, line);) reader.take(line);
+    return reader.statement();
 }
 
 }  // namespace
 
 bool states_diameter(const std::filesystem::path& path) {
-    return statement_before_header(path).has_diameter;
+    return statement_of(path).has_diameter;
 }
 
 bool states_box(const std::filesystem::path& path) {
-    return statement_before_header(path).box.has_value();
+    return statement_of(path).box.has_value();
 }
 
 std::unique_ptr<SnapshotSource> open_points(const std::filesystem::path& path,

@@ -18,7 +18,8 @@ namespace grainfield::io {
 /// is left out of that frame. `particle` is given for all points of a frame or for none, and each
 /// identity once. Lines may be in any order; snapshots are in order of frame, each in order of its
 /// lines. Lines that start with # are comments; those of grainfield's own tables (PointsStatement)
-/// are read. What they say about units, diameter, times and the box overrides the hints.
+/// are read; where it has none, those of `statement_path(path)` if that file is there. What they
+/// say about units, diameter, times and the box overrides the hints.
 ///
 /// `hints` is what the table cannot say (units, diameter, frame rate): time = frame / frame_rate if
 /// that is given, else frame. Without a box, it is the one that the comments state, else the
@@ -33,10 +34,11 @@ std::unique_ptr<SnapshotSource> open_points(const std::filesystem::path& path,
                                             const std::optional<Box>& box,
                                             const TrajectoryInfo& hints);
 
-/// Whether the comments before the header line state the diameter of the particles.
+/// Whether the comments before the header line, or the file beside it, state the diameter of the
+/// particles.
 bool states_diameter(const std::filesystem::path& path);
 
-/// Whether the comments before the header line state a box.
+/// Whether the comments before the header line, or the file beside it, state a box.
 bool states_box(const std::filesystem::path& path);
 
 }  // namespace grainfield::io

@@ -108,6 +108,12 @@ double time_by_rate(std::int64_t frame, const TrajectoryInfo& info) {
 
 }  // namespace
 
+std::filesystem::path statement_path(const std::filesystem::path& table) {
+    std::filesystem::path path = table;
+    path += ".meta";
+    return path;
+}
+
 std::string text_of(const PointsStatement& statement) {
     const TrajectoryInfo& info = statement.info;
     std::string text =

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -19,12 +20,16 @@ namespace grainfield::io {
 ///     # box: -0.5,-0.5,1012,1012,0        (origin, length, height between the plates)
 ///     # boundary: walls,walls
 ///
-/// before the header line, so that readers that skip comments see an ordinary table.
+/// in a file beside the table (statement_path), so that any reader sees an ordinary table, or
+/// before its header line.
 struct PointsStatement {
     TrajectoryInfo info;
     std::optional<Box> box;     ///< none if it changes with time
     bool has_diameter = false;  ///< the comments state it
 };
+
+/// The file that states it for a table without comments of its own: "tracks.csv.meta".
+std::filesystem::path statement_path(const std::filesystem::path& table);
 
 /// The comment lines, each with its line feed.
 std::string text_of(const PointsStatement& statement);
@@ -45,6 +50,8 @@ class PointsStatementReader {
     std::string take(std::string_view line);
 
     const PointsStatement& statement() const { return statement_; }
+    /// Whether a line was "# grainfield points 1".
+    bool is_ours() const { return is_ours_; }
 
     struct FrameTime {
         std::int64_t frame = 0;

@@ -29,7 +29,8 @@ class FilmParts : public ::testing::Test {
         return testing::run_grainfield(std::move(words));
     }
     std::string exported(const std::string& tracks) const {
-        EXPECT_EQ(run({"export", tracks, "-o", folder_ / "x.csv", "--force"}).code, 0);
+        EXPECT_EQ(
+            run({"export", tracks, "-o", folder_ / "x.csv", "--force", "--digits", "all"}).code, 0);
         return testing::read_all(folder_ / "x.csv");
     }
 

@@ -25,7 +25,7 @@ Outcome track(const std::vector<std::string>& frames, std::vector<std::string> w
 }
 
 std::string positions(const std::string& file) {
-    EXPECT_EQ(run_grainfield({"export", file, "-o", file + ".csv"}).code, 0);
+    EXPECT_EQ(run_grainfield({"export", file, "-o", file + ".csv", "--digits", "all"}).code, 0);
     return testing::read_all(file + ".csv");
 }
 

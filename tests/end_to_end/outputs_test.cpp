@@ -137,8 +137,9 @@ TEST_F(Outputs, OfASingleFrameAndOfAllCommandsLeaveNoTemporaryFiles) {
     ASSERT_EQ(run_grainfield({"compare", results_, "-o", folder_ / "r.html", "--no-figures"}).code,
               0);
     ASSERT_EQ(run_grainfield({"export", tracks_, "-o", folder_ / "t.csv"}).code, 0);
-    // frame, tracks, results, page, points.
-    EXPECT_EQ(folder_.entries(), 5U);
+    // frame, tracks, results, page, points and their units.
+    EXPECT_EQ(folder_.entries(), 6U);
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "t.csv.meta"));
 }
 
 TEST_F(Outputs, OverlayShowsTheFilmAsTrackedOrSaysThatItIsGone) {

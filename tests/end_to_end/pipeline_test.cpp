@@ -170,7 +170,9 @@ TEST_F(Pipeline, OneTwoAndEightThreadsGiveTheSameBytes) {
         std::vector<std::string> words{"track", "-o", stem + ".h5", "--threads", threads};
         words.insert(words.end(), frames_.begin(), frames_.end());
         ASSERT_EQ(run_grainfield(words).code, 0);
-        ASSERT_EQ(run_grainfield({"export", stem + ".h5", "-o", stem + ".csv"}).code, 0);
+        ASSERT_EQ(
+            run_grainfield({"export", stem + ".h5", "-o", stem + ".csv", "--digits", "all"}).code,
+            0);
         ASSERT_EQ(run_grainfield(
                       {"analyze", stem + ".h5", "-o", stem + "-results.h5", "--threads", threads})
                       .code,

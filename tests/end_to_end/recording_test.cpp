@@ -36,7 +36,9 @@ class Recording : public ::testing::Test {
 
     /// The last run: frames, identities and positions.
     std::string points() {
-        EXPECT_EQ(run_grainfield({"export", "--force", out_ / "t.h5", "-o", out_ / "t.csv"}).code,
+        EXPECT_EQ(run_grainfield(
+                      {"export", "--force", "--digits", "all", out_ / "t.h5", "-o", out_ / "t.csv"})
+                      .code,
                   0);
         const std::string text = testing::read_all(out_ / "t.csv");
         return text.substr(text.find("frame,"));

@@ -33,9 +33,10 @@ class TrackOptions : public ::testing::Test {
 
     /// Rows of the last run: column name → value.
     std::vector<std::map<std::string, std::string>> rows() {
-        EXPECT_EQ(
-            run_grainfield({"export", "--force", folder_ / "t.h5", "-o", folder_ / "t.csv"}).code,
-            0);
+        EXPECT_EQ(run_grainfield({"export", "--force", "--digits", "all", folder_ / "t.h5", "-o",
+                                  folder_ / "t.csv"})
+                      .code,
+                  0);
         return testing::csv_rows(folder_ / "t.csv");
     }
 

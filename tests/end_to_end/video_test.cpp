@@ -43,9 +43,10 @@ class Video : public ::testing::Test {
 
     /// Of the last run.
     Points points() {
-        EXPECT_EQ(
-            run_grainfield({"export", "--force", folder_ / "t.h5", "-o", folder_ / "t.csv"}).code,
-            0);
+        EXPECT_EQ(run_grainfield({"export", "--force", "--digits", "all", folder_ / "t.h5", "-o",
+                                  folder_ / "t.csv"})
+                      .code,
+                  0);
         std::istringstream csv(testing::read_all(folder_ / "t.csv"));
         Points found;
         for (std::string line; std::getline(csv, line);) {

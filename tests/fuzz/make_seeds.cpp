@@ -170,7 +170,7 @@ std::string without_comments(const std::string& text) {
 
 void write_texts(const fs::path& folder) {
     MemorySource source = sample(4);
-    io::export_csv(source, in(folder, "points", "own.csv"), Overwrite::force);
+    io::export_csv(source, in(folder, "points", "own.csv"), Overwrite::force, {.header = true});
     std::ofstream(in(folder, "points", "other.csv"))
         << "Frame, X,y ,mass\r\n0,1.5,2,7\r\n0,3,4.25,7\r\n\r\n# a comment\r\n2,1e0,19,7\r\n";
     std::ofstream(in(folder, "wavevectors", "named.csv")) << "kx,ky\n0.5,1\n# more\n-2,1e-1\n";

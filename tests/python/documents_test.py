@@ -60,10 +60,20 @@ def test_octave_reads_a_trajectory(tmp_path, layer, language):
     if language == "matlab" and octave('printf("%d", exist("h5read"))', tmp_path) == ["0"]:
         pytest.skip("this Octave has no h5read")
     layer.save(tmp_path / "tracks.h5")
-    run_program("export", tmp_path / "tracks.h5", "-o", tmp_path / "tracks.csv")
+    run_program("export", tmp_path / "tracks.h5", "-o", tmp_path / "tracks.csv", "--digits", "all")
     (snippet,) = snippets(language)
     found = octave(snippet + 'printf("%.17g\\n", sort(x));', tmp_path)
     assert [float(number) for number in found] == sorted(layer[-1]["position"][:, 0])
+
+
+def test_pandas_reads_an_exported_table_as_it_stands(tmp_path, layer):
+    pandas = pytest.importorskip("pandas")
+    layer.save(tmp_path / "tracks.h5")
+    run_program("export", tmp_path / "tracks.h5", "-o", tmp_path / "tracks.csv")
+    table = pandas.read_csv(tmp_path / "tracks.csv")
+    assert list(table.columns[:3]) in (["frame", "particle", "x"], ["frame", "x", "y"])
+    last = table[table.frame == table.frame.max()]
+    assert sorted(last.x) == pytest.approx(sorted(layer[-1]["position"][:, 0]), abs=0.05)
 
 
 def test_importing_takes_no_optional_library():

@@ -1,8 +1,8 @@
 #include "io/text/export_files.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
-#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -32,17 +32,11 @@ class Snapshots : public SnapshotSource {
     std::vector<Snapshot> snapshots_;
 };
 
-std::string csv_of(std::vector<Snapshot> snapshots) {
+std::string csv_of(std::vector<Snapshot> snapshots, Digits digits = Digits::all) {
     const testing::ScratchFolder folder;
     Snapshots source(std::move(snapshots));
-    export_csv(source, folder / "x.csv", Overwrite::refuse);
-    // The table itself; the comment lines have their own test.
-    std::istringstream lines(read_bytes(folder / "x.csv"));
-    std::string table;
-    for (std::string line; std::getline(lines, line);) {
-        if (!line.starts_with('#')) table += line + "\n";
-    }
-    return table;
+    export_csv(source, folder / "x.csv", Overwrite::refuse, {.digits = digits});
+    return read_bytes(folder / "x.csv");
 }
 
 std::string xyz_of(std::vector<Snapshot> snapshots) {
@@ -84,8 +78,37 @@ TEST(ExportCsv, LeavesFieldsEmptyInFramesWithoutTheColumn) {
     EXPECT_EQ(csv_of({}), "frame,x,y\n");
 }
 
-TEST(ExportCsv, StatesUnitsRateDiameterAndBoxAndReadsThemBack) {
+TEST(ExportCsv, HasDigitsToATenthOfTheErrorAndAllWhereItIsUnknown) {
+    Snapshot s = two_points(0);
+    s.position = {{100.123456789, 0.123456789}, {1.0 / 3, 2}};
+    s.position_error = {{0.13, 0.001}, {nan, 12.3456}};
+    s.quality = {0.0512345, nan};
+    EXPECT_EQ(csv_of({s}, Digits::as_errors),
+              "frame,x,y,x_std,y_std,quality\n"
+              "0,100.12,0.1235,0.13,0.001,0.05123\n"
+              "0,0.3333333333333333,2,,12.3,\n");
+    // The rounding is at most a twentieth of the error, which adds 0.05 % to it.
+    std::vector<Snapshot> many{full_snapshot(0, 200)};
     const testing::ScratchFolder folder;
+    Snapshots source(many);
+    export_csv(source, folder / "x.csv", Overwrite::refuse);
+    const auto points = open_points(folder / "x.csv", std::nullopt, {});
+    const Snapshot read = points->read(0);
+    bool is_rounded = false;
+    for (std::size_t i = 0; i < 200; ++i) {
+        const double error = many[0].position_error[i].x;
+        const double off = std::abs(read.position[i].x - many[0].position[i].x);
+        EXPECT_LE(off, 0.0501 * error) << i;
+        is_rounded |= off > 0;
+    }
+    EXPECT_TRUE(is_rounded);
+}
+
+class ExportCsvStatement : public ::testing::TestWithParam<bool> {};
+
+TEST_P(ExportCsvStatement, OfUnitsRateDiameterAndBoxIsReadBack) {
+    const testing::ScratchFolder folder;
+    const PointsForm form{.header = GetParam(), .digits = Digits::all};
     Snapshot empty = two_points(4);
     empty.position.clear();
     empty.time = 4 / 30.0;
@@ -99,8 +122,10 @@ TEST(ExportCsv, StatesUnitsRateDiameterAndBoxAndReadsThemBack) {
                      .vibration_frequency = 60,
                      .frame_rate = 30,
                      .source = "film.avi"});
-    export_csv(source, folder / "x.csv", Overwrite::refuse);
-    EXPECT_THAT(read_bytes(folder / "x.csv"), HasSubstr("\n# box: -0.5,0,10,20,0\n"));
+    export_csv(source, folder / "x.csv", Overwrite::refuse, form);
+    EXPECT_THAT(read_bytes(folder / (form.header ? "x.csv" : "x.csv.meta")),
+                HasSubstr("\n# box: -0.5,0,10,20,0\n"));
+    EXPECT_EQ(read_bytes(folder / "x.csv").starts_with("frame,x,y\n3,1.5,2\n"), !form.header);
     EXPECT_TRUE(states_box(folder / "x.csv"));
     const auto points = open_points(folder / "x.csv", std::nullopt, {});
     const TrajectoryInfo& info = points->info();
@@ -123,6 +148,31 @@ TEST(ExportCsv, StatesUnitsRateDiameterAndBoxAndReadsThemBack) {
     const auto other = open_points(folder / "x.csv", Box{{0, 0}, {11, 21}}, {});
     EXPECT_EQ(other->read(0).box.length, (Vec2{11, 21})) << "what is asked for wins";
     EXPECT_EQ(other->read(0).box.boundary[1], Boundary::periodic);
+    EXPECT_TRUE(states_diameter(folder / "x.csv"));
+}
+
+INSTANTIATE_TEST_SUITE_P(InTheTableOrBesideIt, ExportCsvStatement, ::testing::Bool());
+
+TEST(ExportCsv, StatementOfTheTableItselfWinsOverAnOldOneBesideIt) {
+    const testing::ScratchFolder folder;
+    Snapshots source({two_points(0)});
+    source.set_info({.diameter = 7, .vibration_frequency = {}, .frame_rate = {}, .source = ""});
+    export_csv(source, folder / "x.csv", Overwrite::refuse);
+    source.set_info({.diameter = 8, .vibration_frequency = {}, .frame_rate = {}, .source = ""});
+    export_csv(source, folder / "x.csv", Overwrite::force, {.header = true});
+    EXPECT_EQ(open_points(folder / "x.csv", std::nullopt, {})->info().diameter, 8);
+}
+
+TEST(ExportCsv, WithADamagedStatementBesideItIsRefusedByTheNameOfThatFile) {
+    const testing::ScratchFolder folder;
+    write_bytes(folder / "x.csv", "frame,x,y\n0,1,1\n");
+    write_bytes(folder / "x.csv.meta", "# grainfield points 1\n# diameter: large\n");
+    try {
+        open_points(folder / "x.csv", std::nullopt, {});
+        ADD_FAILURE() << "taken";
+    } catch (const InputError& error) {
+        EXPECT_THAT(error.what(), HasSubstr("x.csv.meta', line 2"));
+    }
 }
 
 TEST(ExportCsv, ReadsBackToTheSameBits) {
@@ -130,7 +180,7 @@ TEST(ExportCsv, ReadsBackToTheSameBits) {
     std::vector<Snapshot> snapshots{full_snapshot(0, 200), full_snapshot(2, 150),
                                     plain_snapshot(3, 60)};
     Snapshots source(snapshots);
-    export_csv(source, folder / "x.csv", Overwrite::refuse);
+    export_csv(source, folder / "x.csv", Overwrite::refuse, {.digits = Digits::all});
     const auto points = open_points(folder / "x.csv", snapshots[0].box, with_frame_rate(30));
     ASSERT_EQ(points->count(), 3);
     for (std::size_t i = 0; i < snapshots.size(); ++i) {
@@ -145,18 +195,23 @@ TEST(ExportCsv, ReadsBackToTheSameBits) {
 
 TEST(ExportXyz, HasABlockPerFrameWithBoxTimeAndProperties) {
     Snapshot s = two_points(3);
-    EXPECT_EQ(xyz_of({s}),
-              "2\nLattice=\"10 0 0 0 20 0 0 0 1\" Origin=\"-0.5 0 0\" pbc=\"F T F\" frame=3 "
-              "Time=0.25 Properties=species:S:1:pos:R:3\nA 1.5 2 0\nA 0.1 -3 0\n");
+    EXPECT_EQ(
+        xyz_of({s}),
+        "2\nLattice=\"10 0 0 0 20 0 0 0 1\" Origin=\"-0.5 0 0\" pbc=\"F T F\" frame=3 "
+        "Time=0.25 Properties=species:S:1:pos:R:3:radius:R:1\nA 1.5 2 0 0.5\nA 0.1 -3 0 0.5\n");
     s.id = {7, 8};
     s.z = {0.5, 0.75};
     s.box.height = 1.7;
     s.velocity = {{1, 2, 3}, {nan, nan, nan}};
+    s.position_error = {{0.1, 0.5}, {nan, nan}};
     s.quality = {nan, 2};
-    EXPECT_EQ(xyz_of({s}),
-              "2\nLattice=\"10 0 0 0 20 0 0 0 1.7\" Origin=\"-0.5 0 0\" pbc=\"F T F\" frame=3 "
-              "Time=0.25 Properties=species:S:1:pos:R:3:id:I:1:velo:R:3:quality:R:1\n"
-              "A 1.5 2 0.5 7 1 2 3 nan\nA 0.1 -3 0.75 8 nan nan nan 2\n");
+    EXPECT_EQ(
+        xyz_of({s}),
+        "2\nLattice=\"10 0 0 0 20 0 0 0 1.7\" Origin=\"-0.5 0 0\" pbc=\"F T F\" frame=3 "
+        "Time=0.25 "
+        "Properties=species:S:1:pos:R:3:radius:R:1:id:I:1:velo:R:3:position_error:R:3:quality:R:1\n"
+        "A 1.50 2.00 0.5 0.5 7 1 2 3 0.1 0.5 nan nan\nA 0.1 -3 0.75 0.5 8 nan nan nan nan nan nan "
+        "2\n");
 }
 
 TEST(ExportXyz, HasABlockOfZeroParticlesForAnEmptyFrame) {
