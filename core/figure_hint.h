@@ -63,8 +63,12 @@ struct GuideHint {
     std::string label;
     double exponent = 1;
     Place place = Place::lowest_corner;
-    bool halved_on_a_line = false;  ///< exponents of a one-dimensional system are half as large
-    std::string note{};             ///< said once a guide is drawn
+    struct OnALine {
+        std::string label;
+        double exponent = 0;
+    };
+    std::optional<OnALine> on_a_line{};  ///< instead, of a one-dimensional system
+    std::string note{};                  ///< said once a guide is drawn
 };
 
 /// When a figure stands on the page.

@@ -1,7 +1,9 @@
 #include "report/possible_numbers.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -89,6 +91,85 @@ void withhold_flight(ObservableResult& msd) {
     }
 }
 
+constexpr double most_uncertain = 0.5;  // of a variance from S(k), relative
+
+// Windows of one box: which of them are known, and what makes the others uncertain.
+struct BoxRows {
+    std::string side;
+    std::size_t all = 0, known = 0;
+    std::size_t assumed = 0;  ///< of the others: by what lies beyond the measured wavevectors
+};
+
+std::vector<BoxRows> rows_by_box(const Curve& curve, const std::vector<std::string>& sides) {
+    const std::vector<double>& variance = curve.find("variance")->values;
+    const std::vector<double>& error = curve.find("err")->values;
+    const Column* beyond = curve.find("beyond");
+    std::vector<BoxRows> boxes;
+    for (std::size_t i = 0; i < sides.size(); ++i) {
+        if (boxes.empty() || boxes.back().side != sides[i]) boxes.push_back({.side = sides[i]});
+        ++boxes.back().all;
+        if (error[i] < most_uncertain * variance[i]) {
+            ++boxes.back().known;
+        } else if (beyond != nullptr && std::abs(beyond->values[i]) > 0.5 * error[i]) {
+            ++boxes.back().assumed;
+        }
+    }
+    return boxes;
+}
+
+// Rows of a curve of which `keep` holds.
+void keep_rows(Curve& curve, const std::vector<bool>& keep) {
+    const auto kept = [&keep]<class T>(const std::vector<T>& all) {
+        std::vector<T> some;
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            if (keep[i]) some.push_back(all[i]);
+        }
+        return some;
+    };
+    for (Column& column : curve.columns) column.values = kept(column.values);
+    for (auto& [name, words] : curve.text_columns) words = kept(words);
+}
+
+bool is_whole(const Curve& curve) {
+    const auto sides = curve.text_columns.find("side");
+    return sides != curve.text_columns.end() && curve.find("variance") != nullptr &&
+           curve.find("err") != nullptr &&
+           std::ranges::all_of(curve.columns, [&](const Column& column) {
+               return column.values.size() == sides->second.size();
+           });
+}
+
+void withhold_uncertain_boxes(ObservableResult& synthetic) {
+    for (Curve& curve : synthetic.curves) {
+        if (curve.name != "synthetic" || !is_whole(curve)) continue;
+        const std::vector<std::string> sides = curve.text_columns.at("side");
+        const std::vector<double>& variance = curve.find("variance")->values;
+        const std::vector<double>& error = curve.find("err")->values;
+        std::vector<bool> keep(sides.size());
+        for (std::size_t i = 0; i < sides.size(); ++i) {
+            keep[i] = error[i] < most_uncertain * variance[i];
+        }
+        for (const BoxRows& box : rows_by_box(curve, sides)) {
+            if (2 * box.known >= box.all) continue;
+            const bool is_cut = 2 * box.assumed > box.all - box.known;
+            for (std::size_t i = 0; i < sides.size(); ++i) {
+                if (sides[i] == box.side) keep[i] = false;
+            }
+            synthetic.measurements.push_back(
+                {"box_" + box.side, "a", std::nullopt, std::nullopt, 0,
+                 is_cut ? "what lies beyond the measured wavevectors decides it: a larger sk.k-max "
+                          "measures more of them"
+                        : "errors above half of it: the run is too short"});
+        }
+        keep_rows(curve, keep);
+    }
+    std::erase_if(synthetic.curves, [](const Curve& curve) {
+        return curve.name == "synthetic" &&
+               std::ranges::all_of(curve.columns,
+                                   [](const Column& column) { return column.values.empty(); });
+    });
+}
+
 }  // namespace
 
 Results with_possible_numbers(Results run) {
@@ -96,6 +177,7 @@ Results with_possible_numbers(Results run) {
         if (run.frames == 1 && !run.identity.is_field()) withhold_of_one_frame(observable);
         if (observable.name == "phase") withhold_long_window(observable, length_of_film(run));
         if (observable.name == "msd") withhold_flight(observable);
+        if (observable.name == "synthetic") withhold_uncertain_boxes(observable);
         for (Measurement& m : observable.measurements) {
             if (m.samples < 2) m.samples = 0;
         }

@@ -11,6 +11,7 @@
 #include "report/page/paper_table.h"
 #include "report/possible_numbers.h"
 #include "report/run_labels.h"
+#include "report/shared_times.h"
 #include "report/text.h"
 
 namespace grainfield::report {
@@ -44,6 +45,7 @@ void write_report(const std::vector<Results>& given, const ReportOptions& option
     runs.reserve(given.size());
     for (const Results& run : given) runs.push_back(with_possible_numbers(run));
     leave_out_incomparable(runs);
+    const std::string times = share_seconds(runs, options.sphere_mm);
     const std::vector<std::string> labels = run_labels(runs);
     const std::vector<RunIdentity> identities = identities_of(runs);
     std::vector<Table> tables;
@@ -56,8 +58,14 @@ void write_report(const std::vector<Results>& given, const ReportOptions& option
     for (const std::string& text : mismatches(runs, labels, identities)) plan.warn(text);
     std::vector<Figure> figures = additions.figures;
     if (options.observables) {
-        for (Figure& figure : make_figures(runs, labels, options.hints))
+        for (Figure& figure : make_figures(runs, labels, options.hints)) {
+            const bool has_time = figure.x.unit.power(BaseUnit::time) != 0;
+            if (has_time && !times.empty()) {
+                if (!figure.note.empty()) figure.note += ' ';
+                figure.note += times;
+            }
             figures.push_back(std::move(figure));
+        }
     }
     const std::vector<ParticleMap> maps = make_maps(runs, {.threads = options.threads});
     std::string title = clean_text(options.title);

@@ -15,8 +15,9 @@ std::vector<FigureHint> VarianceObservable::figures() {
         return SeriesHint{
             .label = label, .shown = false, .from = {"variance", curve, "l", "variance", "err"}};
     };
-    const auto guide = [](const char* label, double exponent) {
-        return GuideHint{.label = label, .exponent = exponent, .halved_on_a_line = true};
+    const auto guide = [](const char* label, double exponent, const char* on_a_line) {
+        return GuideHint{
+            .label = label, .exponent = exponent, .on_a_line = {{on_a_line, exponent - 1}}};
     };
     FigureHint variance{
         .name = "variance",
@@ -35,16 +36,20 @@ std::vector<FigureHint> VarianceObservable::figures() {
         .note_of_half_box =
             "Drawn up to half of a periodic box: the fixed number of particles pulls σ² to zero at "
             "ℓ = L",
-        .guides = {guide("β = 1", 1), guide("β = 2", 2)},
+        .guides = {guide("β = 1", 1, "β = 0"), guide("β = 2", 2, "β = 2")},
         .reading =
-            "How much the number of spheres in a square window varies in time. Along β = 2 "
-            "density fluctuates as in a liquid; a lower slope means that it is evened out."};
-    variance.guides.front().note = "Guides: σ² ∝ ⟨N⟩^(β/2), in the plane ℓ^β, on a line ℓ^(β/2).";
+            "How much the content of a window of side ℓ varies in time. Along β = 2 density "
+            "fluctuates as in a gas; a lower slope means that it is evened out."};
+    variance.guides.front().note =
+        "Guides: σ² ∝ ⟨N⟩^(β/2). β = 2 grows as the window, ℓ² in the plane and ℓ on a line; the "
+        "other one as its edge, ℓ in the plane and constant on a line.";
     return {
         variance,
         {.name = "variance_slope",
          .title = "Local exponent of the number variance",
-         .note = "β = 2: σ² ∝ ⟨N⟩; β = 1: σ² ∝ the perimeter.",
+         .note =
+             "In the plane 2 where σ² grows as the window, 1 where it grows as its perimeter; on a "
+             "line 1 and 0.",
          .x = {"l", "Window side ℓ", "a", Scale::log, false},
          .y = {"beta", "β(ℓ) = d ln σ²/d ln ℓ", "", Scale::linear, true},
          .series = {{.label = "β(ℓ)", .from = {"variance", "variance_slope", "l", "beta", "err"}}},

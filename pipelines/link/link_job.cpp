@@ -299,7 +299,7 @@ LinkJobResult link_parts(const LinkJobOptions& options, Job& job) {
         io::TrajectoryFile file(part.path);
         for (const Preview& preview : file.previews()) {
             if (part.own.position_of(preview.frame.index) < next) continue;
-            tracks.add_preview(preview.frame, preview.snapshot);
+            tracks.add_preview(preview.frame, in_region(preview.snapshot, film.origin));
         }
         for (std::int64_t i = 0; i < file.count(); ++i) {
             Snapshot snapshot = file.read(i);

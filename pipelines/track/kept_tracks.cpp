@@ -7,6 +7,17 @@
 
 namespace grainfield::pipelines {
 
+namespace {
+
+// From a region to the frames of the source.
+Snapshot moved_by(Snapshot snapshot, Vec2 origin) {
+    for (Vec2& p : snapshot.position) p += origin;
+    snapshot.box.origin += origin;
+    return snapshot;
+}
+
+}  // namespace
+
 KeptTracks::KeptTracks(OutputFile output, const TrajectoryInfo& info, Vec2 origin,
                        io::SnapshotLog* log)
     : writer_(std::move(output), info), origin_(origin), log_(log) {}
@@ -28,10 +39,7 @@ void KeptTracks::keep(const Snapshot& snapshot) {
     if (origin_ == Vec2{}) {
         writer_.write(snapshot);
     } else {
-        Snapshot moved = snapshot;
-        for (Vec2& p : moved.position) p += origin_;
-        moved.box.origin += origin_;
-        writer_.write(moved);
+        writer_.write(moved_by(snapshot, origin_));
     }
     ++frames_;
     particles_ += static_cast<double>(snapshot.size());
@@ -55,7 +63,10 @@ void KeptTracks::finish(const RunRecord& record) {
     const std::lock_guard lock(mutex_);
     for (const Preview& preview : previews_) {
         // Frames that still waited for their tracks to grow are not in the file.
-        if (preview.snapshot.frame <= last_frame_) writer_.add_preview(preview);
+        if (preview.snapshot.frame > last_frame_) continue;
+        Preview moved = preview;
+        moved.snapshot = moved_by(std::move(moved.snapshot), origin_);
+        writer_.add_preview(moved);
     }
     writer_.finish(record);
 }

@@ -19,8 +19,9 @@ namespace grainfield::pipelines {
 /// work stuck in one frame. Counts what is written: tracks that are too short are not.
 class KeptTracks : public SnapshotSink {
  public:
-    /// `origin`: where the frames begin in those of the source [px]; previews stay with their
-    /// pictures. `log` gets every snapshot as it comes; null: none.
+    /// `origin`: where the frames begin in those of the source [px]. Snapshots and previews are
+    /// given in pixels of the frames and written in pixels of the source. `log` gets every snapshot
+    /// as it comes; null: none.
     KeptTracks(OutputFile output, const TrajectoryInfo& info, Vec2 origin, io::SnapshotLog* log);
 
     void write(const Snapshot& snapshot) override;

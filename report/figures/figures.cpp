@@ -12,6 +12,7 @@
 #include "report/figures/hinted_figure.h"
 #include "report/figures/panels.h"
 #include "report/figures/scaled_spectrum.h"
+#include "report/page/cards.h"
 #include "report/run_labels.h"
 #include "report/text.h"
 
@@ -54,7 +55,15 @@ std::vector<Figure> critical(const Runs& runs, const std::vector<std::string>& l
             const Curve* curve = find_curve(runs[series.run], points);
             return curve == nullptr || curve->find("x")->meaning != parameters[p];
         });
-        figure.note = "Where a line meets zero is the critical value, see the key numbers.";
+        figure.reading =
+            "How far from critical each run is. Where the line meets zero density does not "
+            "fluctuate at long waves: the critical value.";
+        for (const Results& run : runs) {
+            const Curve* curve = find_curve(run, points);
+            if (curve == nullptr || curve->find("x")->meaning != parameters[p]) continue;
+            if (!figure.note.empty()) figure.note += ' ';
+            figure.note += critical_sentence(run);
+        }
         figures.push_back(of_present_runs(std::move(figure)));
     }
     return figures;
@@ -95,20 +104,22 @@ std::vector<Figure> make_figures(const std::vector<Results>& runs,
                                  std::vector<FigureHint> hints) {
     std::vector<Figure> figures = critical(runs, labels);
     const std::vector<RunIdentity> identities = identities_of(runs);
-    const auto add = [&](Figure figure, bool by_origin) {
+    const auto add = [&](Figure figure, bool by_origin, const std::vector<GuideHint>& guides) {
         std::vector<Figure> panels;
-        if (by_origin) panels = panels_by_origin(figure, identities);
+        if (by_origin) panels = panels_by_origin(figure, identities, guides);
         figures.push_back(std::move(figure));
         for (Figure& panel : panels) figures.push_back(std::move(panel));
     };
     bool is_scaled = !any_has(runs, "fit");
     const auto add_scaled = [&] {
-        if (!std::exchange(is_scaled, true)) add(scaled_spectrum(runs, labels), true);
+        if (!std::exchange(is_scaled, true)) add(scaled_spectrum(runs, labels), true, {});
     };
     std::ranges::stable_sort(hints, {}, &FigureHint::place);
     for (const FigureHint& hint : hints) {
         if (hint.place > place_of_scaled_spectrum) add_scaled();
-        if (is_present(runs, hint)) add(hinted_figure(runs, labels, hint), hint.panel_by_origin);
+        if (is_present(runs, hint)) {
+            add(hinted_figure(runs, labels, hint), hint.panel_by_origin, hint.guides);
+        }
     }
     add_scaled();
     for (Figure& figure : figures) {

@@ -191,18 +191,20 @@ void add_guides(Figure& figure, const Runs& runs, const std::vector<GuideHint>& 
     const auto [first, last] = extent(figure, figure.x, &Series::x);
     const auto [low, high] = extent(figure, figure.y, &Series::y);
     if (guides.empty() || !(last > first) || !(low > 0)) return;
-    const double on_a_line = all_on_a_line(identities_of(runs)) ? 0.5 : 1;
+    const bool on_a_line = all_on_a_line(identities_of(runs));
     for (const GuideHint& guide : guides) {
-        const double exponent = guide.exponent * (guide.halved_on_a_line ? on_a_line : 1);
+        const bool is_other = on_a_line && guide.on_a_line;
+        const double exponent = is_other ? guide.on_a_line->exponent : guide.exponent;
+        const std::string& label = is_other ? guide.on_a_line->label : guide.label;
         add_note(figure, guide.note);
         if (guide.place == GuideHint::Place::lowest_corner) {
-            add_power_law(figure, guide.label, exponent, first, low, last);
+            add_power_law(figure, label, exponent, first, low, last);
             continue;
         }
         // Above the highest curve where it ends.
         const double from = std::max(first, last / 30);
-        add_power_law(figure, guide.label, exponent, from,
-                      1.8 * high * std::pow(from / last, exponent), last);
+        add_power_law(figure, label, exponent, from, 1.8 * high * std::pow(from / last, exponent),
+                      last);
     }
 }
 

@@ -27,16 +27,23 @@ std::vector<RunUnit> own_units(std::vector<RunUnit> units, bool is_field) {
     return units;
 }
 
-// The guides of the shared figure, their exponents times `steeper`, through the lowest corner of
-// what this one shows.
-void add_guides(Figure& panel, const Figure& figure, double steeper) {
+// The guides of the shared figure, or what they are on a line, through the lowest corner of what
+// this one shows.
+void add_guides(Figure& panel, const Figure& figure, const std::vector<GuideHint>& on_a_line) {
     const auto [first, last] = extent(panel, panel.x, &Series::x);
     const auto [low, high] = extent(panel, panel.y, &Series::y);
     if (!(last > first) || !(low > 0)) return;
     for (const Series& guide : figure.series) {
         if (figure.kinds[guide.kind].mark != Mark::guide) continue;
-        const double exponent = steeper * std::log(guide.y.back() / guide.y.front()) /
-                                std::log(guide.x.back() / guide.x.front());
+        double exponent =
+            std::log(guide.y.back() / guide.y.front()) / std::log(guide.x.back() / guide.x.front());
+        const auto other = std::ranges::find_if(on_a_line, [&](const GuideHint& hint) {
+            return hint.on_a_line && hint.label == figure.kinds[guide.kind].label;
+        });
+        if (other != on_a_line.end()) {
+            exponent = other->on_a_line->exponent;
+            panel.kinds[guide.kind].label = other->on_a_line->label;
+        }
         Series own;
         own.kind = guide.kind;
         for (std::size_t i = 0; i < guide.x.size(); ++i) {
@@ -55,7 +62,7 @@ bool has_series(const Figure& figure, std::size_t run) {
 }
 
 Figure panel_of(const Figure& figure, const std::vector<RunIdentity>& identities,
-                const std::string& origin) {
+                const std::string& origin, const std::vector<GuideHint>& guides) {
     Figure panel = figure;
     panel.title += ": " + origin;
     panel.runs.clear();
@@ -78,19 +85,20 @@ Figure panel_of(const Figure& figure, const std::vector<RunIdentity>& identities
         panel.series.back().run = place[series.run];
     }
     panel.x.units = own_units(figure.x.units, is_field);
-    // On a line σ² ∝ ⟨N⟩^(β/2) is half as steep against ℓ as in the plane.
-    add_guides(panel, figure, on_a_line && !all_on_a_line(identities) ? 0.5 : 1);
+    const bool is_other = on_a_line && !all_on_a_line(identities);
+    add_guides(panel, figure, is_other ? guides : std::vector<GuideHint>());
     return panel;
 }
 
 }  // namespace
 
 std::vector<Figure> panels_by_origin(const Figure& figure,
-                                     const std::vector<RunIdentity>& identities) {
+                                     const std::vector<RunIdentity>& identities,
+                                     const std::vector<GuideHint>& guides) {
     std::vector<Figure> panels;
     std::size_t origins = 0;
     for (const std::string& origin : origins_of(identities)) {
-        Figure panel = panel_of(figure, identities, origin);
+        Figure panel = panel_of(figure, identities, origin, guides);
         if (!panel.has_data()) continue;
         ++origins;
         // Of one run alone it would repeat what the shared figure shows.

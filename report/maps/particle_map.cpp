@@ -46,8 +46,12 @@ void set_extent(ParticleMap& map, const Preview& preview) {
     const Box& box = preview.snapshot.box;
     const Image& image = preview.frame.image;
     if (!image.empty()) {
-        map.x = {-0.5, image.width() - 0.5};
-        map.y = {-0.5, image.height() - 0.5};
+        // The box of a camera's frame is the frame, or the region of it that was tracked.
+        const bool is_frame =
+            !map.is_field && box.length == Vec2{1.0 * image.width(), 1.0 * image.height()};
+        const Vec2 corner = is_frame && is_finite(box.origin) ? box.origin : Vec2{-0.5, -0.5};
+        map.x = {corner.x, corner.x + image.width()};
+        map.y = {corner.y, corner.y + image.height()};
     } else if (is_finite(box.origin) && is_finite(box.length) && box.length.x > 0 &&
                box.length.y > 0) {
         map.x = {box.origin.x, box.origin.x + box.length.x};

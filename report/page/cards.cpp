@@ -254,8 +254,32 @@ std::string cards_html(const std::vector<Card>& cards, const std::vector<std::st
     return out + "</section>\n";
 }
 
+std::string critical_sentence(const Results& run) {
+    const ObservableResult* critical = run.find("critical");
+    const Curve* curve = critical == nullptr ? nullptr : critical->find_curve("critical");
+    const Column* x = curve == nullptr ? nullptr : curve->find("x");
+    if (x == nullptr) return "No critical point.";
+    const std::string parameter = clean_text(x->meaning);
+    const Measurement* value = critical->find_measurement("critical_value");
+    if (value == nullptr || !value->value) {
+        const std::string why = value == nullptr ? "" : clean_text(value->reason);
+        return "No critical " + parameter + (why.empty() ? "." : ": " + why + ".");
+    }
+    std::string text = fmt::format("Critical at {} = {}", parameter, number(*value));
+    const Measurement* low = known(run, "critical", "critical_low");
+    const Measurement* high = known(run, "critical", "critical_high");
+    if (low != nullptr && high != nullptr) {
+        text += fmt::format(" (68 %: {:.3g} to {:.3g})", *low->value, *high->value);
+    }
+    return text + ".";
+}
+
 std::string verdict(const Results& run, std::optional<std::size_t> places) {
-    if (run.identity.role == RunRole::critical_point) return "critical point";
+    if (run.identity.role == RunRole::critical_point) {
+        std::string text = critical_sentence(run);
+        text.pop_back();  // the full stop
+        return text;
+    }
     if (run.identity.is_field()) return "fields";
     std::string text =
         fmt::format("{} sphere{} a frame", count_text(std::round(run.particles_mean)),

@@ -230,6 +230,10 @@ std::string view_html(const PageContent& content, const std::vector<std::size_t>
 
 std::string map_html(const PageContent& content) {
     const std::string heading = map_heading(content.maps);
+    const bool has_runs = std::ranges::any_of(content.runs, [](const Results& run) {
+        return run.identity.role != RunRole::critical_point;
+    });
+    if (!has_runs) return "";
     if (content.maps.empty()) {
         return "<p class=\"absent\">No picture: the results hold no preview.</p>\n";
     }

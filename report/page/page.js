@@ -265,7 +265,12 @@
     };
     const margin = { l: 42, r: 6, t: 4, b: 26 };
     const lensSize = 150;  // CSS pixels
-    const ink = "#c2410c";  // of outlines, on a white rim: shows on black, white and in grey
+    const ink = "#c2410c";  // of marks whose colour would say nothing
+    // Of the rim about an outline: what the colour shows against on black, on white and in grey.
+    const rimOf = (colour) => {
+      const [r, g, b] = [1, 3, 5].map((at) => parseInt(colour.slice(at, at + 2), 16));
+      return 0.3 * r + 0.59 * g + 0.11 * b > 150 ? "rgba(0,0,0,0.8)" : "rgba(255,255,255,0.85)";
+    };
     let marks = "outlines";
     let colouring = "order";
     const isPressed = (button) => button.getAttribute("aria-pressed") === "true";
@@ -306,7 +311,7 @@
     function paintMap(context, map, f, ratio, kind) {
       if (map.picture && map.picture.complete && map.picture.naturalWidth) {
         context.imageSmoothingEnabled = f.scale * ratio < 2;
-        context.drawImage(map.picture, f.x(-0.5), f.y(-0.5),
+        context.drawImage(map.picture, f.x(map.x[0]), f.y(map.yDown ? map.y[0] : map.y[1]),
           map.imageSize[0] * f.scale, map.imageSize[1] * f.scale);
       }
       if (kind === "none") return;
@@ -319,17 +324,18 @@
           if (x < f.left - r || x > f.left + f.width + r || y < f.top - r || y > f.top + f.height + r) continue;
           addMark(context, kind, x, y, r);
         }
-        const plain = kind !== "discs" && colouring === "order";
+        // The order of a particle, where it has one.
+        const plain = kind !== "discs" && colouring === "order" && !map.q.length;
         context.globalAlpha = kind === "outlines" && map.picture && r < 4 ? 0.6 : 1;
         context.fillStyle = context.strokeStyle = plain ? ink : colour;
         if (kind === "outlines") {
-          if (map.picture && r > 3) {
-            context.strokeStyle = "rgba(255,255,255,0.75)";
-            context.lineWidth = 2.6;
+          if (map.picture && r > 7) {
+            context.strokeStyle = colour.startsWith("#") && !plain ? rimOf(colour) : "rgba(255,255,255,0.75)";
+            context.lineWidth = 3.2;
             context.stroke();
             context.strokeStyle = plain ? ink : colour;
           }
-          context.lineWidth = r > 3 ? 1.3 : 0.8;
+          context.lineWidth = r > 7 ? 1.8 : r > 3 ? 1.5 : 1;
           context.stroke();
         } else {
           context.fill();
@@ -615,7 +621,7 @@
     function showColourBar() {
       const bar = box.querySelector(".colour-bar");
       const shown = views.map((view) => view.map || view.frames[0]);
-      bar.hidden = marks !== "discs" || colouring !== "order" || shown.every((m) => !m.order);
+      bar.hidden = marks === "none" || colouring !== "order" || shown.every((m) => !m.order);
       bar.querySelector(".order").textContent = shown[0].orderName;
     }
     const paintAll = () => views.forEach((view) => view.paint());

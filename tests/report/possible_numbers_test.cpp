@@ -33,6 +33,35 @@ TEST(PossibleNumbers, OfAFilmStayAsTheyAre) {
     EXPECT_TRUE(number(run, "msd", "d_liquid").value);
 }
 
+// Two boxes: one known but for its smallest window, one with errors as large as its values.
+TEST(PossibleNumbers, HaveNoVarianceOfOtherBoxesWhoseErrorsHideIt) {
+    Results run = sample::results({1, 120, 40, true, "A"});
+    const auto boxes = [&run](std::vector<double> errors, std::vector<double> beyond) {
+        std::erase_if(run.observables, [](const auto& o) { return o.name == "synthetic"; });
+        ObservableResult synthetic;
+        synthetic.name = "synthetic";
+        synthetic.curves = {{"synthetic",
+                             "",
+                             {{"l", "a", "", {1, 2, 4, 1, 2, 4}},
+                              {"variance", "-", "", {1, 1, 1, 1, 1, 1}},
+                              {"err", "-", "", std::move(errors)},
+                              {"beyond", "-", "", std::move(beyond)}},
+                             {{"side", {"50", "50", "50", "500", "500", "500"}}}}};
+        run.observables.push_back(synthetic);
+    };
+    boxes({0.6, 0.1, 0.1, 1, 1, 0.2}, {0, 0, 0, 0, 0, 0});
+    const ObservableResult some = *with_possible_numbers(run).find("synthetic");
+    ASSERT_EQ(some.curves.size(), 1U);
+    EXPECT_THAT(some.curves[0].columns[0].values, testing::ElementsAre(2, 4));
+    EXPECT_THAT(some.curves[0].text_columns.at("side"), testing::ElementsAre("50", "50"));
+    EXPECT_THAT(some.find_measurement("box_500")->reason, HasSubstr("too short"));
+    EXPECT_EQ(some.find_measurement("box_50"), nullptr);
+    boxes({1, 1, 1, 1, 1, 1}, {1, 1, 1, 1, 1, 1});
+    const ObservableResult none = *with_possible_numbers(run).find("synthetic");
+    EXPECT_TRUE(none.curves.empty()) << "no panel of error bars";
+    EXPECT_THAT(none.find_measurement("box_50")->reason, HasSubstr("sk.k-max"));
+}
+
 TEST(PossibleNumbers, HaveNoAveragingTimeLongerThanTheFilm) {
     Results run = sample::results({1, 120, 40, true, "A"});
     run.frames = 31;

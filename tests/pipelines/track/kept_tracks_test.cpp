@@ -32,12 +32,18 @@ TEST_F(Kept, TracksOfARegionStandWhereTheyAreInTheWholeFrame) {
     KeptTracks tracks(output(), {}, {10, 20}, nullptr);
     tracks.write(snapshot(0, {{1, 2}, {3, 4}}));
     tracks.write(snapshot(1, {{1.5, 2}}));
+    Frame picture;
+    picture.image = Image(4, 4, 1);
+    tracks.add_preview(picture, snapshot(0, {{1, 2}}));
     EXPECT_EQ(tracks.frames(), 2);
     EXPECT_DOUBLE_EQ(tracks.particles_mean(), 1.5);
     tracks.finish({});
     io::TrajectoryFile file(path_);
     EXPECT_EQ(file.read(0).position, (std::vector<Vec2>{{11, 22}, {13, 24}}));
     EXPECT_EQ(file.read(0).box.origin, (Vec2{9.5, 19.5}));
+    ASSERT_EQ(file.previews().size(), 1U);
+    EXPECT_EQ(file.previews()[0].snapshot.position, (std::vector<Vec2>{{11, 22}}));
+    EXPECT_EQ(file.previews()[0].snapshot.box.origin, (Vec2{9.5, 19.5}));
 }
 
 TEST_F(Kept, ReplayOfALogWritesTheSameFileAgain) {

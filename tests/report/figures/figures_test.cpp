@@ -89,6 +89,49 @@ TEST(Figures, GuidesOfTheVarianceStartTogetherWithSlopesOneAndTwo) {
     EXPECT_THAT(slopes, ElementsAre(testing::DoubleNear(1, 1e-9), testing::DoubleNear(2, 1e-9)));
 }
 
+// σ² of a gas on a line grows as ⟨N⟩ ∝ ℓ, that of the edge, two points, not at all.
+TEST(Figures, GuidesOfTheVarianceOnALineHaveSlopesZeroAndOne) {
+    std::vector<Results> runs{sample::results(small())};
+    runs[0].identity.origin = Origin::field;
+    runs[0].identity.dimension = 1;
+    const auto figures = make_figures(runs, run_labels(runs), analysis::figure_hints());
+    const Figure& variance = named(figures, "variance");
+    std::vector<std::pair<std::string, double>> guides;
+    for (const Series& series : variance.series) {
+        const Kind& kind = variance.kinds[series.kind];
+        if (kind.mark != Mark::guide) continue;
+        guides.emplace_back(kind.label, std::log(series.y.back() / series.y.front()) /
+                                            std::log(series.x.back() / series.x.front()));
+    }
+    ASSERT_EQ(guides.size(), 2U);
+    EXPECT_EQ(guides[0].first, "β = 0");
+    EXPECT_NEAR(guides[0].second, 0, 1e-9);
+    EXPECT_EQ(guides[1].first, "β = 2");
+    EXPECT_NEAR(guides[1].second, 1, 1e-9);
+}
+
+TEST(Figures, OfACriticalPointStandFirstAndSayIt) {
+    Results run;
+    run.identity.role = RunRole::critical_point;
+    ObservableResult critical;
+    critical.name = "critical";
+    critical.measurements = {{"critical_value", "-", 0.0012, 0.0004, 3, ""},
+                             {"critical_low", "-", 0.0007, std::nullopt, 3, ""},
+                             {"critical_high", "-", 0.0015, std::nullopt, 3, ""}};
+    critical.curves = {{"critical",
+                        "",
+                        {{"x", "-", "ν", {0.01, 0.02}},
+                         {"s0_over_s1", "-", "", {1, 2}},
+                         {"err", "-", "", {0.1, 0.1}}},
+                        {}}};
+    run.observables = {critical};
+    const std::vector<Results> runs{run};
+    const auto figures = make_figures(runs, run_labels(runs), analysis::figure_hints());
+    const Figure& figure = named(figures, "critical");
+    EXPECT_FALSE(figure.reading.empty()) << "or it stands below the main curves";
+    EXPECT_EQ(figure.note, "Critical at ν = 0.00120 ± 0.00040 (68 %: 0.0007 to 0.0015).");
+}
+
 TEST(Figures, SayWhyARunHasNoCurve) {
     sample::Scene one_frame = small(2);
     one_frame.several_frames = false;

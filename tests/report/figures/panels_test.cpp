@@ -53,13 +53,17 @@ TEST(Panels, AnchorGuidesInTheirOwnData) {
     EXPECT_NEAR(guide.y.back(), 500, 1e-9) << "slope 2";
 }
 
-TEST(Panels, HalveTheSlopeOfGuidesOnALine) {
+TEST(Panels, OnALineHaveTheGuidesThatBelongThere) {
+    const std::vector<GuideHint> guides{
+        {.label = "β = 2", .exponent = 2, .on_a_line = {{"linear", 1}}}};
     auto runs = identities();
     runs[1].dimension = runs[3].dimension = 1;
-    const Series guide = panels_by_origin(shared_figure(), runs)[1].series.back();
-    EXPECT_NEAR(guide.y.back(), 50, 1e-9) << "slope 1";
+    const Figure line = panels_by_origin(shared_figure(), runs, guides)[1];
+    EXPECT_NEAR(line.series.back().y.back(), 50, 1e-9) << "slope 1";
+    EXPECT_EQ(line.kinds.back().label, "linear");
+    EXPECT_EQ(panels_by_origin(shared_figure(), runs, guides)[0].kinds.back().label, "β = 2");
     for (RunIdentity& run : runs) run.dimension = 1;
-    const Series same = panels_by_origin(shared_figure(), runs)[1].series.back();
+    const Series same = panels_by_origin(shared_figure(), runs, guides)[1].series.back();
     EXPECT_NEAR(same.y.back(), 500, 1e-9) << "the shared guide is that of lines already";
 }
 

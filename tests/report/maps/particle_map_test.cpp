@@ -55,6 +55,17 @@ TEST(ParticleMap, CarriesPositionsToAFortiethOfADisc) {
     EXPECT_EQ(page["x"], nlohmann::json::parse("[-0.5, 299.5]"));
 }
 
+TEST(ParticleMap, OfARegionHasAxesInPixelsOfTheWholeFrame) {
+    std::vector<Results> runs{sample::results({1, 300, 80, true, "A"})};
+    Snapshot& snapshot = runs[0].previews[0].snapshot;
+    for (Vec2& p : snapshot.position) p += Vec2{40, 25};
+    snapshot.box = {{39.5, 24.5}, {300, 300}, {}, 0};
+    const auto maps = make_maps(runs, {});
+    const auto page = nlohmann::json::parse(map_json(maps[0]));
+    EXPECT_EQ(page["x"], nlohmann::json::parse("[39.5, 339.5]"));
+    EXPECT_EQ(page["y"], nlohmann::json::parse("[24.5, 324.5]"));
+}
+
 TEST(ParticleMap, OfASimulationHasNoImageAndYUpwards) {
     Results run;
     run.source.length_unit = LengthUnit::diameter;

@@ -113,6 +113,21 @@ TEST(Verdict, JudgesTheResidualAndCountsPlaces) {
     EXPECT_EQ(verdict(run, 0), "10,274 spheres a frame") << "no camera, no residual";
 }
 
+TEST(Verdict, OfACriticalPointIsItsValueOrWhyThereIsNone) {
+    Results run;
+    run.identity.role = RunRole::critical_point;
+    EXPECT_EQ(verdict(run, std::nullopt), "No critical point");
+    ObservableResult critical;
+    critical.name = "critical";
+    critical.curves = {{"critical", "", {{"x", "-", "Γ", {1}}}, {}}};
+    critical.measurements = {
+        {"critical_value", "-", std::nullopt, std::nullopt, 0, "two points only"}};
+    run.observables = {critical};
+    EXPECT_EQ(verdict(run, std::nullopt), "No critical Γ: two points only");
+    run.observables[0].measurements[0] = {"critical_value", "-", 4.5, 0.1, 3, ""};
+    EXPECT_EQ(verdict(run, std::nullopt), "Critical at Γ = 4.50 ± 0.10");
+}
+
 TEST(FirstFile, IsThatOfTheOldestStep) {
     Results run = film();
     EXPECT_EQ(first_file(run), "layer_4.50.h5");

@@ -226,8 +226,17 @@ TEST_F(PageInChromium, DrawsEachParticleForEveryMarkAndColour) {
                 return plain.apply(this, where);
             };
         }
+        const inks = new Set();
+        const stroke = CanvasRenderingContext2D.prototype.stroke;
+        CanvasRenderingContext2D.prototype.stroke = function (...path) {
+            if (this.canvas.closest("#map .stage")) inks.add(this.strokeStyle);
+            return stroke.apply(this, path);
+        };
         setTimeout(() => {
             const colours = document.querySelector("#map .pick-colour");
+            document.querySelector('#map .kinds button[value="outlines"]').click();
+            document.body.dataset.inks = String(inks.size);
+            document.body.dataset.bar = String(!document.querySelector("#map .colour-bar").hidden);
             const counts = [];
             for (const option of colours.options) {
                 for (const button of document.querySelectorAll("#map .kinds button")) {
@@ -241,6 +250,9 @@ TEST_F(PageInChromium, DrawsEachParticleForEveryMarkAndColour) {
             document.body.dataset.drawn = counts.join(" ");
         }, 15000);)");
     EXPECT_THAT(dom, Not(HasSubstr("data-errors")));
+    EXPECT_EQ(count(dom, "data-inks=\"[0-9]{2,3}\""), 1)
+        << "outlines show the order: " << dom.substr(dom.find("data-inks"), 20);
+    EXPECT_THAT(dom, HasSubstr("data-bar=\"true\""));
     for (const char* colour : {"order", "identity", "layer"}) {
         for (const char* mark : {"discs", "outlines", "centres"}) {
             EXPECT_THAT(dom, HasSubstr(std::string(colour) + "/" + mark + "=" +
