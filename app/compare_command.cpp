@@ -1,12 +1,17 @@
 #include "app/compare_command.h"
 
+#include <algorithm>
+#include <array>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "analysis/observables.h"
 #include "core/errors.h"
 #include "core/support/interrupt.h"
+#include "core/support/output_file.h"
 #include "io/h5/results_file.h"
 #include "pipelines/interrupt_deadline.h"
 #include "pipelines/page/report_page.h"
@@ -16,6 +21,10 @@ namespace grainfield::app {
 namespace fs = std::filesystem;
 
 namespace {
+
+using Form = report::PlotForm;
+constexpr std::array<std::pair<const char*, Form>, 3> forms{
+    {{".pdf", Form::pdf}, {".svg", Form::svg}, {".png", Form::png}}};
 
 // What cannot be read is left out with a warning that names it; nothing at all is an error.
 std::vector<Results> read_inputs(Session& session) {
@@ -49,6 +58,10 @@ Command::Inputs CompareCommand::inputs() const {
 std::vector<OptionTable> CompareCommand::options() {
     OptionTable own("");
     own.text("output", output_, "HTML page to write; figures go into a folder beside it");
+    own.text(
+        "figure", figure_,
+        "draw only this one, for print, into OUTPUT (.pdf, .svg, .png): s-over-s1, s0-over-s1, "
+        "variance, msd, synthetic, sk, …");
     own.text("title", report_.title, "title of the page; by default made from the labels");
     own.number("sphere-mm", report_.sphere_mm, "mm", {1e-6, 1e6},
                "true diameter of the spheres, for lengths in mm besides");
@@ -62,8 +75,38 @@ Summary CompareCommand::run(Session& session) {
     return pipelines::run_or_discard("comparison", output_, [&] { return work(session); });
 }
 
+Summary CompareCommand::draw_figure(Session& session) const {
+    const std::string extension = fs::path(output_).extension().string();
+    const auto form = std::ranges::find(forms, extension, &std::pair<const char*, Form>::first);
+    if (form == forms.end()) {
+        throw OptionError(
+            {.problem = fmt::format("cannot tell what picture '{}' is to be", output_),
+             .actual = {},
+             .expected = "a name that ends in .pdf, .svg or .png",
+             .suggestion = {}});
+    }
+    if (session.common.explain) {
+        session.plan.run("figure", fmt::format("'{}' of {} results to '{}'", figure_,
+                                               session.inputs.size(), output_));
+        return explanation(session.plan);
+    }
+    OutputFile output(output_, session.overwrite);
+    const std::vector<Results> results = read_inputs(session);
+    report::ReportOptions options = report_;
+    options.hints = analysis::figure_hints();
+    const std::string title =
+        report::write_figure(results, options, figure_, form->second, output.temporary());
+    output.commit();
+    session.outputs.push_back(output_);
+    Summary summary;
+    summary.text = fmt::format("{}: {}\n", output_, title);
+    summary.facts["figure"] = figure_;
+    return summary;
+}
+
 Summary CompareCommand::work(Session& session) const {
     require_output(session, output_);
+    if (!figure_.empty()) return draw_figure(session);
     if (session.common.explain) {
         session.plan.run("report",
                          fmt::format("{} results to '{}'", session.inputs.size(), output_));

@@ -18,8 +18,10 @@ class CompareCommand : public Command {
 
  private:
     Summary work(Session& session) const;
+    Summary draw_figure(Session& session) const;
 
     std::string output_;
+    std::string figure_;
     report::ReportOptions report_;
 };
 

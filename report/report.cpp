@@ -1,10 +1,14 @@
 #include "report/report.h"
 
+#include <algorithm>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "core/errors.h"
 #include "report/figures/figure_files.h"
 #include "report/figures/figures.h"
+#include "report/figures/gnuplot.h"
 #include "report/maps/particle_map.h"
 #include "report/page/differences.h"
 #include "report/page/page.h"
@@ -32,21 +36,42 @@ std::string title_of(const std::vector<std::string>& labels) {
     return "Report of a vibrated layer";
 }
 
+// What the page and its figures are made from.
+struct Prepared {
+    std::vector<Results> runs;
+    std::vector<std::string> labels;
+    std::string times;  ///< what was done to times
+};
+
+Prepared prepared(const std::vector<Results>& given, const ReportOptions& options) {
+    if (given.empty()) {
+        throw OptionError(ErrorText{"a report needs at least one results file", "none given", "",
+                                    "make one with 'grainfield analyze'"});
+    }
+    Prepared all;
+    all.runs.reserve(given.size());
+    for (const Results& run : given) all.runs.push_back(with_possible_numbers(run));
+    leave_out_incomparable(all.runs);
+    all.times = share_seconds(all.runs, options.sphere_mm);
+    all.labels = run_labels(all.runs);
+    return all;
+}
+
+std::string figure_name(std::string name) {
+    if (name == "s-over-s1") return "sk_scaled";
+    if (name == "s0-over-s1") return "critical";
+    std::ranges::replace(name, '-', '_');
+    return name;
+}
+
 }  // namespace
 
 void write_report(const std::vector<Results>& given, const ReportOptions& options,
                   const std::filesystem::path& html, const std::filesystem::path& figures_dir,
                   RunPlan& plan, const ReportAdditions& additions) {
-    if (given.empty()) {
-        throw OptionError(ErrorText{"a report needs at least one results file", "none given", "",
-                                    "make one with 'grainfield analyze'"});
-    }
-    std::vector<Results> runs;
-    runs.reserve(given.size());
-    for (const Results& run : given) runs.push_back(with_possible_numbers(run));
-    leave_out_incomparable(runs);
-    const std::string times = share_seconds(runs, options.sphere_mm);
-    const std::vector<std::string> labels = run_labels(runs);
+    const Prepared all = prepared(given, options);
+    const std::vector<Results>& runs = all.runs;
+    const std::vector<std::string>& labels = all.labels;
     const std::vector<RunIdentity> identities = identities_of(runs);
     std::vector<Table> tables;
     if (options.paper) tables.push_back(paper_table(runs, labels));
@@ -60,9 +85,9 @@ void write_report(const std::vector<Results>& given, const ReportOptions& option
     if (options.observables) {
         for (Figure& figure : make_figures(runs, labels, options.hints)) {
             const bool has_time = figure.x.unit.power(BaseUnit::time) != 0;
-            if (has_time && !times.empty()) {
+            if (has_time && !all.times.empty()) {
                 if (!figure.note.empty()) figure.note += ' ';
-                figure.note += times;
+                figure.note += all.times;
             }
             figures.push_back(std::move(figure));
         }
@@ -83,6 +108,33 @@ void write_report(const std::vector<Results>& given, const ReportOptions& option
                                 options.figures ? relative_folder(figures_dir, html) : "", files,
                                 plan, tables, options.observables, options.titles,
                                 clean_text(options.date), options.sphere_mm}));
+}
+
+std::string write_figure(const std::vector<Results>& given, const ReportOptions& options,
+                         const std::string& name, PlotForm form,
+                         const std::filesystem::path& file) {
+    const Prepared all = prepared(given, options);
+    std::string known;
+    for (const Figure& figure : make_figures(all.runs, all.labels, options.hints)) {
+        if (!figure.has_data()) continue;
+        known += (known.empty() ? "" : ", ") + figure.name;
+        if (figure.name != figure_name(name)) continue;
+        // Gnuplot works in the folder of the file.
+        const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
+        const std::string script = publication_script(figure, file.filename().string(), form);
+        const Gnuplot::Outcome outcome = Gnuplot().run(script, folder);
+        if (!outcome.started || !outcome.succeeded) {
+            throw OutputError({.problem = fmt::format("cannot draw '{}'", file.string()),
+                               .actual = clean_text(outcome.message),
+                               .expected = "a gnuplot that can be started",
+                               .suggestion = "install it (Debian: gnuplot-nox)"});
+        }
+        return figure.title;
+    }
+    throw OptionError({.problem = fmt::format("these results have no figure '{}'", name),
+                       .actual = {},
+                       .expected = "one of " + known,
+                       .suggestion = {}});
 }
 
 }  // namespace grainfield::report

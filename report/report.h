@@ -10,6 +10,7 @@
 #include "core/results.h"
 #include "core/run_plan.h"
 #include "report/figures/figure.h"
+#include "report/figures/gnuplot_script.h"
 #include "report/page/table.h"
 
 namespace grainfield::report {
@@ -46,5 +47,12 @@ struct ReportAdditions {
 void write_report(const std::vector<Results>& runs, const ReportOptions& options,
                   const std::filesystem::path& html, const std::filesystem::path& figures_dir,
                   RunPlan& plan, const ReportAdditions& additions = {});
+
+/// Draws one figure of the runs for print (publication_script) into `file`. `name`: as the files of
+/// the figures are called, '-' or '_' between words; "s-over-s1" is "sk_scaled", "s0-over-s1" is
+/// "critical". Returns the title of the figure. Throws OptionError if no figure with data is called
+/// so (names those that are), OutputError if gnuplot cannot draw it.
+std::string write_figure(const std::vector<Results>& runs, const ReportOptions& options,
+                         const std::string& name, PlotForm form, const std::filesystem::path& file);
 
 }  // namespace grainfield::report

@@ -56,8 +56,8 @@ std::vector<Figure> critical(const Runs& runs, const std::vector<std::string>& l
             return curve == nullptr || curve->find("x")->meaning != parameters[p];
         });
         figure.reading =
-            "How far from critical each run is. Where the line meets zero density does not "
-            "fluctuate at long waves: the critical value.";
+            "How far from critical each run is: S₀, what stays at the longest waves, over S₁, how "
+            "fast S(k) grows. Where the line meets zero is the critical value.";
         for (const Results& run : runs) {
             const Curve* curve = find_curve(run, points);
             if (curve == nullptr || curve->find("x")->meaning != parameters[p]) continue;

@@ -162,6 +162,45 @@ std::string gnuplot_string(std::string_view text) {
     return out + "'";
 }
 
+std::string publication_script(const Figure& figure, const std::string& file, PlotForm form) {
+    constexpr double width = 8.6;   // [cm]
+    constexpr double height = 6.6;  // [cm]
+    constexpr double inch = 2.54;   // [cm]
+    std::string out = "reset\nset encoding utf8\nset minussign\n";
+    switch (form) {
+        case PlotForm::svg:
+            out += fmt::format(
+                "set terminal svg size {:.0f},{:.0f} noenhanced font 'sans-serif,11' background "
+                "'#ffffff'\n",
+                width / inch * 96, height / inch * 96);
+            break;
+        case PlotForm::pdf:
+            out +=
+                fmt::format("set terminal pdfcairo size {}cm,{}cm noenhanced font 'sans-serif,8'\n",
+                            width, height);
+            break;
+        case PlotForm::png:
+            out += fmt::format(
+                "set terminal pngcairo size {:.0f},{:.0f} noenhanced font 'sans-serif,8' fontscale "
+                "8.33 linewidth 6 pointscale 6\n",
+                width / inch * 600, height / inch * 600);
+            break;
+    }
+    out += fmt::format("set output {}\n", gnuplot_string(file));
+    out +=
+        "set border 15 lc rgb '#000000'\nset tics in mirror\n"
+        "set key inside top left Left reverse samplen 2 noenhanced\n";
+    if (key_entries(figure) == 1) out += "set key off\n";
+    out += axis_commands("x", figure.x, padded(extent(figure, figure.x, &Series::x), figure.x));
+    out += axis_commands("y", figure.y, padded(extent(figure, figure.y, &Series::y), figure.y));
+    for (std::size_t i = 0; i < figure.series.size(); ++i) {
+        if (figure.kinds[figure.series[i].kind].shown) {
+            out += data_block(figure, figure.series[i], i);
+        }
+    }
+    return out + plot_clauses(figure) + "unset output\n";
+}
+
 std::string gnuplot_script(const Figure& figure, const std::string& svg, const std::string& pdf) {
     const std::size_t entries = key_entries(figure);
     const std::size_t key_rows = (entries + 2) / 3;

@@ -13,6 +13,12 @@ namespace grainfield::report {
 std::string gnuplot_script(const Figure& figure, const std::string& svg,
                            const std::string& pdf = "");
 
+enum class PlotForm { svg, pdf, png };
+
+/// Commands that draw the figure for print: one column of a journal (8.6 cm), a frame with ticks
+/// inwards, no grid, the key inside; PNG with 600 pixels an inch.
+std::string publication_script(const Figure& figure, const std::string& file, PlotForm form);
+
 /// The text as a gnuplot string in single quotes, where a backslash means nothing. Quotes and
 /// backquotes become ’: gnuplot 5.4 does not read every doubled quote as one.
 std::string gnuplot_string(std::string_view text);

@@ -117,6 +117,38 @@ TEST(CompareCommand, SaysWhichRunsHaveNoErrorsAndWhichAnotherVersion) {
         << "no panel for what none of them has";
 }
 
+TEST(CompareCommand, DrawsOneFigureForPrintAndNamesThoseThatThereAre) {
+    const testing::ScratchFolder folder;
+    const auto run = write_run(folder / "a.h5", "first");
+    const auto draw = [&](const std::string& name, const std::string& file) {
+        CompareCommand command;
+        const std::vector<OptionTable> tables = command.options();
+        tables.front().set("output", OptionValue(folder / file));
+        tables.front().set("figure", OptionValue(name));
+        Session session;
+        session.inputs = {run};
+        command.run(session);
+        std::stringstream text;
+        text << std::ifstream(folder / file).rdbuf();
+        return text.str();
+    };
+    try {
+        EXPECT_TRUE(draw("s-over-s1", "a.pdf").starts_with("%PDF"));
+        EXPECT_THAT(draw("s-over-s1", "a.svg"), HasSubstr("<svg"));
+        EXPECT_TRUE(draw("sk", "a.png").starts_with("\x89PNG"));
+    } catch (const OutputError& error) {
+        GTEST_SKIP() << error.what();  // no gnuplot
+    }
+    EXPECT_THROW(draw("sk", "a.txt"), OptionError);
+    try {
+        draw("msd", "b.pdf");
+        ADD_FAILURE() << "drawn without data";
+    } catch (const OptionError& error) {
+        EXPECT_THAT(error.what(), HasSubstr("one of sk, sk_scaled"));
+    }
+    EXPECT_FALSE(std::filesystem::exists(folder / "b.pdf"));
+}
+
 TEST(CompareCommand, OfTwoHundredRunsNamesEachOfThem) {
     const testing::ScratchFolder folder;
     std::vector<std::filesystem::path> inputs;

@@ -138,6 +138,17 @@ TEST_F(PageInChromium, HasALensAndAllControlsOnTheKeyboardAndFitsANarrowScreen) 
     Snapshot& snapshot = runs[0].previews[0].snapshot;
     snapshot.quality.assign(snapshot.size(), 0.03);
     snapshot.quality[7] = 0.5;
+    for (ObservableResult& observable : runs[0].observables) {
+        if (observable.name != "sk") continue;
+        Curve map{
+            "sk_map", "", {{"kx", "1/a", "", {}}, {"ky", "1/a", "", {}}, {"s", "-", "", {}}}, {}};
+        for (int i = 1; i < 16; ++i) {
+            map.columns[0].values.push_back(0.1 * (i / 4));
+            map.columns[1].values.push_back(0.1 * (i % 4));
+            map.columns[2].values.push_back(0.01 * i);
+        }
+        observable.curves.push_back(map);
+    }
     const std::string dom = drawn(folder, runs, "", "1366,768", R"(
         setTimeout(async () => {
             const wait = () => new Promise((done) => setTimeout(done, 300));
@@ -175,12 +186,13 @@ TEST_F(PageInChromium, HasALensAndAllControlsOnTheKeyboardAndFitsANarrowScreen) 
             const wide = [...document.querySelectorAll("main *")].filter((e) =>
                 !e.closest(".scroll, .plot, .meaning, .js-plotly-plot") && e.getBoundingClientRect().right > 391);
             data.wide = wide.map((e) => e.tagName + "." + e.className).join(" ");
+            data.maps = document.querySelectorAll(".spectrum-map svg").length;
         }, 10000);)");
     EXPECT_THAT(dom, Not(HasSubstr("data-errors")));
     for (const char* fact :
          {"data-screen=\"true\"", "data-lens=\"true 150\"", "data-closer=\"0.80\"",
           "data-whole=\"1.00\"", "data-gone=\"true\"", "data-place=\"14\"",
-          "data-meaning=\"block\"", "data-wide=\"\"", "1 place to look at"}) {
+          "data-meaning=\"block\"", "data-wide=\"\"", "data-maps=\"1\"", "1 place to look at"}) {
         EXPECT_THAT(dom, HasSubstr(fact)) << dom.substr(dom.find("<body"), 400);
     }
 }
