@@ -118,8 +118,15 @@ std::string plot_clause(const Figure& figure, const Series& series, std::size_t 
     return bars + data + " " + line_clause(style, series.x.size() > 120) + " " + title;
 }
 
+// Fits in print: lines through the points of their run, as which they need no name.
+enum class Fits { named, unnamed };
+
+bool is_named(const Figure& figure, const Kind& kind, Fits fits) {
+    return fits == Fits::named || kind.mark != Mark::curve || figure.runs.size() == 1;
+}
+
 // The shown series and, for a split key, one entry without data for each kind.
-std::string plot_clauses(const Figure& figure) {
+std::string plot_clauses(const Figure& figure, Fits fits = Fits::named) {
     const bool split = has_split_key(figure);
     std::vector<bool> named(figure.runs.size(), false);
     std::string out;
@@ -134,14 +141,19 @@ std::string plot_clauses(const Figure& figure) {
         if (split && kind.mark != Mark::guide) {
             label = named[series.run] ? "" : figure.runs[series.run];
             named[series.run] = true;
+        } else if (!is_named(figure, kind, fits)) {
+            label.clear();
+        } else if (fits == Fits::unnamed && figure.runs.size() > 1 && kind.mark == Mark::line) {
+            label = figure.runs[series.run];
         }
         add(plot_clause(figure, series, s, label));
     }
     for (std::size_t k = 0; split && k < figure.kinds.size(); ++k) {
-        if (!figure.kinds[k].shown || figure.kinds[k].mark == Mark::guide) continue;
+        const Kind& kind = figure.kinds[k];
+        if (!kind.shown || kind.mark == Mark::guide || !is_named(figure, kind, fits)) continue;
         Style style = style_of(figure, 0, k);
         style.colour = {0x33, 0x33, 0x33};
-        add("NaN " + line_clause(style, false) + " " + title_clause(figure.kinds[k].label));
+        add("NaN " + line_clause(style, false) + " " + title_clause(kind.label));
     }
     return out + "\n";
 }
@@ -150,6 +162,17 @@ std::size_t key_entries(const Figure& figure) {
     std::size_t series = 0;
     for (const Series& s : figure.series) series += figure.kinds[s.kind].shown;
     return has_split_key(figure) ? figure.runs.size() + figure.kinds.size() : series;
+}
+
+// Of the key of these clauses.
+std::size_t entries_in(std::string_view clauses) {
+    std::size_t entries = 0;
+    constexpr std::string_view entry = " title '";
+    for (auto at = clauses.find(entry); at != std::string_view::npos;
+         at = clauses.find(entry, at + entry.size())) {
+        ++entries;
+    }
+    return entries;
 }
 
 }  // namespace
@@ -163,9 +186,11 @@ std::string gnuplot_string(std::string_view text) {
 }
 
 std::string publication_script(const Figure& figure, const std::string& file, PlotForm form) {
-    constexpr double width = 8.6;   // [cm]
-    constexpr double height = 6.6;  // [cm]
-    constexpr double inch = 2.54;   // [cm]
+    constexpr double width = 8.6;  // [cm]
+    constexpr double inch = 2.54;  // [cm]
+    const std::string clauses = plot_clauses(figure, Fits::unnamed);
+    const std::size_t entries = entries_in(clauses);
+    const double height = 6.2 + 0.4 * static_cast<double>((entries + 2) / 3);  // [cm]
     std::string out = "reset\nset encoding utf8\nset minussign\n";
     switch (form) {
         case PlotForm::svg:
@@ -188,9 +213,9 @@ std::string publication_script(const Figure& figure, const std::string& file, Pl
     }
     out += fmt::format("set output {}\n", gnuplot_string(file));
     out +=
-        "set border 15 lc rgb '#000000'\nset tics in mirror\n"
-        "set key inside top left Left reverse samplen 2 noenhanced\n";
-    if (key_entries(figure) == 1) out += "set key off\n";
+        "set border 15 lc rgb '#000000'\nset xtics in mirror\nset ytics in mirror\n"
+        "set key outside below center horizontal maxcols 3 samplen 2 noenhanced\n";
+    if (entries < 2) out += "set key off\n";
     out += axis_commands("x", figure.x, padded(extent(figure, figure.x, &Series::x), figure.x));
     out += axis_commands("y", figure.y, padded(extent(figure, figure.y, &Series::y), figure.y));
     for (std::size_t i = 0; i < figure.series.size(); ++i) {
@@ -198,7 +223,7 @@ std::string publication_script(const Figure& figure, const std::string& file, Pl
             out += data_block(figure, figure.series[i], i);
         }
     }
-    return out + plot_clauses(figure) + "unset output\n";
+    return out + clauses + "unset output\n";
 }
 
 std::string gnuplot_script(const Figure& figure, const std::string& svg, const std::string& pdf) {

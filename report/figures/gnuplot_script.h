@@ -16,7 +16,8 @@ std::string gnuplot_script(const Figure& figure, const std::string& svg,
 enum class PlotForm { svg, pdf, png };
 
 /// Commands that draw the figure for print: one column of a journal (8.6 cm), a frame with ticks
-/// inwards, no grid, the key inside; PNG with 600 pixels an inch.
+/// inwards, no grid, the key below. Of several runs the fits have no entry in it. PNG with 600
+/// pixels an inch.
 std::string publication_script(const Figure& figure, const std::string& file, PlotForm form);
 
 /// The text as a gnuplot string in single quotes, where a backslash means nothing. Quotes and

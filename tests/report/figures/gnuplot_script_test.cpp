@@ -48,6 +48,27 @@ TEST(GnuplotScript, EndsErrorBarsAboveZeroOnALogAxis) {
     EXPECT_THAT(script, Not(HasSubstr("\n2 -1 ")));
 }
 
+TEST(GnuplotScript, ForPrintNamesRunsOnceAndNoFitsAndHasNoSecondAxis) {
+    Figure figure;
+    figure.runs = {"A", "B"};
+    figure.kinds = {{"S", Mark::line, true}, {"fit", Mark::curve, true}};
+    for (std::size_t run : {0U, 1U}) {
+        for (std::size_t kind : {0U, 1U}) figure.series.push_back({run, kind, {1, 2}, {3, 4}, {}});
+    }
+    const std::string script = publication_script(figure, "x.pdf", PlotForm::pdf);
+    EXPECT_THAT(script, HasSubstr("title 'A'"));
+    EXPECT_THAT(script, HasSubstr("title 'B'"));
+    EXPECT_THAT(script, Not(HasSubstr("fit")));
+    EXPECT_THAT(script, HasSubstr("size 8.6cm"));
+    EXPECT_THAT(script, Not(HasSubstr("set tics"))) << "which turns the axis above on";
+    const sample::TemporaryFolder folder("print");
+    if (!has_gnuplot(folder))
+        GTEST_SKIP() << "no gnuplot here (Debian: apt-get install gnuplot-nox)";
+    const auto outcome = Gnuplot().run(script, folder.path());
+    EXPECT_TRUE(outcome.succeeded) << outcome.message;
+    EXPECT_EQ(outcome.message, "");
+}
+
 TEST(GnuplotScript, NamesRunsAndKindsOnceEach) {
     Figure figure;
     figure.runs = {"A", "B"};
