@@ -117,8 +117,9 @@ std::string zsh_option(const OptionPage& option) {
         const std::string sign = !option.value.empty() && is_long(name) ? "=" : "";
         const std::string others =
             option.names.size() > 1 ? fmt::format("({})", joined(option.names, " ")) : "";
-        text += " \\\n        " +
-                in_quotes(others + name + sign + "[" + zsh_text(option.meaning) + "]" + value);
+        const std::string words =
+            fmt::format("{}{}{}[{}]{}", others, name, sign, zsh_text(option.meaning), value);
+        text.append(" \\\n        ").append(in_quotes(words));
     }
     return text;
 }

@@ -72,11 +72,9 @@ TEST_F(Pipeline, ExportedPointsHaveTheAgreedColumnsAndOneRowPerParticleAndFrame)
     const Outcome outcome = run_grainfield({"export", tracks(), "-o", csv, "--json"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     const std::string text = testing::read_all(csv);
-    const std::size_t header = text.find("\nframe,particle,x,y,");
-    ASSERT_NE(header, std::string::npos);
-    EXPECT_THAT(text, StartsWith("# grainfield points 1\n"));
-    const auto rows = static_cast<std::size_t>(
-        std::count(text.begin() + static_cast<std::ptrdiff_t>(header) + 1, text.end(), '\n'));
+    EXPECT_THAT(text, StartsWith("frame,particle,x,y,"));
+    EXPECT_THAT(testing::read_all(csv + ".meta"), StartsWith("# grainfield points 1\n"));
+    const auto rows = static_cast<std::size_t>(std::ranges::count(text, '\n'));
     EXPECT_EQ(rows, 1 + 5 * testing::few_discs().position.size());
     const std::string xyz = *folder_ / "tracks.xyz";
     ASSERT_EQ(run_grainfield({"export", tracks(), "-o", xyz}).code, 0);
@@ -124,13 +122,13 @@ TEST_F(Pipeline, ResultsExportAsOneCsvPerCurve) {
 
 TEST_F(Pipeline, ExportedPointsGiveTheSameNumbersAsTheTracksThemselves) {
     const std::string csv = *folder_ / "points.csv";
-    ASSERT_EQ(run_grainfield({"export", tracks(), "-o", csv}).code, 0);
+    ASSERT_EQ(run_grainfield({"export", tracks(), "-o", csv, "--digits", "all"}).code, 0);
     const Outcome outcome =
         run_grainfield({"analyze", csv, "-o", *folder_ / "points.h5", "--json"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     const json from_csv = json::parse(outcome.out);
     const json from_h5 = json::parse(analyze_.out);
-    // The text of a number reads back to the same number, and the comments say the rest.
+    // The text of a number reads back to the same number, and the file beside it says the rest.
     for (const char* observable : {"q4", "phase", "msd", "sk", "variance"}) {
         EXPECT_EQ(from_csv[observable]["measurements"], from_h5[observable]["measurements"])
             << observable;
