@@ -190,7 +190,8 @@ std::string publication_script(const Figure& figure, const std::string& file, Pl
     constexpr double inch = 2.54;  // [cm]
     const std::string clauses = plot_clauses(figure, Fits::unnamed);
     const std::size_t entries = entries_in(clauses);
-    const double height = 6.2 + 0.4 * static_cast<double>((entries + 2) / 3);  // [cm]
+    const std::size_t key_rows = (entries + 2) / 3;
+    const double height = 6.2 + 0.4 * static_cast<double>(key_rows);  // [cm]
     std::string out = "reset\nset encoding utf8\nset minussign\n";
     switch (form) {
         case PlotForm::svg:
