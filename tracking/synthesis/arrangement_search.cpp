@@ -31,9 +31,10 @@ constexpr double kUsualMisfits = 6;    // a change must gain this many times the
 
 constexpr int kRoughly = 2;             // rounds of a trial
 constexpr double kFewRays = 12;         // … along a diameter
-constexpr int kWell = 4;                // rounds of the best trials, with all rays
+constexpr int kWell = 3;                // rounds of the best trials, with all rays
 constexpr double kLongTrialStep = 0.2;  // [a]
-constexpr std::size_t kFinalists = 3;
+constexpr std::size_t kFitted = 12;
+constexpr std::size_t kFinalists = 2;
 
 struct Candidate {
     std::vector<Point3> spheres;  ///< in the window's coordinates, those fitted first
@@ -261,12 +262,19 @@ double price(const SynthesisFit& fit) {
     return fit.misfit() + kOverlapPrice * fit.overlap();
 }
 
-Outcome fitted(const Window& w, double scale, const std::vector<Point3>& spheres, std::size_t free,
-               const SynthesisLimits& limits, int rounds, double rays) {
+/// The spheres of a window as they are; those beyond the first `free` are fixed.
+SynthesisFit fit_of(const Window& w, double scale, const std::vector<Point3>& spheres,
+                    std::size_t free, double rays) {
     SynthesisFit fit(w.brightness, w.ceiling, scale, 1, rays);
     std::vector<char> is_fixed(spheres.size(), 1);
     std::fill_n(is_fixed.begin(), free, 0);
     fit.start(spheres, w.optics, std::move(is_fixed), w.light);
+    return fit;
+}
+
+Outcome fitted(const Window& w, double scale, const std::vector<Point3>& spheres, std::size_t free,
+               const SynthesisLimits& limits, int rounds, double rays) {
+    SynthesisFit fit = fit_of(w, scale, spheres, free, rays);
     SynthesisLimits few = limits;
     few.most_rounds = rounds;
     few.longest_step = kLongTrialStep;
@@ -325,24 +333,32 @@ ArrangementChanges improve_arrangement(const Image& brightness, const Image& cei
                 start.push_back({p.x - w.origin.x, p.y - w.origin.y, p.z});
             }
         }
-        // With few rays all trials, with all rays the best of them and what there is.
+        // As they are all of them, with few rays the better ones, with all rays the best of these
+        // and what there is.
         struct Trial {
             int added;
             std::size_t free;
             Outcome outcome;
         };
         std::vector<Trial> tried;
-        for (const Candidate& c : candidates(w, start, scale, place, limits.height - 1)) {
+        const auto keep_best = [&](std::size_t most) {
+            std::sort(tried.begin(), tried.end(), [](const Trial& a, const Trial& b) {
+                return a.outcome.misfit < b.outcome.misfit;
+            });
+            if (tried.size() > most) tried.resize(most);
+        };
+        for (Candidate& c : candidates(w, start, scale, place, limits.height - 1)) {
             const auto free =
                 static_cast<std::size_t>(static_cast<std::ptrdiff_t>(w.free) + c.added);
-            tried.push_back(
-                {c.added, free, fitted(w, scale, c.spheres, free, limits, kRoughly, kFewRays)});
+            const double misfit = price(fit_of(w, scale, c.spheres, free, kFewRays));
+            tried.push_back({c.added, free, {misfit, std::move(c.spheres)}});
         }
         trials[k] = static_cast<int>(tried.size());
-        std::sort(tried.begin(), tried.end(), [](const Trial& a, const Trial& b) {
-            return a.outcome.misfit < b.outcome.misfit;
-        });
-        if (tried.size() > kFinalists) tried.resize(kFinalists);
+        keep_best(kFitted);
+        for (Trial& t : tried) {
+            t.outcome = fitted(w, scale, t.outcome.spheres, t.free, limits, kRoughly, kFewRays);
+        }
+        keep_best(kFinalists);
         double least =
             fitted(w, scale, w.spheres, w.free, limits, kRoughly, kRaysPerDiameter).misfit - enough;
         for (Trial& t : tried) {

@@ -12,6 +12,7 @@ namespace {
 constexpr int kMostSamples = 4;
 constexpr double kWidestPatch = 1.6;  // [a] from the sphere: what is mirrored farther away is weak
 constexpr double kBlurReach = 3.5;    // [σ]
+constexpr float kSquaredRadius = 0.25F;
 
 std::size_t at(std::ptrdiff_t index) {
     return static_cast<std::size_t>(index);
@@ -128,6 +129,25 @@ void MirrorImage::render(const MirrorScene& scene) {
     }
 }
 
+void MirrorImage::render_only(const MirrorScene& scene) {
+    const int columns = width_ * samples_;
+    Image sharp(width_, height_);
+    const float share = 1.0F / static_cast<float>(samples_ * samples_);
+    parallel_for(height_, threads_, [&](std::int64_t row) {
+        float* out = sharp.row(static_cast<int>(row));
+        for (int v = 0; v < samples_; ++v) {
+            auto ray = static_cast<std::int32_t>((row * samples_ + v) * columns);
+            for (int column = 0; column < columns; ++column, ++ray) {
+                const Point3 p = place(ray);
+                std::int32_t beside = -1;
+                const std::int32_t first = scene.first_sphere(p.x, p.y, beside);
+                out[column / samples_] += share * scene.radiance(p.x, p.y, first);
+            }
+        }
+    });
+    image_ = gaussian_blurred(sharp, scene.optics().blur * scale_, threads_);
+}
+
 void MirrorImage::blur(ImagePatch& patch, double sigma) const {
     const std::vector<float> tap = gaussian(sigma);
     const int reach = static_cast<int>(tap.size() / 2);
@@ -157,10 +177,8 @@ void MirrorImage::blur(ImagePatch& patch, double sigma) const {
     }
 }
 
-ImagePatch MirrorImage::derivative(const MirrorScene& scene, std::int32_t sphere,
-                                   Point3 step) const {
-    const Point3 centre = scene.spheres()[static_cast<std::size_t>(sphere)];
-    const int half = static_cast<int>(std::ceil(kWidestPatch * scale_));
+/// The pixels within `half` of a place.
+ImagePatch MirrorImage::empty_patch(Point3 centre, int half) const {
     const int x0 = static_cast<int>(std::lround(static_cast<double>(centre.x) * scale_)) - half;
     const int y0 = static_cast<int>(std::lround(static_cast<double>(centre.y) * scale_)) - half;
     ImagePatch patch;
@@ -170,6 +188,44 @@ ImagePatch MirrorImage::derivative(const MirrorScene& scene, std::int32_t sphere
     patch.height = std::max(0, std::min(height_, y0 + 2 * half + 1) - patch.y);
     patch.value.assign(
         static_cast<std::size_t>(patch.width) * static_cast<std::size_t>(patch.height), 0.0F);
+    return patch;
+}
+
+ImagePatch MirrorImage::change(const MirrorScene& scene, std::int32_t sphere, Point3 to,
+                               double radius) const {
+    const double sigma = scene.optics().blur * scale_;
+    const Point3 centre = scene.spheres()[static_cast<std::size_t>(sphere)];
+    ImagePatch patch = empty_patch(
+        centre, static_cast<int>(std::ceil(radius * scale_) + std::ceil(kBlurReach * sigma)));
+    const MovedSphere moved{sphere, to};
+    const float share = 1.0F / static_cast<float>(samples_ * samples_);
+    const int columns = width_ * samples_;
+    const auto farthest = static_cast<float>(radius * radius);
+    const auto from = [](const Point3& p, const Point3& q) {
+        return (p.x - q.x) * (p.x - q.x) + (p.y - q.y) * (p.y - q.y);
+    };
+    for (int row = 0; row < patch.height * samples_; ++row) {
+        float* out = patch.value.data() + static_cast<std::ptrdiff_t>(row / samples_) * patch.width;
+        auto ray = static_cast<std::int32_t>((patch.y * samples_ + row) * columns +
+                                             patch.x * samples_);
+        for (int column = 0; column < patch.width * samples_; ++column, ++ray) {
+            const Point3 p = place(ray);
+            if (from(p, centre) > farthest) continue;
+            std::int32_t first = first_[static_cast<std::size_t>(ray)];
+            if (first < 0 && from(p, to) < kSquaredRadius) first = sphere;
+            if (first < 0) continue;
+            out[column / samples_] += share * (scene.radiance(p.x, p.y, first, moved) -
+                                               value_[static_cast<std::size_t>(ray)]);
+        }
+    }
+    blur(patch, sigma);
+    return patch;
+}
+
+ImagePatch MirrorImage::derivative(const MirrorScene& scene, std::int32_t sphere,
+                                   Point3 step) const {
+    const Point3 centre = scene.spheres()[static_cast<std::size_t>(sphere)];
+    ImagePatch patch = empty_patch(centre, static_cast<int>(std::ceil(kWidestPatch * scale_)));
     if (patch.value.empty()) return patch;
     const MovedSphere moved{sphere, {centre.x + step.x, centre.y + step.y, centre.z + step.z}};
     const float length = std::sqrt(step.x * step.x + step.y * step.y + step.z * step.z);

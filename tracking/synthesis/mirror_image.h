@@ -38,11 +38,17 @@ class MirrorImage {
 
     /// Positions are in diameters; pixel (column, row) is centred on (column, row)/scale.
     void render(const MirrorScene& scene);
+    /// The same image; derivatives and changes stay those of the one rendered before.
+    void render_only(const MirrorScene& scene);
     /// Radiance [panel], blurred.
     const Image& image() const { return image_; }
 
     /// ∂(image)/∂q where sphere i moves along `direction`, from a difference over that step [1/a].
     ImagePatch derivative(const MirrorScene& scene, std::int32_t sphere, Point3 step) const;
+
+    /// Image with a sphere at `to` − image, by the rays within `radius` of it [a].
+    ImagePatch change(const MirrorScene& scene, std::int32_t sphere, Point3 to,
+                      double radius) const;
 
     /// `image` convolved with the Gaussian of these optics, zero outside.
     void blur(ImagePatch& patch, double sigma) const;
@@ -53,6 +59,7 @@ class MirrorImage {
         std::int32_t ray;
     };
     Point3 place(std::int32_t ray) const;
+    ImagePatch empty_patch(Point3 centre, int half) const;
 
     int width_, height_;
     double scale_;

@@ -21,7 +21,7 @@ struct MirrorOptics {
     double grazing = 0.2;        ///< sine of the least angle below the horizon that meets the panel
     double distance = 0;         ///< of the camera from the plane z = 0 [a]; 0: telecentric
     double middle_x = 0, middle_y = 0;  ///< what the camera looks down on [a]
-    int reflections = 4;                ///< most mirrors on a path
+    int reflections = 6;                ///< most mirrors on a path
 };
 
 }  // namespace grainfield::tracking

@@ -13,12 +13,32 @@ struct MirrorRay {
     float x, y, z, dx, dy, dz;
 };
 
+/// Cells one diameter wide, and the sphere nearest to the middle of each.
+struct SphereGrid {
+    const std::int32_t* middle;
+    int columns, rows;
+    float left, top;
+    float lowest, highest;  ///< no sphere reaches beyond [a]
+
+    /// A sphere close to a place; −1: none, or none that a ray can meet from there.
+    std::int32_t at(float x, float y, float z) const {
+        if (z < lowest || z > highest) return -1;
+        const float u = std::floor(x - left);
+        const float v = std::floor(y - top);
+        if (u < 0 || v < 0 || u >= static_cast<float>(columns) || v >= static_cast<float>(rows)) {
+            return -1;
+        }
+        return middle[static_cast<std::ptrdiff_t>(v) * columns + static_cast<std::ptrdiff_t>(u)];
+    }
+};
+
 /// What the kernel needs of the scene.
 struct MirrorLayer {
     const Point3* spheres;
     const NearSpheres* near;
     float reflectivity, ambient, grazing;
     int reflections;
+    SphereGrid grid;
 
     Point3 centre(std::int32_t id, const MovedSphere& moved) const {
         return id == moved.id ? moved.centre : spheres[id];
@@ -42,6 +62,10 @@ using IntTag = hn::RebindToSigned<FloatTag>;
 
 constexpr float kFar = 1e9F;
 constexpr float kSquaredRadius = 0.25F;
+/// Of spheres that a ray meets within this distance of a sphere in the plane, all are near it [a].
+constexpr float kComplete = MirrorScene::kReach - 0.5F - MirrorScene::kTouch;
+constexpr int kMostHops = 5;  // a ray is followed 2 a farther by each
+constexpr float kLeastSlope = 1e-9F;
 
 struct Hit {
     std::int32_t id = -1;
@@ -127,22 +151,49 @@ HWY_INLINE Hit nearest_hit(const NearSpheres& near, const MirrorRay& ray, const 
     return best;
 }
 
+/// Where a ray meets one sphere.
+HWY_INLINE Hit own_hit(const Point3& c, const MirrorRay& ray, std::int32_t id) {
+    const float ox = c.x - ray.x;
+    const float oy = c.y - ray.y;
+    const float oz = c.z - ray.z;
+    const float along = ox * ray.dx + oy * ray.dy + oz * ray.dz;
+    const float inside = kSquaredRadius - (ox * ox + oy * oy + oz * oz - along * along);
+    if (along > 0 && inside > 0) return {id, along - std::sqrt(inside)};
+    return {};
+}
+
+/// What a ray that begins on the sphere `from` meets first. Where it leaves the circle about that
+/// sphere within which all have been looked at, those near the sphere next to that place are.
+template <bool kTouch>
+HWY_INLINE Hit first_hit(const MirrorLayer& layer, const MirrorRay& ray, std::int32_t from,
+                         const MovedSphere& moved, TouchedSpheres* touched) {
+    Hit hit = nearest_hit<kTouch>(layer.near[from], ray, moved, {}, touched);
+    const float flat = std::max(ray.dx * ray.dx + ray.dy * ray.dy, kLeastSlope);
+    for (int hop = 0; hop < kMostHops && hit.id < 0; ++hop) {
+        const Point3& c = layer.spheres[from];
+        const float ox = ray.x - c.x;
+        const float oy = ray.y - c.y;
+        const float back = ox * ray.dx + oy * ray.dy;
+        const float squared = back * back + flat * (kComplete * kComplete - ox * ox - oy * oy);
+        if (squared <= 0) break;
+        const float t = (std::sqrt(squared) - back) / flat;
+        const std::int32_t next =
+            layer.grid.at(ray.x + t * ray.dx, ray.y + t * ray.dy, ray.z + t * ray.dz);
+        if (next < 0 || next == from) break;
+        hit = nearest_hit<kTouch>(layer.near[next], ray, moved,
+                                  own_hit(layer.centre(next, moved), ray, next), touched);
+        from = next;
+    }
+    return hit;
+}
+
 /// Along a ray of the camera that meets `first` or one near it.
 template <bool kTouch>
 HWY_INLINE float follow(const MirrorLayer& layer, MirrorRay ray, std::int32_t first,
                         const MovedSphere& moved, TouchedSpheres* touched) {
     // The first sphere itself is not among those near it.
-    Hit hit;
-    {
-        const Point3 c = layer.centre(first, moved);
-        const float ox = c.x - ray.x;
-        const float oy = c.y - ray.y;
-        const float oz = c.z - ray.z;
-        const float along = ox * ray.dx + oy * ray.dy + oz * ray.dz;
-        const float inside = kSquaredRadius - (ox * ox + oy * oy + oz * oz - along * along);
-        if (inside > 0) hit = {first, along - std::sqrt(inside)};
-    }
-    hit = nearest_hit<kTouch>(layer.near[first], ray, moved, hit, touched);
+    Hit hit = nearest_hit<kTouch>(layer.near[first], ray, moved,
+                                  own_hit(layer.centre(first, moved), ray, first), touched);
     float weight = 1;
     for (int n = 0; n < layer.reflections; ++n) {
         if (hit.id < 0) {
@@ -166,7 +217,7 @@ HWY_INLINE float follow(const MirrorLayer& layer, MirrorRay ray, std::int32_t fi
         ray.dx += 2 * cosine * nx;
         ray.dy += 2 * cosine * ny;
         ray.dz += 2 * cosine * nz;
-        hit = nearest_hit<kTouch>(layer.near[hit.id], ray, moved, {}, touched);
+        hit = first_hit<kTouch>(layer, ray, hit.id, moved, touched);
     }
     if (hit.id >= 0) return 0;
     return ray.dz < -layer.grazing ? weight : weight * layer.ambient;
@@ -197,6 +248,8 @@ constexpr int kLanes = 16;
 constexpr float kNowhere = 1e6F;  // [a]
 constexpr float kSeen = 0.5F + MirrorScene::kTouch;
 constexpr float kSquaredRadius = 0.25F;
+// A sphere's own radius, and how far one may be moved [a].
+constexpr float kHighest = 0.75F;
 
 /// The ray of the camera through (x, y, 0).
 MirrorRay camera_ray(const MirrorOptics& optics, float x, float y) {
@@ -212,17 +265,17 @@ MirrorRay camera_ray(const MirrorOptics& optics, float x, float y) {
     return {x + back * dx, y + back * dy, kStart, dx, dy, dz};
 }
 
-MirrorLayer layer_of(const MirrorScene& scene, const std::vector<NearSpheres>& near) {
-    const MirrorOptics& optics = scene.optics();
-    return {scene.spheres().data(),
-            near.data(),
-            static_cast<float>(optics.reflectivity),
-            static_cast<float>(optics.ambient),
-            static_cast<float>(optics.grazing),
-            optics.reflections};
-}
-
 }  // namespace
+
+MirrorLayer MirrorScene::layer() const {
+    return {spheres_.data(),
+            near_.data(),
+            static_cast<float>(optics_.reflectivity),
+            static_cast<float>(optics_.ambient),
+            static_cast<float>(optics_.grazing),
+            optics_.reflections,
+            {middle_.data(), columns_, rows_, left_, top_, lowest_, highest_}};
+}
 
 MirrorScene::MirrorScene(std::vector<Point3> spheres, const MirrorOptics& optics)
     : spheres_(std::move(spheres)), optics_(optics), near_(spheres_.size()) {
@@ -248,6 +301,7 @@ MirrorScene::MirrorScene(std::vector<Point3> spheres, const MirrorOptics& optics
     for (std::size_t i = 0; i < spheres_.size(); ++i) {
         member_[static_cast<std::size_t>(next[cell(spheres_[i])]++)] = static_cast<std::int32_t>(i);
     }
+    find_middles();
     std::vector<std::pair<float, std::int32_t>> found;
     for (std::size_t i = 0; i < spheres_.size(); ++i) {
         const Point3 p = spheres_[i];
@@ -267,6 +321,28 @@ MirrorScene::MirrorScene(std::vector<Point3> spheres, const MirrorOptics& optics
             near.y[k] = q.y;
             near.z[k] = q.z;
             near.id[k] = is_there ? found[k].second : -1;
+        }
+    }
+}
+
+void MirrorScene::find_middles() {
+    for (const Point3& p : spheres_) {
+        lowest_ = std::min(lowest_, p.z - kHighest);
+        highest_ = std::max(highest_, p.z + kHighest);
+    }
+    middle_.assign(begin_.size() - 1, -1);
+    for (int v = 0; v < rows_; ++v) {
+        for (int u = 0; u < columns_; ++u) {
+            std::int32_t& middle =
+                middle_[static_cast<std::size_t>(v) * static_cast<std::size_t>(columns_) +
+                        static_cast<std::size_t>(u)];
+            float least = 2;
+            each_near(left_ + static_cast<float>(u) + 0.5F, top_ + static_cast<float>(v) + 0.5F, 1,
+                      [&](std::int32_t j, float squared) {
+                          if (squared >= least) return;
+                          least = squared;
+                          middle = j;
+                      });
         }
     }
 }
@@ -322,13 +398,13 @@ std::int32_t MirrorScene::first_sphere(float x, float y, std::int32_t& beside) c
 
 float MirrorScene::radiance(float x, float y, std::int32_t first, const MovedSphere& moved) const {
     if (first < 0) return 1;
-    return HWY_DYNAMIC_DISPATCH(radiance_along)(layer_of(*this, near_), camera_ray(optics_, x, y),
+    return HWY_DYNAMIC_DISPATCH(radiance_along)(layer(), camera_ray(optics_, x, y),
                                                 first, moved);
 }
 
 float MirrorScene::radiance(float x, float y, std::int32_t first, TouchedSpheres& touched) const {
     if (first < 0) return 1;
-    return HWY_DYNAMIC_DISPATCH(touching_radiance_along)(layer_of(*this, near_),
+    return HWY_DYNAMIC_DISPATCH(touching_radiance_along)(layer(),
                                                          camera_ray(optics_, x, y), first, touched);
 }
 

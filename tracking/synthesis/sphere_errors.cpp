@@ -3,16 +3,59 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 #include <Eigen/Dense>
 
 #include "core/support/parallel.h"
+#include "core/support/random.h"
 
 namespace grainfield::tracking {
 namespace {
 
-constexpr float kNeighbours = 1.35F;  // [a]
+constexpr double kAbout = 0.6;  // [a]
 constexpr int kLags = 3;
+constexpr int kMostIterations = 80;
+constexpr double kSolved = 1e-3;  // of the right side
+constexpr std::uint64_t kSeed = 1;
+
+using Vectors = std::vector<Eigen::Vector3d>;
+
+double dot(const Vectors& a, const Vectors& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) sum += a[i].dot(b[i]);
+    return sum;
+}
+
+/// A · x.
+void multiply(const SynthesisFit::Information& a, const Vectors& x, int threads, Vectors& result) {
+    parallel_for(static_cast<std::int64_t>(x.size()), threads, [&](std::int64_t index) {
+        const auto i = static_cast<std::size_t>(index);
+        // Own blocks are symmetric.
+        Eigen::Vector3d sum = Eigen::Map<const Eigen::Matrix3d>(a.own[i].data()) * x[i];
+        for (const SynthesisFit::Block& block : a.pair[i]) {
+            const Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> value(
+                block.value.data());
+            sum += value.cast<double>() * x[static_cast<std::size_t>(block.other)];
+        }
+        result[i] = sum;
+    });
+}
+
+/// The local RMS of an image, at least its median.
+Image local_rms(const Image& residual, double radius, int threads) {
+    Image squares(residual.width(), residual.height());
+    for (std::size_t k = 0; k < squares.size(); ++k) {
+        squares.pixels()[k] = residual.pixels()[k] * residual.pixels()[k];
+    }
+    // A Gaussian weighs as many pixels as a disc of twice its width in radius.
+    Image rms = gaussian_blurred(squares, 0.5 * radius, threads);
+    std::vector<float> sorted(rms.pixels().begin(), rms.pixels().end());
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    for (float& v : rms.pixels()) v = std::sqrt(std::max(v, *middle));
+    return rms;
+}
 
 }  // namespace
 
@@ -37,63 +80,76 @@ double correlated_pixels(const Image& residual) {
     return own > 0 ? std::max(1.0, all / own) : 1;
 }
 
+std::vector<std::array<double, 3>> joint_solution(const SynthesisFit::Information& a,
+                                                  const std::vector<std::array<double, 3>>& b,
+                                                  int threads) {
+    const std::size_t n = b.size();
+    std::vector<Eigen::Matrix3d> inverse(n);
+    Vectors left(n);
+    Vectors solution(n, Eigen::Vector3d::Zero());
+    for (std::size_t i = 0; i < n; ++i) {
+        left[i] = Eigen::Map<const Eigen::Vector3d>(b[i].data());
+        inverse[i] = Eigen::Map<const Eigen::Matrix3d>(a.own[i].data()).inverse();
+    }
+    const auto preconditioned = [&] {
+        Vectors scaled(n);
+        for (std::size_t i = 0; i < n; ++i) scaled[i] = inverse[i] * left[i];
+        return scaled;
+    };
+    Vectors direction = preconditioned();
+    Vectors image(n);
+    double squared = dot(left, direction);
+    const double enough = kSolved * kSolved * squared;
+    for (int k = 0; k < kMostIterations && squared > enough; ++k) {
+        multiply(a, direction, threads, image);
+        const double curvature = dot(direction, image);
+        if (!(curvature > 0)) break;
+        const double length = squared / curvature;
+        for (std::size_t i = 0; i < n; ++i) {
+            solution[i] += length * direction[i];
+            left[i] -= length * image[i];
+        }
+        const Vectors scaled = preconditioned();
+        const double now = dot(left, scaled);
+        for (std::size_t i = 0; i < n; ++i) {
+            direction[i] = scaled[i] + (now / squared) * direction[i];
+        }
+        squared = now;
+    }
+    std::vector<std::array<double, 3>> result(n);
+    for (std::size_t i = 0; i < n; ++i) {
+        result[i] = {solution[i].x(), solution[i].y(), solution[i].z()};
+    }
+    return result;
+}
+
 std::vector<SphereError> sphere_errors(SynthesisFit& fit, const SynthesisLimits& limits,
                                        int threads) {
     const std::size_t n = fit.spheres().size();
     std::vector<SphereError> errors(n);
     if (n == 0) return errors;
     const SynthesisFit::Information info = fit.information(limits);
-    const double gain = fit.light().gain;
-    std::vector<double> sorted(n);
-    for (std::size_t i = 0; i < n; ++i) {
-        const SynthesisFit::LocalMisfit about = fit.misfit_about(i);
-        errors[i].residual = about.pixels > 0 ? std::sqrt(about.sum / about.pixels) : 0;
-        sorted[i] = errors[i].residual;
+    const Image spread = local_rms(fit.residual(), kAbout * fit.scale(), threads);
+    const auto wide = static_cast<float>(std::sqrt(correlated_pixels(fit.residual())));
+    RandomStream random(kSeed, "errors");
+    Image noise(spread.width(), spread.height());
+    for (int sample = 0; sample < kErrorSamples; ++sample) {
+        for (std::size_t k = 0; k < noise.size(); ++k) {
+            noise.pixels()[k] = wide * spread.pixels()[k] * static_cast<float>(random.normal());
+        }
+        const auto step = joint_solution(info, fit.gradient_of(noise), threads);
+        for (std::size_t i = 0; i < n; ++i) {
+            errors[i].x += step[i][0] * step[i][0];
+            errors[i].y += step[i][1] * step[i][1];
+            errors[i].z += step[i][2] * step[i][2];
+        }
     }
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(n / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    const double usual = *middle;
-    const double correlated = correlated_pixels(fit.residual());
-    parallel_for(static_cast<std::int64_t>(n), threads, [&](std::int64_t index) {
-        const auto i = static_cast<std::size_t>(index);
-        std::vector<std::size_t> member{i};
-        for (const SynthesisFit::Block& block : info.pair[i]) {
-            const auto j = static_cast<std::size_t>(block.other);
-            const float x = fit.spheres()[j].x - fit.spheres()[i].x;
-            const float y = fit.spheres()[j].y - fit.spheres()[i].y;
-            if (x * x + y * y < kNeighbours * kNeighbours) member.push_back(j);
-        }
-        const auto size = static_cast<Eigen::Index>(3 * member.size());
-        Eigen::MatrixXd a = Eigen::MatrixXd::Zero(size, size);
-        for (std::size_t k = 0; k < member.size(); ++k) {
-            const auto row = static_cast<Eigen::Index>(3 * k);
-            a.block<3, 3>(row, row) =
-                Eigen::Map<const Eigen::Matrix3d>(info.own[member[k]].data()).transpose();
-            for (const SynthesisFit::Block& block : info.pair[member[k]]) {
-                for (std::size_t l = 0; l < k; ++l) {
-                    if (member[l] != static_cast<std::size_t>(block.other)) continue;
-                    const auto column = static_cast<Eigen::Index>(3 * l);
-                    for (Eigen::Index p = 0; p < 3; ++p) {
-                        for (Eigen::Index q = 0; q < 3; ++q) {
-                            const auto v = static_cast<double>(
-                                block.value[static_cast<std::size_t>(3 * p + q)]);
-                            a(row + p, column + q) = v;
-                            a(column + q, row + p) = v;
-                        }
-                    }
-                }
-            }
-        }
-        const Eigen::MatrixXd first = Eigen::MatrixXd::Identity(size, 3);
-        const Eigen::MatrixXd inverse = a.ldlt().solve(first);
-        const double sigma = gain * std::max(usual, errors[i].residual);
-        const auto error = [&](Eigen::Index p) {
-            return sigma * std::sqrt(correlated * std::max(0.0, inverse(p, p)));
-        };
-        errors[i].x = error(0);
-        errors[i].y = error(1);
-        errors[i].z = error(2);
-    });
+    for (std::size_t i = 0; i < n; ++i) {
+        SphereError& e = errors[i];
+        for (double* value : {&e.x, &e.y, &e.z}) *value = std::sqrt(*value / kErrorSamples);
+        const SynthesisFit::LocalMisfit about = fit.misfit_about(i);
+        e.residual = about.pixels > 0 ? std::sqrt(about.sum / about.pixels) : 0;
+    }
     return errors;
 }
 

@@ -16,29 +16,28 @@ namespace {
 
 // A tanh edge of width w has the slope of a Gaussian blur of w/1.25; mirror rims widen it.
 constexpr double kBlurOfEdge = 0.7;  // [w]
+// Rays along a diameter: while heights are chosen, and of the last image.
+constexpr double kFewRays = 12;
+constexpr double kManyRays = 40;
+constexpr int kFirstSweeps = 2;
+constexpr int kSweepsBetween = 2;
+constexpr double kShareOfWay = 0.7;  // neighbours move as well
 constexpr int kRoundsBetween = 2;
-constexpr int kLastRounds = 4;
-constexpr int kOpticsSearches = 3;
-constexpr double kUnusual = 2;       // medians of the residual: a sphere is in doubt
+constexpr int kLastRounds = 2;
+constexpr double kUnusual = 3;       // medians of the residual: a sphere is in doubt
 constexpr double kSameSphere = 0.3;  // [a]
 
-/// Moves a sphere in doubt back to the disc that it began as, if no other stands there; the way
-/// back enters its error.
-void stand_back(const PointGrid& discs, double range, std::vector<char>& is_taken, Vec2& position,
-                Vec2& error) {
-    const Vec2 fitted = position;
+/// Distance of a sphere in doubt from the nearest disc that it can have begun as, per axis [px].
+Vec2 way_from_disc(const PointGrid& discs, double range, Vec2 fitted) {
+    Vec2 way{0, 0};
     double nearest = range * range;
-    std::size_t chosen = is_taken.size();
-    discs.near(fitted, range, [&](std::uint32_t j, Vec2 disc) {
+    discs.near(fitted, range, [&](std::uint32_t, Vec2 disc) {
         const double squared = squared_norm(disc - fitted);
-        if (squared >= nearest || is_taken[j] != 0) return;
+        if (squared >= nearest) return;
         nearest = squared;
-        position = disc;
-        chosen = j;
+        way = disc - fitted;
     });
-    if (chosen < is_taken.size()) is_taken[chosen] = 1;
-    error = {std::hypot(error.x, position.x - fitted.x),
-             std::hypot(error.y, position.y - fitted.y)};
+    return way;
 }
 
 }  // namespace
@@ -75,17 +74,34 @@ Synthesis synthesise(const Image& counts, const ImageModel& model, double diamet
     optics.middle_y = 0.5 * (counts.height() - 1) / diameter;
 
     Synthesis result;
-    SynthesisFit fit(brightness, ceiling, diameter, threads);
-    fit.start(spheres, optics);
-    result.residual_before = fit.rms();
-    SynthesisLimits limits{.height = options.height, .most_rounds = kRoundsBetween};
-    const auto refine = [&](int rounds, bool with_optics) {
+    SynthesisLimits limits{.height = options.height};
+    const auto refine = [&](SynthesisFit& fit, int rounds) {
         limits.most_rounds = rounds;
         result.rounds += fit.refine(limits);
-        if (with_optics && !start.are_optics_known) fit.fit_optics();
     };
-    refine(kRoundsBetween, true);
-    refine(kRoundsBetween, true);
+    SynthesisFit fit(brightness, ceiling, diameter, threads);
+    const auto refine_with_optics = [&](int rounds) {
+        refine(fit, rounds);
+        if (!start.are_optics_known) fit.fit_optics();
+    };
+    {
+        SynthesisFit rough(brightness, ceiling, diameter, threads, kFewRays);
+        rough.start(spheres, optics);
+        result.residual_before = rough.rms();
+        if (start.z.empty()) {  // else they are those of the frame before
+            for (int sweep = 0; sweep < kFirstSweeps; ++sweep) {
+                rough.choose_heights(limits, kShareOfWay);
+            }
+            for (int sweep = 0; sweep < kSweepsBetween; ++sweep) {
+                refine(rough, 1);
+                rough.choose_heights(limits, kShareOfWay);
+            }
+        }
+        refine(rough, 1);
+        fit.start(rough.spheres(), optics);
+    }
+    if (!start.are_optics_known) fit.fit_optics();
+    refine_with_optics(kRoundsBetween);
     for (int search = 0; search < options.searches; ++search) {
         std::vector<Point3> better;
         const ArrangementChanges changes = improve_arrangement(brightness, ceiling, fit, spheres,
@@ -96,10 +112,11 @@ Synthesis synthesise(const Image& counts, const ImageModel& model, double diamet
         result.removed += changes.removed;
         result.lifted += changes.lifted;
         fit.start(std::move(better), fit.optics());
-        refine(kRoundsBetween, search < kOpticsSearches);
+        refine_with_optics(kRoundsBetween);
     }
-    refine(kLastRounds, true);
-    refine(1, false);
+    refine(fit, 1);
+    fit.sharpen(kManyRays);
+    refine(fit, kLastRounds);
 
     result.optics = fit.optics();
     result.residual_rms = fit.rms();
@@ -113,7 +130,6 @@ Synthesis synthesise(const Image& counts, const ImageModel& model, double diamet
     }
     const double usual = sorted.empty() ? 0 : sorted[sorted.size() / 2];
     const PointGrid discs(start.position, kSameSphere * diameter);
-    std::vector<char> is_taken(start.position.size(), 0);
     for (std::size_t i = 0; i < fit.spheres().size(); ++i) {
         const Point3& p = fit.spheres()[i];
         result.position.push_back(
@@ -124,9 +140,9 @@ Synthesis synthesise(const Image& counts, const ImageModel& model, double diamet
         result.residual.push_back(errors[i].residual);
         if (!(errors[i].residual > kUnusual * usual)) continue;
         ++result.doubtful;
-        stand_back(discs, kSameSphere * diameter, is_taken, result.position.back(),
-                   result.error.back());
-        result.z.back() = 0.5 * top;
+        const Vec2 way = way_from_disc(discs, kSameSphere * diameter, result.position.back());
+        Vec2& error = result.error.back();
+        error = {std::hypot(error.x, way.x), std::hypot(error.y, way.y)};
         result.z_error.back() = std::max(result.z_error.back(), top / std::sqrt(12.0));
     }
     return result;

@@ -38,8 +38,8 @@ struct Synthesis {
     int rounds = 0;              ///< Gauss–Newton rounds
     int trials = 0;              ///< other arrangements tried
     int added = 0, removed = 0, lifted = 0;
-    int doubtful = 0;    ///< spheres about which image and rendering still differ unusually: they
-                         ///< stand where their disc did, their heights count as unknown
+    int doubtful = 0;    ///< spheres about which image and rendering still differ unusually: the
+                         ///< way from their disc is in the error, their heights count as unknown
     Image residual_map;  ///< image − rendering [contrast]
 };
 
@@ -50,8 +50,8 @@ struct Synthesis {
 /// (SynthesisFit), and where image and rendering still differ other arrangements are tried
 /// (improve_arrangement). `diameter`: true diameter a [px]. `model`: what the calibration says of
 /// background and dark level. `start.position` should hold every sphere seen, those cut by the
-/// border too. Positions come back in another order. Errors are those of the joint information
-/// of a sphere and its neighbours, times the local residual with its spatial correlation.
+/// border too. Positions come back in another order. Errors are those of all spheres
+/// together under the residual that is left (sphere_errors).
 /// Same bits for any number of threads. Memory: 40 bytes a ray, 450 MB at 1600² px.
 Synthesis synthesise(const Image& counts, const ImageModel& model, double diameter,
                      const SynthesisStart& start, const SynthesisOptions& options, int threads);

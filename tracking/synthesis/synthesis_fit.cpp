@@ -12,14 +12,18 @@
 namespace grainfield::tracking {
 namespace {
 
-// Differences are taken over these steps: small beside the blur, large beside the distance of rays.
-constexpr float kStepInPlane = 0.01F;  // [a]
-constexpr float kStepInHeight = 0.03F;
+// Differences are taken over these steps: over shorter ones the grid of the rays decides.
+constexpr double kStepInPlane = 1;  // [distances of rays]
+constexpr double kStepInHeight = 2;
 constexpr float kStale = 0.03F;  // [a]
 // What is known beforehand of where a round may take a sphere [a].
 constexpr double kPlaneRange = 0.1;
 constexpr double kHeightRange = 0.3;
 constexpr double kLongestInHeight = 0.25;
+// Heights that are tried, in parts of what the cell leaves; nearer ones are left to the derivatives.
+constexpr std::array<float, 5> kHeightsTried = {0.1F, 0.3F, 0.5F, 0.7F, 0.9F};
+constexpr float kOtherHeight = 0.1F;   // [a]
+constexpr double kSeenOfHeight = 0.65;  // [a] from the sphere
 constexpr double kContact = 0.01;  // [a] how far two spheres may overlap
 constexpr double kAbout = 0.6;     // [a] radius of the misfit about one sphere
 constexpr int kSolverSweeps = 60;
@@ -138,20 +142,35 @@ double SynthesisFit::overlap() const {
 void SynthesisFit::render() {
     scene_.clear();
     scene_.emplace_back(spheres_, optics_);
-    image_.render(scene_.front());
+    if (fine_) {
+        fine_->render_only(scene_.front());
+    } else {
+        image_.render(scene_.front());
+    }
+    const Image& image = fine_ ? fine_->image() : image_.image();
     const int border = static_cast<int>(std::ceil(scale_));
-    if (!is_light_known_) light_ = fit_light(brightness_, ceiling_, image_.image(), border);
-    residual_ = light_residual(brightness_, ceiling_, image_.image(), light_, threads_);
+    if (!is_light_known_) light_ = fit_light(brightness_, ceiling_, image, border);
+    residual_ = light_residual(brightness_, ceiling_, image, light_, threads_);
     rms_ = inner_rms(residual_, border) / light_.gain;
 }
 
+void SynthesisFit::sharpen(double rays) {
+    take_derivatives();
+    fine_.emplace(brightness_.width(), brightness_.height(), scale_, threads_, rays);
+    render();
+}
+
 void SynthesisFit::take_derivatives() {
+    if (fine_) return;
     const std::size_t n = spheres_.size();
     if (derivative_.size() != n) {
         derivative_.assign(n, {});
         moved_.assign(n, 1.0F);
     }
     const MirrorScene& scene = scene_.front();
+    const double rays = image_.samples() * scale_;
+    const auto across = static_cast<float>(kStepInPlane / rays);
+    const auto upwards = static_cast<float>(kStepInHeight / rays);
     parallel_for(static_cast<std::int64_t>(n), threads_, [&](std::int64_t index) {
         const auto i = static_cast<std::size_t>(index);
         const auto sphere = static_cast<std::int32_t>(index);
@@ -160,16 +179,16 @@ void SynthesisFit::take_derivatives() {
         const NearSpheres& near = scene.near(sphere);
         for (int k = 0; k < near.count; ++k) {
             if (near.id[k] < 0) continue;
-            const float across = near.x[k] - spheres_[i].x;
-            const float down = near.y[k] - spheres_[i].y;
-            if (across * across + down * down > 2) continue;
+            const float x = near.x[k] - spheres_[i].x;
+            const float y = near.y[k] - spheres_[i].y;
+            if (x * x + y * y > 2) continue;
             moved = std::max(moved, moved_[static_cast<std::size_t>(near.id[k])]);
         }
         if (moved < kStale && !derivative_[i][0].value.empty()) return;
         const bool is_high = spheres_[i].z > 0.5F;
-        const float up = is_high ? -kStepInHeight : kStepInHeight;
-        derivative_[i][0] = image_.derivative(scene, sphere, {kStepInPlane, 0, 0});
-        derivative_[i][1] = image_.derivative(scene, sphere, {0, kStepInPlane, 0});
+        const float up = is_high ? -upwards : upwards;
+        derivative_[i][0] = image_.derivative(scene, sphere, {across, 0, 0});
+        derivative_[i][1] = image_.derivative(scene, sphere, {0, across, 0});
         derivative_[i][2] = image_.derivative(scene, sphere, {0, 0, up});
         if (is_high) {
             for (float& v : derivative_[i][2].value) v = -v;
@@ -240,6 +259,17 @@ SynthesisFit::Information SynthesisFit::information(const SynthesisLimits& limit
     return normal_equations(limits);
 }
 
+std::vector<std::array<double, 3>> SynthesisFit::gradient_of(const Image& residual) const {
+    std::vector<std::array<double, 3>> gradient(spheres_.size(), {0, 0, 0});
+    parallel_for(static_cast<std::int64_t>(gradient.size()), threads_, [&](std::int64_t index) {
+        const auto i = static_cast<std::size_t>(index);
+        for (std::size_t p = 0; p < 3 && !is_fixed(i); ++p) {
+            gradient[i][p] = light_.gain * product(derivative_[i][p], residual);
+        }
+    });
+    return gradient;
+}
+
 std::vector<std::array<double, 3>> SynthesisFit::solve(const Information& info,
                                                        double damping) const {
     const std::size_t n = spheres_.size();
@@ -269,6 +299,43 @@ std::vector<std::array<double, 3>> SynthesisFit::solve(const Information& info,
         }
     }
     return step;
+}
+
+float SynthesisFit::best_height(std::size_t sphere, float top) const {
+    const Point3 here = spheres_[sphere];
+    float best = here.z;
+    double least = 0;
+    for (const float share : kHeightsTried) {
+        const float z = share * top;
+        if (std::abs(z - here.z) < kOtherHeight) continue;
+        const ImagePatch patch =
+            image_.change(scene_.front(), static_cast<std::int32_t>(sphere), {here.x, here.y, z},
+                          kSeenOfHeight);
+        const double change =
+            light_.gain * light_.gain * static_cast<double>(product(patch, patch)) -
+            2 * light_.gain * product(patch, residual_);
+        if (change >= least) continue;
+        least = change;
+        best = z;
+    }
+    return best;
+}
+
+int SynthesisFit::choose_heights(const SynthesisLimits& limits, double share) {
+    std::vector<float> best(spheres_.size());
+    parallel_for(static_cast<std::int64_t>(best.size()), threads_, [&](std::int64_t index) {
+        const auto i = static_cast<std::size_t>(index);
+        best[i] = is_fixed(i) ? spheres_[i].z
+                              : best_height(i, static_cast<float>(limits.height - 1));
+    });
+    int moved = 0;
+    for (std::size_t i = 0; i < best.size(); ++i) {
+        moved += best[i] != spheres_[i].z ? 1 : 0;
+        spheres_[i].z += static_cast<float>(share) * (best[i] - spheres_[i].z);
+    }
+    derivative_.clear();
+    render();
+    return moved;
 }
 
 int SynthesisFit::refine(const SynthesisLimits& limits) {
@@ -327,8 +394,8 @@ double& term_of(MirrorOptics& optics, int term) {
 constexpr double kOpticsStep[kOpticsTerms] = {0.02, 0.004, 0.02, 0.02};
 constexpr double kOpticsLeast[kOpticsTerms] = {0.1, 0.01, 0, 0};
 constexpr double kOpticsMost[kOpticsTerms] = {0.98, 0.4, 0.6, 0.7};
-constexpr int kOpticsRounds = 3;
-constexpr double kOpticsSquare = 24;   // [a]
+constexpr int kOpticsRounds = 2;
+constexpr double kOpticsSquare = 16;   // [a]
 constexpr double kUnexplained = 0.15;  // [contrast] belongs to a wrong arrangement
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/frame.h"
@@ -43,13 +44,20 @@ class SynthesisFit {
 
     /// Rounds until nothing moves; how many.
     int refine(const SynthesisLimits& limits);
+    /// Takes the heights that suit the image best one by one, all others where they are: moves each
+    /// sphere by `share` of the way to the best of a few. How many moved.
+    int choose_heights(const SynthesisLimits& limits, double share);
+    /// From here on residuals are those of an image of `rays` along a diameter; derivatives stay
+    /// what they are.
+    void sharpen(double rays);
     /// Optics (F0, blur, ambient, grazing) and light that fit best where the spheres are now, by
-    /// Gauss–Newton over a square of at most 24 diameters in the middle.
+    /// Gauss–Newton over a square of at most 16 diameters in the middle.
     void fit_optics();
 
     const std::vector<Point3>& spheres() const { return spheres_; }
     const MirrorOptics& optics() const { return optics_; }
     const FrameLight& light() const { return light_; }
+    double scale() const { return scale_; }  ///< [px/a]
     double rms() const { return rms_; }  ///< of image − rendering [contrast]
     /// Σ (image − rendering)² but for the border that the blur reaches [contrast²].
     double misfit() const;
@@ -75,11 +83,15 @@ class SynthesisFit {
     };
     /// Where the spheres are now.
     Information information(const SynthesisLimits& limits);
+    /// Its gradient if this were image − rendering, without that of the penalties. After
+    /// information().
+    std::vector<std::array<double, 3>> gradient_of(const Image& residual) const;
 
  private:
     void render();
     bool is_fixed(std::size_t i) const { return !is_fixed_.empty() && is_fixed_[i] != 0; }
     void take_derivatives();
+    float best_height(std::size_t sphere, float top) const;
     Information normal_equations(const SynthesisLimits& limits) const;
     std::vector<std::array<double, 3>> solve(const Information& info, double damping) const;
 
@@ -90,7 +102,8 @@ class SynthesisFit {
     std::vector<Point3> spheres_;
     MirrorOptics optics_;
     MirrorImage image_;
-    std::vector<MirrorScene> scene_;  ///< one or none
+    std::optional<MirrorImage> fine_;  ///< the image that is compared with, if another
+    std::vector<MirrorScene> scene_;   ///< one or none
     std::vector<char> is_fixed_;      ///< empty: none
     bool is_light_known_ = false;
     FrameLight light_;

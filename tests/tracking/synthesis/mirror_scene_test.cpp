@@ -55,6 +55,18 @@ TEST(MirrorScene, ARayThatPassesSeesThePanel) {
     EXPECT_EQ(seen(MirrorScene({}, kDark), 3, 4), 1);
 }
 
+TEST(MirrorScene, ARayIsStoppedByASphereBeyondThoseNearTheOneThatMirroredIt) {
+    // Almost level from the first sphere, over the second, into the third 4 a away.
+    const float rho = kCore + 0.006F;
+    const std::vector<Point3> two = {{0, 0, 0}, {2, 0, -0.3F}};
+    std::vector<Point3> three = two;
+    three.push_back({4, 0, 0.2F});
+    EXPECT_GT(4, MirrorScene::kReach);
+    EXPECT_NEAR(seen(MirrorScene(two, kDark), rho, 0),
+                reflectance(static_cast<double>(rho), 0.6), 1e-4);
+    EXPECT_LT(seen(MirrorScene(three, kDark), rho, 0), 0.5);
+}
+
 TEST(MirrorScene, WhatIsNotThePanelIsSeenAsAmbientLight) {
     MirrorOptics optics = kDark;
     optics.ambient = 0.3;

@@ -37,6 +37,33 @@ TEST(SphereErrors, ABlurCorrelatesAsManyPixelsAsItSpreadsOver) {
     EXPECT_NEAR(correlated_pixels(spread), 9, 0.5);
 }
 
+TEST(SphereErrors, TheJointSolutionSolvesWhatSpheresShare) {
+    const RenderedLayer layer = rendered_layer(7, 12, 0.02, 20);
+    SynthesisFit fit(layer.brightness, layer.ceiling, 12, 2);
+    fit.start(layer.spheres, layer.optics);
+    const SynthesisFit::Information info = fit.information({.height = layer.height});
+    const auto x = joint_solution(info, info.gradient, 2);
+    double wrong = 0;
+    double all = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        for (std::size_t p = 0; p < 3; ++p) {
+            double left = info.gradient[i][p];
+            for (std::size_t q = 0; q < 3; ++q) left -= info.own[i][3 * p + q] * x[i][q];
+            for (const SynthesisFit::Block& block : info.pair[i]) {
+                for (std::size_t q = 0; q < 3; ++q) {
+                    left -= static_cast<double>(block.value[3 * p + q]) *
+                            x[static_cast<std::size_t>(block.other)][q];
+                }
+            }
+            wrong += left * left;
+            all += info.gradient[i][p] * info.gradient[i][p];
+        }
+    }
+    EXPECT_LT(std::sqrt(wrong / all), 0.01);
+    // Without what they share it is another.
+    EXPECT_GT(std::abs(x[0][0] - info.gradient[0][0] / info.own[0][0]), 0);
+}
+
 // From the truth, where the rendering is linear in the step. The step itself leaves misfits of the
 // rays' grid that are correlated, so that κ widens errors that white noise alone would not. σ is
 // the larger of the residual about a sphere and its median, a tenth above the noise.
