@@ -6,7 +6,8 @@
 //
 // FRAME: any image. TRUTH.csv: columns x, y [px] and z, in units of `--height-unit` (1: pixels; a:
 // diameters). Spheres 2 a or more within the frame are scored. Prints a table: error per axis,
-// error of the height about the mean difference, missed, false, residual, seconds and those of all cores together.
+// error of the height about the mean difference, missed, false, residual, seconds and those of all
+// cores together.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -96,7 +97,8 @@ Spread spread_of(std::vector<double> errors) {
 }
 
 void print_line(const char* name, const Settings& s, const Truth& truth, const Frame& frame,
-                const Snapshot& found, const tracking::TrackSummary& summary, double seconds, double cpu) {
+                const Snapshot& found, const tracking::TrackSummary& summary, double seconds,
+                double cpu) {
     const double a = s.diameter;
     const int width = frame.image.width();
     const int height = frame.image.height();

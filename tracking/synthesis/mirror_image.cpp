@@ -206,8 +206,8 @@ ImagePatch MirrorImage::change(const MirrorScene& scene, std::int32_t sphere, Po
     };
     for (int row = 0; row < patch.height * samples_; ++row) {
         float* out = patch.value.data() + static_cast<std::ptrdiff_t>(row / samples_) * patch.width;
-        auto ray = static_cast<std::int32_t>((patch.y * samples_ + row) * columns +
-                                             patch.x * samples_);
+        auto ray =
+            static_cast<std::int32_t>((patch.y * samples_ + row) * columns + patch.x * samples_);
         for (int column = 0; column < patch.width * samples_; ++column, ++ray) {
             const Point3 p = place(ray);
             if (from(p, centre) > farthest) continue;

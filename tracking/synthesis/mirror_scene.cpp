@@ -123,12 +123,12 @@ HWY_INLINE Hit nearest_hit(const NearSpheres& near, const MirrorRay& ray, const 
             hn::Store(inside, tag, beside + k);
         }
     }
-    HWY_ALIGN float distances[16];
-    HWY_ALIGN std::int32_t ids[16];
-    hn::Store(least, tag, distances);
-    hn::Store(which, integers, ids);
-    for (int k = 0; k < lanes; ++k) {
-        if (ids[k] >= 0 && distances[k] < best.distance) best = {ids[k], distances[k]};
+    const auto smallest = hn::MinOfLanes(tag, least);
+    const float distance = hn::GetLane(smallest);
+    if (distance < best.distance) {
+        HWY_ALIGN std::int32_t ids[16];
+        hn::Store(which, integers, ids);
+        best = {ids[hn::FindFirstTrue(tag, hn::Eq(least, smallest))], distance};
     }
     if constexpr (kTouch) {
         // (R + δ)² − R² for δ = kTouch.
@@ -398,14 +398,13 @@ std::int32_t MirrorScene::first_sphere(float x, float y, std::int32_t& beside) c
 
 float MirrorScene::radiance(float x, float y, std::int32_t first, const MovedSphere& moved) const {
     if (first < 0) return 1;
-    return HWY_DYNAMIC_DISPATCH(radiance_along)(layer(), camera_ray(optics_, x, y),
-                                                first, moved);
+    return HWY_DYNAMIC_DISPATCH(radiance_along)(layer(), camera_ray(optics_, x, y), first, moved);
 }
 
 float MirrorScene::radiance(float x, float y, std::int32_t first, TouchedSpheres& touched) const {
     if (first < 0) return 1;
-    return HWY_DYNAMIC_DISPATCH(touching_radiance_along)(layer(),
-                                                         camera_ray(optics_, x, y), first, touched);
+    return HWY_DYNAMIC_DISPATCH(touching_radiance_along)(layer(), camera_ray(optics_, x, y), first,
+                                                         touched);
 }
 
 }  // namespace grainfield::tracking

@@ -101,7 +101,7 @@ Synthesis synthesise(const Image& counts, const ImageModel& model, double diamet
         fit.start(rough.spheres(), optics);
     }
     if (!start.are_optics_known) fit.fit_optics();
-    refine_with_optics(kRoundsBetween);
+    refine_with_optics(start.z.empty() ? kRoundsBetween : 1);
     for (int search = 0; search < options.searches; ++search) {
         std::vector<Point3> better;
         const ArrangementChanges changes = improve_arrangement(brightness, ceiling, fit, spheres,

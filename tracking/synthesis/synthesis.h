@@ -12,7 +12,7 @@ namespace grainfield::tracking {
 
 struct SynthesisOptions {
     double height = 1.94;  ///< of the cell [a]
-    int searches = 8;      ///< most rounds of the search for other arrangements, 0: none
+    int searches = 1;      ///< most rounds of the search for other arrangements, 0: none
 };
 
 /// Without the height, which is an option of the layers.

@@ -20,12 +20,13 @@ constexpr float kStale = 0.03F;  // [a]
 constexpr double kPlaneRange = 0.1;
 constexpr double kHeightRange = 0.3;
 constexpr double kLongestInHeight = 0.25;
-// Heights that are tried, in parts of what the cell leaves; nearer ones are left to the derivatives.
+// Heights that are tried, in parts of what the cell leaves; nearer ones are left to the
+// derivatives.
 constexpr std::array<float, 5> kHeightsTried = {0.1F, 0.3F, 0.5F, 0.7F, 0.9F};
-constexpr float kOtherHeight = 0.1F;   // [a]
+constexpr float kOtherHeight = 0.1F;    // [a]
 constexpr double kSeenOfHeight = 0.65;  // [a] from the sphere
-constexpr double kContact = 0.01;  // [a] how far two spheres may overlap
-constexpr double kAbout = 0.6;     // [a] radius of the misfit about one sphere
+constexpr double kContact = 0.01;       // [a] how far two spheres may overlap
+constexpr double kAbout = 0.6;          // [a] radius of the misfit about one sphere
 constexpr int kSolverSweeps = 60;
 constexpr double kLeastNoise = 0.005;  // [contrast]
 constexpr double kFirstDamping = 0.02;
@@ -308,9 +309,8 @@ float SynthesisFit::best_height(std::size_t sphere, float top) const {
     for (const float share : kHeightsTried) {
         const float z = share * top;
         if (std::abs(z - here.z) < kOtherHeight) continue;
-        const ImagePatch patch =
-            image_.change(scene_.front(), static_cast<std::int32_t>(sphere), {here.x, here.y, z},
-                          kSeenOfHeight);
+        const ImagePatch patch = image_.change(scene_.front(), static_cast<std::int32_t>(sphere),
+                                               {here.x, here.y, z}, kSeenOfHeight);
         const double change =
             light_.gain * light_.gain * static_cast<double>(product(patch, patch)) -
             2 * light_.gain * product(patch, residual_);
@@ -325,8 +325,8 @@ int SynthesisFit::choose_heights(const SynthesisLimits& limits, double share) {
     std::vector<float> best(spheres_.size());
     parallel_for(static_cast<std::int64_t>(best.size()), threads_, [&](std::int64_t index) {
         const auto i = static_cast<std::size_t>(index);
-        best[i] = is_fixed(i) ? spheres_[i].z
-                              : best_height(i, static_cast<float>(limits.height - 1));
+        best[i] =
+            is_fixed(i) ? spheres_[i].z : best_height(i, static_cast<float>(limits.height - 1));
     });
     int moved = 0;
     for (std::size_t i = 0; i < best.size(); ++i) {

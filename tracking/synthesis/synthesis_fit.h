@@ -58,7 +58,7 @@ class SynthesisFit {
     const MirrorOptics& optics() const { return optics_; }
     const FrameLight& light() const { return light_; }
     double scale() const { return scale_; }  ///< [px/a]
-    double rms() const { return rms_; }  ///< of image − rendering [contrast]
+    double rms() const { return rms_; }      ///< of image − rendering [contrast]
     /// Σ (image − rendering)² but for the border that the blur reaches [contrast²].
     double misfit() const;
     /// Σ (image − rendering)² within 0.6 a of a sphere, where the frame shows it [contrast²].
@@ -104,7 +104,7 @@ class SynthesisFit {
     MirrorImage image_;
     std::optional<MirrorImage> fine_;  ///< the image that is compared with, if another
     std::vector<MirrorScene> scene_;   ///< one or none
-    std::vector<char> is_fixed_;      ///< empty: none
+    std::vector<char> is_fixed_;       ///< empty: none
     bool is_light_known_ = false;
     FrameLight light_;
     Image residual_;
