@@ -229,8 +229,9 @@ SynthesisFit::Information SynthesisFit::normal_equations(const SynthesisLimits&)
                 }
             }
             // Spheres that overlap in space push each other apart.
-            const Eigen::Vector3d apart(spheres_[i].x - near.x[k], spheres_[i].y - near.y[k],
-                                        spheres_[i].z - near.z[k]);
+            const Eigen::Vector3d apart(static_cast<double>(spheres_[i].x - near.x[k]),
+                                        static_cast<double>(spheres_[i].y - near.y[k]),
+                                        static_cast<double>(spheres_[i].z - near.z[k]));
             const double distance = apart.norm();
             if (distance < 1 && distance > 0.1) {
                 const Eigen::Vector3d along = apart / distance;
