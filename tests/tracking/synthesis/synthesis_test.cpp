@@ -146,10 +146,10 @@ TEST_P(SharedTracedFrame, IsNearerToTheTruthWithSynthesis) {
     report("discs", discs);
     report("synthesis", spheres);
     EXPECT_GT(spheres.spheres, 25);
-    // Measured, far: .0271 → .0143 RMS, .0102 → .0050 median, heights .046 median;
-    // near: .0196 → .0137, .0127 → .0054, .046.
+    // Measured, far: .0271 → .0091 RMS, .0102 → .0052 median, heights .072 median;
+    // near: .0196 → .0125, .0127 → .0037, .040.
     EXPECT_LE(spheres.missed, discs.missed);
-    EXPECT_LT(spheres.rms, discs.rms);
+    EXPECT_LT(spheres.rms, 0.8 * discs.rms);
     EXPECT_LT(spheres.median, 0.6 * discs.median);
     EXPECT_LT(spheres.z_median, 0.1);
 }
