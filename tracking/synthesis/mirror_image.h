@@ -38,7 +38,7 @@ class MirrorImage {
 
     /// Positions are in diameters; pixel (column, row) is centred on (column, row)/scale.
     void render(const MirrorScene& scene);
-    /// The same image; derivatives and changes stay those of the one rendered before.
+    /// The same image to rounding; derivatives and changes stay those of the one rendered before.
     void render_only(const MirrorScene& scene);
     /// Radiance [panel], blurred.
     const Image& image() const { return image_; }

@@ -105,10 +105,13 @@ TEST(MirrorImage, AChangeOverAllRaysIsTheDifferenceOfTwoRenderings) {
     EXPECT_LT(std::sqrt(wrong / all), 0.03);
 }
 
-TEST(MirrorImage, RenderOnlyMakesTheSameImage) {
+TEST(MirrorImage, RenderOnlyMakesTheSameImageToRounding) {
     MirrorImage image(kSide, kSide, kScale, 2);
     image.render_only(MirrorScene(spheres(), {}));
-    EXPECT_EQ(image.image(), rendering(spheres()));
+    const Image whole = rendering(spheres());
+    for (std::size_t k = 0; k < whole.size(); ++k) {
+        ASSERT_NEAR(image.image().pixels()[k], whole.pixels()[k], 1e-4) << k;
+    }
 }
 
 TEST(MirrorImage, BitsDoNotDependOnTheNumberOfThreads) {
