@@ -31,7 +31,7 @@ struct TouchedSpheres {
 
 /// A sphere that is looked at elsewhere than where it is.
 struct MovedSphere {
-    std::int32_t id = -1;
+    std::int32_t id = -2;  ///< none; −1 is a lane of NearSpheres without a sphere
     Point3 centre;
 };
 
