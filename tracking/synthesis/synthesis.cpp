@@ -139,7 +139,11 @@ Synthesis synthesise(const Image& counts, const ImageModel& model, double diamet
         result.z_error.push_back(errors[i].z);
         result.residual.push_back(errors[i].residual);
         if (!(errors[i].residual > kUnusual * usual)) continue;
-        ++result.doubtful;
+        // What the border cuts cannot agree: the panel and the neighbours beyond are not seen.
+        const Vec2 at = result.position.back();
+        const double inside =
+            std::min({at.x, at.y, counts.width() - 1 - at.x, counts.height() - 1 - at.y});
+        result.doubtful += inside >= diameter ? 1 : 0;
         const Vec2 way = way_from_disc(discs, kSameSphere * diameter, result.position.back());
         Vec2& error = result.error.back();
         error = {std::hypot(error.x, way.x), std::hypot(error.y, way.y)};

@@ -38,8 +38,9 @@ struct Synthesis {
     int rounds = 0;              ///< Gauss–Newton rounds
     int trials = 0;              ///< other arrangements tried
     int added = 0, removed = 0, lifted = 0;
-    int doubtful = 0;    ///< spheres about which image and rendering still differ unusually: the
-                         ///< way from their disc is in the error, their heights count as unknown
+    int doubtful = 0;    ///< spheres a diameter or more within the frame about which image and
+                         ///< rendering still differ unusually: the way from their disc is in the
+                         ///< error, their heights count as unknown
     Image residual_map;  ///< image − rendering [contrast]
 };
 
