@@ -152,7 +152,6 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
         lanes_.push_back({Locator(source.width(), source.height(), model(), threads_),
                           IlluminationFollower(model(), options_.visible)});
         lanes_.back().locator.set_visible(options_.visible);
-        lanes_.back().locator.expect_misfit(model().residual_rms);
     }
     plan.run("detect", "χ² map, then likelihood gain of the residual until nothing changes");
     plan.run("refine", fmt::format("joint least squares on the {}{}", model().overlap->title(),

@@ -9,6 +9,8 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
+#include "pipelines/detail/toml_values.h"
+
 namespace grainfield::pipelines {
 
 namespace {

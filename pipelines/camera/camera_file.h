@@ -3,10 +3,11 @@
 #include <filesystem>
 #include <string>
 
-#include "pipelines/detail/toml_values.h"
 #include "tracking/camera/camera.h"
 
 namespace grainfield::pipelines {
+
+class TomlValues;
 
 /// The camera as sections of TOML, whose names begin with `before`. Numbers come back with every
 /// bit.
