@@ -50,8 +50,8 @@ std::string words(const Measurement& m, TimeUnit time_unit) {
 
 std::string words(const Session& session, const Results& results) {
     std::string text =
-        fmt::format("{}: {}, {:.1f} particles per frame\n", session.outputs.front().string(),
-                    counted(results.frames, "frame"), results.particles_mean);
+        fmt::format("{}: {}, {} particles per frame\n", session.outputs.front().string(),
+                    counted(results.frames, "frame"), mean_text(results.particles_mean));
     for (const ObservableResult& observable : results.observables) {
         const std::string name =
             observable.name == "q4" ? report::order_symbol(results) : observable.name;
@@ -160,6 +160,10 @@ void AnalyzeCommand::require_inputs(const Session& session) const {
 std::vector<std::string> AnalyzeCommand::usual() const {
     return {"output",   "label",       "fps",        "sphere-diameter", "box",
             "boundary", "observables", "neighbours", "largest",         "threads"};
+}
+
+std::string AnalyzeCommand::default_output(const std::vector<std::filesystem::path>& inputs) const {
+    return named_after(inputs, "-results.h5");
 }
 
 Summary AnalyzeCommand::run(Session& session) {

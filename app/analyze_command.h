@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,6 +19,7 @@ class AnalyzeCommand : public Command {
     std::vector<OptionTable> options() override;
     std::vector<std::string> usual() const override;
     Summary run(Session& session) override;
+    std::string default_output(const std::vector<std::filesystem::path>& inputs) const override;
 
  private:
     enum class BoundaryChoice { as_in_file, periodic, walls };

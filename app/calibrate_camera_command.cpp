@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "app/standard_output.h"
 #include "core/errors.h"
 #include "pipelines/interrupt_deadline.h"
 
@@ -40,6 +41,14 @@ std::string words(const std::string& output, const CameraJobResult& result) {
             result.fit.is_centre_fitted ? "" : " (of the frame)", lens.k1, lens.k2, lens.p1,
             lens.p2);
     }
+    if (result.walls) {
+        text += "  walls      ";
+        for (const Vec2 p : result.walls->corner)
+            text += fmt::format("({:.2f}, {:.2f}) ", p.x, p.y);
+        text +=
+            fmt::format("px; {} within {:.3f} px\n", counted(result.walls->points, "edge point"),
+                        result.walls->residual_rms);
+    }
     text += camera.scale ? fmt::format("  scale      1 px is {:.5g} {} in the plane of the cell\n",
                                        camera.scale->length, name_of(camera.scale->unit))
                          : "  scale      not known: give option 'pitch'\n";
@@ -59,7 +68,8 @@ ordered_json facts_of(const CameraJobResult& result) {
     const Camera& camera = result.fit.camera;
     const tracking::Lens& lens = camera.lens;
     ordered_json facts;
-    facts["board"] = result.views == 0                       ? "rectangle"
+    facts["board"] = result.walls                            ? "walls"
+                     : result.views == 0                     ? "rectangle"
                      : result.board == BoardKind::chessboard ? "chessboard"
                                                              : "dots";
     facts["pictures"] = result.pictures;
@@ -82,7 +92,12 @@ ordered_json facts_of(const CameraJobResult& result) {
         facts["scale_unit"] = name_of(camera.scale->unit);
     }
     facts["largest_shift_px"] = result.largest_shift;
-    facts["residual_px"] = result.views > 0 ? ordered_json(camera.residual_rms) : ordered_json();
+    if (result.walls) {
+        facts["corners_px"] = ordered_json::array();
+        for (const Vec2 p : result.walls->corner) facts["corners_px"].push_back({p.x, p.y});
+    }
+    facts["residual_px"] =
+        result.views > 0 || result.walls ? ordered_json(camera.residual_rms) : ordered_json();
     return facts;
 }
 
@@ -102,9 +117,14 @@ Command::Inputs CalibrateCameraCommand::inputs() const {
 
 std::vector<OptionTable> CalibrateCameraCommand::options() {
     OptionTable own("");
-    own.text("output", output_, "camera file to write (TOML)");
+    own.text("output", output_, "camera file to write (TOML); - prints it");
     describe(job_, own);
     return {own};
+}
+
+std::string CalibrateCameraCommand::default_output(
+    const std::vector<std::filesystem::path>& /*inputs*/) const {
+    return "camera.toml";
 }
 
 Summary CalibrateCameraCommand::run(Session& session) {
@@ -112,8 +132,9 @@ Summary CalibrateCameraCommand::run(Session& session) {
 }
 
 Summary CalibrateCameraCommand::work(Session& session) const {
+    const bool is_printed = is_standard_output(output_);
     require_output(session, output_);
-    if (std::filesystem::path(output_).extension() != ".toml") {
+    if (!is_printed && std::filesystem::path(output_).extension() != ".toml") {
         throw OptionError({.problem = "option 'output' must name a TOML file",
                            .actual = output_,
                            .expected = "a name ending in .toml",
@@ -124,6 +145,14 @@ Summary CalibrateCameraCommand::work(Session& session) const {
     if (session.common.explain) {
         pipelines::plan_camera(job, session);
         return explanation(session.plan);
+    }
+    if (is_printed) {
+        require_no_json_beside(session);
+        const StandardOutputFile camera("camera.toml");
+        job.output = camera.path().string();
+        pipelines::calibrate_camera(job, session);
+        session.outputs.clear();
+        return {.text = camera.text(), .facts = {}, .is_table = true};
     }
     const CameraJobResult result = pipelines::calibrate_camera(job, session);
     return {.text = words(output_, result), .facts = facts_of(result)};

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
+#include <vector>
 
 #include "app/command.h"
 #include "pipelines/camera/camera_job.h"
@@ -15,6 +17,7 @@ class CalibrateCameraCommand : public Command {
     Inputs inputs() const override;
     std::vector<OptionTable> options() override;
     Summary run(Session& session) override;
+    std::string default_output(const std::vector<std::filesystem::path>& inputs) const override;
 
  private:
     Summary work(Session& session) const;

@@ -12,6 +12,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "app/exit_code.h"
 #include "app/session.h"
 #include "core/option_table.h"
 #include "core/results.h"
@@ -21,10 +22,12 @@ namespace grainfield::app {
 
 /// What a command reports when it is done. Commands print nothing themselves.
 struct Summary {
-    std::string text;              ///< for people
-    nlohmann::ordered_json facts;  ///< the command's own keys of the `--json` object
-    int signal = 0;                ///< set if the work was cut short by a signal
-    std::string failure{};         ///< a check that was missed: said last, exit code 5
+    std::string text;                ///< for people
+    nlohmann::ordered_json facts;    ///< the command's own keys of the `--json` object
+    int signal = 0;                  ///< set if the work was cut short by a signal
+    std::string failure{};           ///< a check that was missed: said last, exit code 5
+    bool is_table = false;           ///< the text is the output itself, for standard output
+    ExitCode code = ExitCode::done;  ///< of work that was kept though its source failed
 };
 
 /// A subcommand of `grainfield`.
@@ -56,6 +59,10 @@ class Command {
     /// says and the command line contradicts in other words.
     virtual void make_room_for(const GivenText& /*given*/) {}
     virtual Summary run(Session& session) = 0;
+    /// What --output is where nobody says it, in the present folder; empty: it has to be said.
+    virtual std::string default_output(const std::vector<std::filesystem::path>& /*inputs*/) const {
+        return {};
+    }
 };
 
 /// Every command, in the order of the help text.
@@ -69,6 +76,23 @@ Summary explanation(const RunPlan& plan);
 
 /// Throws OptionError if `output` is empty or is one of the inputs.
 void require_output(const Session& session, const std::string& output);
+
+/// "layer-report.html" for layer-results.h5 and "-report.html": the first input's name, without
+/// what a command before has put behind it.
+std::string named_after(const std::vector<std::filesystem::path>& inputs,
+                        const std::string& ending);
+
+/// "320", or "319.6" of a mean that is not whole.
+std::string mean_text(double mean);
+
+/// Whether the output is standard output, "-".
+bool is_standard_output(const std::string& output);
+
+/// Throws OptionError unless the name ends in .html or .htm.
+void require_html_name(const std::string& output);
+
+/// Throws OptionError if the name of a folder that is not there ends as that of a file.
+void require_folder_name(const std::string& output, const std::string& expected);
 
 /// Throws OptionError unless the name ends in .h5 or .hdf5.
 void require_hdf5_name(const std::string& output);

@@ -24,6 +24,7 @@
 #include "core/support/printable.h"
 #include "core/support/team.h"
 #include "core/version.h"
+#include "pipelines/resumable.h"
 
 namespace grainfield::app {
 
@@ -95,6 +96,7 @@ class BoundCommand {
             if (given_[i]->count() == 0) continue;
             options_.entries()[i].option.set_from_text(given_[i]->results().back());
         }
+        name_output();
         session.command = command_->name();
         session.apply(common_);
         session.inputs.assign(inputs_.begin(), inputs_.end());
@@ -116,6 +118,14 @@ class BoundCommand {
         std::vector<OptionTable> tables = command_->options();
         tables.push_back(describe(common_));
         return tables;
+    }
+
+    void name_output() {
+        for (const OptionSet::Entry& entry : options_.entries()) {
+            if (entry.option.name != "output" || !to_text(entry.option.get()).empty()) continue;
+            const std::string name = command_->default_output({inputs_.begin(), inputs_.end()});
+            if (!name.empty()) entry.option.set_from_text(name);
+        }
     }
 
     void add(const OptionSet::Entry& entry) {
@@ -185,6 +195,8 @@ void print_summary(const Session& session, const Summary& summary) {
         fmt::print(
             "{}\n",
             json_summary(session, summary).dump(2, ' ', false, Json::error_handler_t::replace));
+    } else if (summary.is_table) {
+        fmt::print("{}", summary.text);
     } else if (!session.common.quiet) {
         if (session.common.verbose && !session.common.explain)
             fmt::print("{}", printable(session.plan.text()));
@@ -221,7 +233,12 @@ int run(BoundCommand& command) {
         const Summary summary = command.run(session);
         print_summary(session, summary);
         if (!summary.failure.empty()) throw PhysicsError(summary.failure);
-        if (summary.signal != 0) code = exit_code(summary.signal);
+        code = summary.signal != 0 ? exit_code(summary.signal) : static_cast<int>(summary.code);
+    } catch (const pipelines::AlreadyComplete& complete) {
+        Summary summary;
+        summary.text = std::string(complete.what()) + "\n";
+        summary.facts["complete"] = true;
+        print_summary(session, summary);
     } catch (const std::bad_alloc& error) {
         fmt::print(
             stderr,

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "analysis/observables.h"
+#include "app/standard_output.h"
 #include "core/errors.h"
 #include "core/support/interrupt.h"
 #include "core/support/output_file.h"
@@ -60,8 +61,8 @@ std::vector<OptionTable> CompareCommand::options() {
     own.text("output", output_, "HTML page to write; figures go into a folder beside it");
     own.text(
         "figure", figure_,
-        "draw only this one, for print, into OUTPUT (.pdf, .svg, .png): s-over-s1, s0-over-s1, "
-        "variance, msd, synthetic, sk, …");
+        "draw only this one, for print, into OUTPUT (.pdf, .svg, .png; - prints SVG): s-over-s1, "
+        "s0-over-s1, s0-over-s1-epsilon, variance, msd, synthetic, sk, …");
     own.text("title", report_.title, "title of the page; by default made from the labels");
     own.number("sphere-mm", report_.sphere_mm, "mm", {1e-6, 1e6},
                "true diameter of the spheres, for lengths in mm besides");
@@ -71,12 +72,17 @@ std::vector<OptionTable> CompareCommand::options() {
     return {own};
 }
 
+std::string CompareCommand::default_output(const std::vector<std::filesystem::path>& inputs) const {
+    return named_after(inputs, figure_.empty() ? "-report.html" : "-" + figure_ + ".pdf");
+}
+
 Summary CompareCommand::run(Session& session) {
     return pipelines::run_or_discard("comparison", output_, [&] { return work(session); });
 }
 
 Summary CompareCommand::draw_figure(Session& session) const {
-    const std::string extension = fs::path(output_).extension().string();
+    const bool is_printed = is_standard_output(output_);
+    const std::string extension = is_printed ? ".svg" : fs::path(output_).extension().string();
     const auto form = std::ranges::find(forms, extension, &std::pair<const char*, Form>::first);
     if (form == forms.end()) {
         throw OptionError(
@@ -90,10 +96,16 @@ Summary CompareCommand::draw_figure(Session& session) const {
                                                session.inputs.size(), output_));
         return explanation(session.plan);
     }
-    OutputFile output(output_, session.overwrite);
-    const std::vector<Results> results = read_inputs(session);
     report::ReportOptions options = report_;
     options.hints = analysis::figure_hints();
+    if (is_printed) {
+        require_no_json_beside(session);
+        const StandardOutputFile picture("figure.svg");
+        report::write_figure(read_inputs(session), options, figure_, form->second, picture.path());
+        return {.text = picture.text(), .facts = {}, .is_table = true};
+    }
+    OutputFile output(output_, session.overwrite);
+    const std::vector<Results> results = read_inputs(session);
     const std::string title =
         report::write_figure(results, options, figure_, form->second, output.temporary());
     output.commit();
@@ -107,9 +119,13 @@ Summary CompareCommand::draw_figure(Session& session) const {
 Summary CompareCommand::work(Session& session) const {
     require_output(session, output_);
     if (!figure_.empty()) return draw_figure(session);
+    require_html_name(output_);
     if (session.common.explain) {
-        session.plan.run("report",
-                         fmt::format("{} results to '{}'", session.inputs.size(), output_));
+        session.plan.run(
+            "report",
+            fmt::format("{} to '{}'",
+                        counted(static_cast<std::int64_t>(session.inputs.size()), "result"),
+                        output_));
         if (!report_.figures) session.plan.skip("figures", "--no-figures", "their files");
         return explanation(session.plan);
     }
@@ -119,7 +135,8 @@ Summary CompareCommand::work(Session& session) const {
     page.commit(session);
 
     Summary summary;
-    summary.text = fmt::format("{}: report of {} results\n", output_, results.size());
+    summary.text = fmt::format("{}: report of {}\n", output_,
+                               counted(static_cast<std::int64_t>(results.size()), "result"));
     const std::size_t left_out = session.inputs.size() - results.size();
     if (left_out > 0) summary.text += fmt::format("  left out   {}, see the warnings\n", left_out);
     summary.facts["left_out"] = left_out;

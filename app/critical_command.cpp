@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "app/standard_output.h"
 #include "core/errors.h"
 #include "pipelines/interrupt_deadline.h"
 #include "report/text.h"
@@ -42,7 +43,7 @@ Command::Inputs CriticalCommand::inputs() const {
 
 std::vector<OptionTable> CriticalCommand::options() {
     OptionTable own("");
-    own.text("output", output_, "results file to write");
+    own.text("output", output_, "results file to write; - prints JSON, as --json does");
     own.numbers("values", values_, "", {},
                 "control parameter of each input, as V1,V2,… in their order");
     own.text("parameter", job_.parameter,
@@ -59,22 +60,31 @@ std::vector<OptionTable> CriticalCommand::options() {
     return {own};
 }
 
+std::string CriticalCommand::default_output(
+    const std::vector<std::filesystem::path>& /*inputs*/) const {
+    return "critical.h5";
+}
+
 Summary CriticalCommand::run(Session& session) {
     return pipelines::run_or_discard("critical", output_, [&] { return work(session); });
 }
 
 Summary CriticalCommand::work(Session& session) const {
+    const bool is_printed = is_standard_output(output_);
     require_output(session, output_);
-    require_hdf5_name(output_);
+    if (!is_printed) require_hdf5_name(output_);
     session.plan.run("line", fmt::format("through S0/S1 of {} results", session.inputs.size()));
     if (session.common.explain) return explanation(session.plan);
     pipelines::CriticalJobOptions job = job_;
-    job.output = output_;
+    std::optional<StandardOutputFile> printed;
+    if (is_printed) printed.emplace("critical.h5");
+    job.output = is_printed ? printed->path().string() : output_;
     job.values = values_;
     const auto [runs, critical] = pipelines::find_critical_point(job, session);
+    if (is_printed) session.outputs.clear();
 
     Summary summary;
-    summary.text = words(session, critical, runs);
+    if (!is_printed) summary.text = words(session, critical, runs);
     summary.facts["runs"] = runs;
     for (const Measurement& m : critical.measurements) {
         ordered_json& object = summary.facts[m.name];
@@ -84,6 +94,12 @@ Summary CriticalCommand::work(Session& session) const {
         if (!m.reason.empty()) object["reason"] = m.reason;
     }
     if (!critical.reason.empty()) summary.facts["reason"] = critical.reason;
+    if (is_printed) {
+        summary.is_table = true;
+        summary.text = json_summary(session, summary)
+                           .dump(2, ' ', false, ordered_json::error_handler_t::replace) +
+                       "\n";
+    }
     return summary;
 }
 

@@ -1,7 +1,11 @@
 #include "app/export_command.h"
 
+#include <system_error>
+
 #include <fmt/format.h>
 
+#include "app/output_name.h"
+#include "app/standard_output.h"
 #include "core/errors.h"
 #include "core/support/output_file.h"
 #include "io/file_kind.h"
@@ -20,34 +24,86 @@ namespace fs = std::filesystem;
 
 enum class Form { csv, xyz, curves };
 
-bool is_folder_name(const fs::path& output) {
-    return output.extension().empty() || output.filename().empty();
+std::string expected_name(bool has_points, bool has_curves) {
+    if (!has_points) return "the name of a folder, into which each curve goes as NAME.csv";
+    return has_curves ? "a name that ends in .csv or .xyz for the particles, else the name of a "
+                        "folder for the curves"
+                      : "a name that ends in .csv or .xyz";
 }
 
 Form form_for(const fs::path& input, io::FileKind kind, const fs::path& output) {
     const std::string extension = output.extension().string();
     const bool has_points = kind == io::FileKind::trajectory || kind == io::FileKind::points;
-    if (has_points && extension == ".csv") return Form::csv;
-    if (has_points && extension == ".xyz") return Form::xyz;
     const bool has_curves = kind == io::FileKind::results || kind == io::FileKind::trajectory;
-    if (has_curves && is_folder_name(output)) return Form::curves;
-    if (!has_points && kind != io::FileKind::results) {
+    if (!has_points && !has_curves) {
         throw InputError({.problem = fmt::format("cannot export '{}'", input.string()),
                           .actual = "neither a trajectory, nor results, nor a table of points",
                           .expected = {},
                           .suggestion = fmt::format("see 'grainfield info {}'", input.string())});
     }
+    std::error_code unreachable;
+    const bool is_there = fs::is_directory(output, unreachable);
+    if (has_points && !is_there && extension == ".csv") return Form::csv;
+    if (has_points && !is_there && extension == ".xyz") return Form::xyz;
+    if (has_curves && is_folder_name(output)) return Form::curves;
     throw OptionError(
         {.problem = fmt::format("cannot tell what form '{}' is to have", output.string()),
          .actual = {},
-         .expected = has_points ? "a name that ends in .csv or .xyz" : "the name of a folder",
-         .suggestion = {}});
+         .expected = expected_name(has_points, has_curves),
+         .suggestion = has_curves
+                           ? fmt::format("for a folder of this name give -o {}/", output.string())
+                           : std::string()});
+}
+
+// "layer.csv" of layer.h5, "layer-results-curves" of results; other tables keep their name free.
+std::string exported_name(const std::vector<fs::path>& inputs) {
+    if (inputs.empty()) return {};
+    const std::string name = inputs.front().stem().string();
+    switch (io::identify(inputs.front())) {
+        case io::FileKind::trajectory:
+            return name + ".csv";
+        case io::FileKind::results:
+            return is_folder_name(name + "-curves") ? name + "-curves" : name + "-curves/";
+        case io::FileKind::points:
+            return name + ".xyz";
+        default:
+            return {};
+    }
+}
+
+// Of what is known about a trajectory, only that frames of it are missing changes a table of it.
+void warn_of_missing(const SnapshotSource& snapshots, RunPlan& plan) {
+    const auto* file = dynamic_cast<const io::TrajectoryFile*>(&snapshots);
+    if (file == nullptr) return;
+    for (const Warning& warning : file->record().warnings) {
+        if (warning.code == WarningCode::incomplete) plan.warn(warning);
+    }
+}
+
+std::unique_ptr<SnapshotSource> open_to_export(const fs::path& input, RunPlan& plan) {
+    auto snapshots = io::open_snapshots(input, std::nullopt, {});
+    warn_of_missing(*snapshots, plan);
+    return snapshots;
+}
+
+// {"sk": {"sk": {"k": [...], "s": [...]}, ...}, ...}
+std::string curves_json(const Results& results) {
+    nlohmann::ordered_json all = nlohmann::ordered_json::object();
+    for (const ObservableResult& observable : results.observables) {
+        for (const Curve& curve : observable.curves) {
+            nlohmann::ordered_json& table = all[observable.name][curve.name];
+            for (const Column& column : curve.columns) table[column.name] = column.values;
+            for (const auto& [name, words] : curve.text_columns) table[name] = words;
+        }
+    }
+    return all.dump() + "\n";
 }
 
 // Results as they are; of a trajectory, the tables that a simulation keeps beside it.
-Results curves_of(const fs::path& input) {
+Results curves_of(const fs::path& input, RunPlan& plan) {
     if (io::identify(input) == io::FileKind::results) return io::read_results(input);
     const io::TrajectoryFile file(input);
+    warn_of_missing(file, plan);
     if (file.curves().empty()) {
         throw InputError({.problem = fmt::format("'{}' holds no curves", input.string()),
                           .actual = {},
@@ -76,22 +132,34 @@ Command::Inputs ExportCommand::inputs() const {
 
 std::vector<OptionTable> ExportCommand::options() {
     OptionTable own("");
-    own.text("output", output_, "FILE.csv or FILE.xyz for trajectories, a folder for curves");
+    own.text(
+        "output", output_,
+        "FILE.csv or FILE.xyz for trajectories, a folder for curves; - prints CSV, of curves JSON");
     own.flag("header", form_.header,
              "units, diameter, rate and box as comments in the CSV; else in FILE.csv.meta");
     own.choice("digits", form_.digits,
                {{"as-errors", io::Digits::as_errors}, {"all", io::Digits::all}},
                "of positions: to a tenth of their error, or all that a number has");
     own.text("overlay", overlay_output_,
-             "FILE.mp4: the film with detections, trails and |Q4| colours; in place of --output");
-    own.text(
-        "film", film_,
-        "of --overlay: the video or folder of frames that was tracked; by default as recorded");
+             "FILE.mp4: the film with detections, trails and a colour key; in place of --output");
+    own.text("film", film_,
+             "of --overlay: the video, folder or pattern that was tracked; by default as recorded; "
+             "none: on white");
+    own.choice("colour", overlay_.colour,
+               {{"q4", pipelines::OverlayColour::order},
+                {"speed", pipelines::OverlayColour::speed},
+                {"layer", pipelines::OverlayColour::layer},
+                {"phase", pipelines::OverlayColour::phase}},
+               "of --overlay: what the colours of the particles tell");
     own.integer("trail", overlay_.trail, "frames", {0, 10000},
                 "of --overlay: length of the trails");
     own.number("overlay-fps", overlay_.fps, "1/s", {0.01, 1000},
                "of --overlay: rate of the video; auto: as filmed, 25 above 60");
     return {own};
+}
+
+std::string ExportCommand::default_output(const std::vector<std::filesystem::path>& inputs) const {
+    return overlay_output_.empty() ? exported_name(inputs) : std::string();
 }
 
 Summary ExportCommand::run(Session& session) {
@@ -132,7 +200,27 @@ Summary ExportCommand::run_overlay(Session& session) const {
     return summary;
 }
 
+// The table of a trajectory as CSV, curves as JSON.
+Summary ExportCommand::print(Session& session) const {
+    require_no_json_beside(session);
+    const fs::path& input = session.inputs.front();
+    const io::FileKind kind = io::identify(input);
+    Summary summary;
+    summary.is_table = true;
+    if (kind == io::FileKind::results) {
+        summary.text = curves_json(io::read_results(input));
+        return summary;
+    }
+    form_for(input, kind, "table.csv");
+    const StandardOutputFile table("table.csv");
+    const auto snapshots = open_to_export(input, session.plan);
+    io::export_csv(*snapshots, table.path(), Overwrite::refuse, form_);
+    summary.text = table.text();
+    return summary;
+}
+
 Summary ExportCommand::work(Session& session) const {
+    if (is_standard_output(output_) && !session.common.explain) return print(session);
     require_output(session, output_);
     const auto overwrite = session.overwrite;
     const fs::path& input = session.inputs.front();
@@ -142,13 +230,14 @@ Summary ExportCommand::work(Session& session) const {
 
     Summary summary;
     if (form == Form::curves) {
-        const Results results = curves_of(input);
+        const Results results = curves_of(input, session.plan);
         io::export_curves(results, output_, overwrite);
-        summary.text =
-            fmt::format("{}: curves of {} observables\n", output_, results.observables.size());
+        summary.text = fmt::format(
+            "{}: curves of {}\n", output_,
+            counted(static_cast<std::int64_t>(results.observables.size()), "observable"));
         summary.facts["observables"] = results.observables.size();
     } else {
-        const auto snapshots = io::open_snapshots(input, std::nullopt, {});
+        const auto snapshots = open_to_export(input, session.plan);
         if (form == Form::csv) io::export_csv(*snapshots, output_, overwrite, form_);
         if (form == Form::xyz) io::export_xyz(*snapshots, output_, overwrite, form_.digits);
         summary.text = fmt::format("{}: {}\n", output_, counted(snapshots->count(), "frame"));

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
+#include <vector>
 
 #include "app/command.h"
 #include "io/text/export_files.h"
@@ -16,9 +18,11 @@ class ExportCommand : public Command {
     Inputs inputs() const override;
     std::vector<OptionTable> options() override;
     Summary run(Session& session) override;
+    std::string default_output(const std::vector<std::filesystem::path>& inputs) const override;
 
  private:
     Summary work(Session& session) const;
+    Summary print(Session& session) const;
     Summary run_overlay(Session& session) const;
 
     std::string output_;

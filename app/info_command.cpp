@@ -5,6 +5,7 @@
 #include "core/errors.h"
 #include "io/file_kind.h"
 #include "io/frame_files.h"
+#include "io/frame_scale.h"
 #include "io/h5/field_file.h"
 #include "io/h5/fingerprint.h"
 #include "io/h5/results_file.h"
@@ -97,7 +98,7 @@ class Sheet {
     }
 
     void add_record(const RunRecord& record) {
-        if (record.command.empty()) return;
+        if (record.command.empty()) return add_warnings(record);  // of a run that was cut off
         add("made_by", "made by",
             ordered_json{
                 {"command", record.command}, {"version", record.version}, {"seed", record.seed}},
@@ -115,14 +116,18 @@ class Sheet {
         for (const std::string& skipped : record.skipped) {
             summary_.text += fmt::format("  {:<12} {}\n", "skipped", skipped);
         }
-        for (const Warning& warning : record.warnings) {
-            summary_.text += fmt::format("  {:<12} {}\n", "warning", warning.text);
-        }
+        add_warnings(record);
     }
 
     Summary take() { return std::move(summary_); }
 
  private:
+    void add_warnings(const RunRecord& record) {
+        for (const Warning& warning : record.warnings) {
+            summary_.text += fmt::format("  {:<12} {}\n", "warning", warning.text);
+        }
+    }
+
     Summary summary_;
 };
 
@@ -183,7 +188,7 @@ Summary describe_results(const std::filesystem::path& path) {
     }
     sheet.add("frames", "frames", results.frames);
     sheet.add("particles_mean", "particles", results.particles_mean,
-              fmt::format("{:.1f} per frame", results.particles_mean));
+              fmt::format("{} per frame", mean_text(results.particles_mean)));
     sheet.add_info(results.source);
     sheet.add_lab(results.source, lab_of(results));
     sheet.add_box(results.box, name(results.source.length_unit));
@@ -269,6 +274,13 @@ Summary describe_calibration(const std::filesystem::path& path) {
     sheet.add("core", "core", model.dark_level, fmt::format("{:.1f} counts", model.dark_level));
     sheet.add("residual", "residual", kept.check.residual,
               fmt::format("{:.4f} of the contrast", kept.check.residual));
+    if (kept.bias) {
+        const tracking::BiasCorrection& bias = *kept.bias;
+        sheet.add("bias", "bias",
+                  ordered_json{{"rms_before_a", bias.before}, {"rms_after_a", bias.after}},
+                  fmt::format("positions corrected: {:.4f} to {:.4f} a RMS on synthesised frames",
+                              bias.before, bias.after));
+    }
     if (kept.camera) {
         sheet.add(
             "camera_residual_px", "camera", kept.camera->residual_rms,
@@ -313,6 +325,11 @@ Summary describe_frames(Session& session) {
     sheet.add("width", "width", frames->width(), fmt::format("{} px", frames->width()));
     sheet.add("height", "height", frames->height(), fmt::format("{} px", frames->height()));
     sheet.add("bit_depth", "bit depth", frames->bit_depth());
+    if (const auto* scale = dynamic_cast<const io::FrameScale*>(frames.get());
+        scale != nullptr && scale->pixel_mm()) {
+        sheet.add("pixel_mm", "pixel", *scale->pixel_mm(),
+                  fmt::format("{:.6g} mm", *scale->pixel_mm()));
+    }
     if (frames->frame_rate()) {
         sheet.add("frame_rate", "frame rate", *frames->frame_rate(),
                   fmt::format("{:.6g} per s", *frames->frame_rate()));

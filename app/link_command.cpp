@@ -13,14 +13,13 @@ using pipelines::LinkJobResult;
 
 std::string words(const Session& session, const LinkJobResult& result) {
     std::string text = fmt::format(
-        "{}: {} of {}, {:.1f} particles per frame\n"
+        "{}: {} of {}, {} particles per frame\n"
         "  tracks     {} begun, {} ended; RMS step {:.3f} px; {} across missing frames\n",
         session.outputs.front().string(), counted(result.parts, "part"),
-        counted(result.frames, "frame"), result.particles_mean, result.links.started,
+        counted(result.frames, "frame"), mean_text(result.particles_mean), result.links.started,
         result.links.ended, result.step_rms, counted(result.links.bridged, "step"));
     if (result.layers.spheres > 0) {
-        text += fmt::format("  layers     {} of {} positions named\n", result.layers.labelled,
-                            result.layers.spheres);
+        text += fmt::format("  layers     {}\n", tracking::in_words(result.layers));
     }
     return text + fmt::format("  time       {}\n", format_duration(session.seconds()));
 }
@@ -35,6 +34,9 @@ ordered_json facts(const LinkJobResult& result) {
     facts["layers"] = nullptr;
     if (result.layers.spheres > 0) {
         facts["layers"] = {{"labelled", result.layers.labelled},
+                           {"bottom", result.layers.labelled - result.layers.top},
+                           {"top", result.layers.top},
+                           {"unknown", result.layers.spheres - result.layers.labelled},
                            {"positions", result.layers.spheres},
                            {"contradictory", result.layers.contradictory}};
     }
@@ -65,6 +67,10 @@ std::vector<OptionTable> LinkCommand::options() {
 std::vector<std::string> LinkCommand::usual() const {
     return {"output",    "allow-gaps",     "allow-overlaps", "search-range", "memory",
             "predictor", "minimum-length", "threads",        "force",        "json"};
+}
+
+std::string LinkCommand::default_output(const std::vector<std::filesystem::path>& inputs) const {
+    return named_after(inputs, "-linked.h5");
 }
 
 Summary LinkCommand::run(Session& session) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ class LinkCommand : public Command {
     std::vector<OptionTable> options() override;
     std::vector<std::string> usual() const override;
     Summary run(Session& session) override;
+    std::string default_output(const std::vector<std::filesystem::path>& inputs) const override;
 
  private:
     std::string output_;

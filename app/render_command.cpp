@@ -1,11 +1,13 @@
 #include "app/render_command.h"
 
 #include <cctype>
+#include <chrono>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "app/optics_summary.h"
+#include "io/frame_files.h"
 
 namespace grainfield::app {
 
@@ -43,6 +45,9 @@ std::vector<OptionTable> RenderCommand::options() {
     own.integer("most-frames", job_.most_frames, "-", {0, 1e12},
                 "render no more than these, 0: all");
     own.choice("format", job_.format, writable_formats(), "of pictures in a folder");
+    own.flag("resume", job_.resume.resume, "go on from OUTPUT.checkpoint if it is there");
+    own.affects(Effect::call);  // a run that was gone on with is recorded as one
+    own.number("checkpoint-every", checkpoint_every_, "min", {0, 1e6}, "time between checkpoints");
     std::vector<OptionTable> tables{own};
     for (OptionTable& table : simulate::describe(job_.render)) tables.push_back(std::move(table));
     return tables;
@@ -53,18 +58,27 @@ std::vector<std::string> RenderCommand::usual() const {
             "camera", "width", "height", "scale",       "frame-rate"};
 }
 
+std::string RenderCommand::default_output(const std::vector<std::filesystem::path>& inputs) const {
+    return named_after(inputs, "-film.mkv");
+}
+
 Summary RenderCommand::run(Session& session) {
+    job_.resume.every = std::chrono::duration<double>(60 * checkpoint_every_);
     if (session.common.explain) {
         pipelines::plan_rendering(job_, session);
         return explanation(session.plan);
     }
     require_output(session, job_.output);
+    if (!io::is_video_name(job_.output)) {
+        require_folder_name(job_.output, "FILE.avi, FILE.mkv or the name of a folder");
+    }
     if (!job_.truth.empty()) require_output(session, job_.truth);
     const pipelines::RenderJobResult result = pipelines::render_frames(job_, session);
     Summary summary;
     summary.signal = result.signal;
     summary.facts["frames"] = result.frames;
     summary.facts["lost_frames"] = result.lost;
+    summary.facts["kept_frames"] = result.kept;
     summary.facts["particles_mean"] = result.particles_mean;
     summary.facts["scale_px"] = result.scale;
     summary.facts["frame_rate"] =
@@ -72,10 +86,11 @@ Summary RenderCommand::run(Session& session) {
     summary.facts["ms_per_frame"] = result.ms_per_frame;
     summary.facts["write_ms_per_frame"] = result.write_ms_per_frame;
     summary.text = fmt::format(
-        "{}: {} frames ({} lost), {:.0f} spheres a frame, {:.4g} px per diameter\n"
+        "{}: {} frames ({} lost{}), {:.0f} spheres a frame, {:.4g} px per diameter\n"
         "  {:.1f} ms a frame to render, {:.1f} ms to write\n",
-        job_.output, result.frames, result.lost, result.particles_mean, result.scale,
-        result.ms_per_frame, result.write_ms_per_frame);
+        job_.output, result.frames, result.lost,
+        result.kept > 0 ? fmt::format(", {} of an interrupted run", result.kept) : "",
+        result.particles_mean, result.scale, result.ms_per_frame, result.write_ms_per_frame);
     add_optics_summary(result.optics, summary);
     return summary;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -17,9 +18,11 @@ class RenderCommand : public Command {
     std::vector<OptionTable> options() override;
     std::vector<std::string> usual() const override;
     Summary run(Session& session) override;
+    std::string default_output(const std::vector<std::filesystem::path>& inputs) const override;
 
  private:
     pipelines::RenderJobOptions job_;
+    double checkpoint_every_ = 1;  ///< [min]
 };
 
 }  // namespace grainfield::app

@@ -88,6 +88,7 @@ std::vector<std::string> RunCommand::usual() const {
 Summary RunCommand::run(Session& session) {
     pipelines::RunJobOptions job = job_;
     job.folder = folder_.empty() ? pipelines::default_folder(session.inputs).string() : folder_;
+    require_folder_name(job.folder.string(), "the name of a folder");
     // Tracks that are kept say the same, or the run is refused.
     job.report.sphere_mm = job.track.lab.sphere_mm;
     job.analyze.adjustment.acceleration = job.track.lab.acceleration();

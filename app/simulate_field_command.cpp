@@ -101,6 +101,11 @@ std::vector<std::string> SimulateFieldCommand::usual() const {
     return {"output", "nu", "b", "dimension", "nx", "ny", "relax", "record", "replicas", "resume"};
 }
 
+std::string SimulateFieldCommand::default_output(
+    const std::vector<std::filesystem::path>& /*inputs*/) const {
+    return "field.h5";
+}
+
 Summary SimulateFieldCommand::run(Session& session) {
     require_output(session, output_);
     require_hdf5_name(output_);

@@ -17,6 +17,8 @@ using pipelines::MdJobResult;
 ordered_json facts(const MdJobResult& result) {
     ordered_json facts;
     facts["periods"] = result.periods;
+    facts["snapshots"] = result.snapshots;
+    facts["periods_discarded"] = result.discarded;
     facts["events"] = result.events;
     facts["events_per_second"] = result.events_per_second;
     facts["amplitude"] = result.motion.amplitude;
@@ -58,7 +60,11 @@ std::string words(const std::string& output, const MdJobResult& result, const La
     std::string text =
         fmt::format("{}: {:g} periods, {} events in {}, {:.3g} events/s\n", output, result.periods,
                     result.events, format_duration(result.seconds), result.events_per_second);
-    text += "  vibration  " + motion_in_words(result, lab) + "\n";
+    text += fmt::format("  {}", counted(result.snapshots, "snapshot"));
+    if (result.discarded > 0) {
+        text += fmt::format(" ({:g} of {:g} periods discarded)", result.discarded, result.periods);
+    }
+    text += "\n  vibration  " + motion_in_words(result, lab) + "\n";
     text += fmt::format(
         "  per grain and period (later half)  pair {:.3f}, low plate {:.3f}, high plate {:.3f}\n",
         means.pair, means.low_plate, means.high_plate);
@@ -107,6 +113,11 @@ void SimulateMdCommand::make_room_for(const GivenText& given) {
 std::vector<std::string> SimulateMdCommand::usual() const {
     return {"output", "grains",  "length-x", "length-y", "height",
             "gamma",  "periods", "start",    "resume",   "threads"};
+}
+
+std::string SimulateMdCommand::default_output(
+    const std::vector<std::filesystem::path>& /*inputs*/) const {
+    return "md.h5";
 }
 
 Summary SimulateMdCommand::run(Session& session) {

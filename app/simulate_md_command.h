@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@ class SimulateMdCommand : public Command {
     std::vector<std::string> usual() const override;
     void make_room_for(const GivenText& given) override;
     Summary run(Session& session) override;
+    std::string default_output(const std::vector<std::filesystem::path>& inputs) const override;
 
  private:
     std::string output_;

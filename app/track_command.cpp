@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "core/errors.h"
+
 namespace grainfield::app {
 
 namespace {
@@ -72,11 +74,18 @@ std::string camera_in_words(const TrackJobResult& result) {
     return text + fmt::format("; residual {:.3f} px\n", camera.residual_rms);
 }
 
+std::string bias_in_words(const TrackJobResult& result) {
+    if (!result.bias) return "";
+    return fmt::format(
+        "  bias       positions corrected: {:.4f} to {:.4f} a RMS on synthesised frames\n",
+        result.bias->before, result.bias->after);
+}
+
 std::string words(const Session& session, const TrackJobResult& result, const LabUnits& lab) {
     const tracking::TrackSummary& summary = result.summary;
     std::string text =
-        fmt::format("{}: {}, {:.1f} particles per frame\n", session.outputs.front().string(),
-                    counted(summary.frames, "frame"), summary.particles_mean);
+        fmt::format("{}: {}, {} particles per frame\n", session.outputs.front().string(),
+                    counted(summary.frames, "frame"), mean_text(summary.particles_mean));
     if (const std::int64_t bad = summary.frames_corrupt + summary.frames_missing; bad > 0) {
         text += fmt::format("  left out   {}: {} corrupt, {} missing\n", counted(bad, "frame"),
                             summary.frames_corrupt, summary.frames_missing);
@@ -95,10 +104,11 @@ std::string words(const Session& session, const TrackJobResult& result, const La
         text += fmt::format("  residual   {:.4f} of the contrast (RMS)\n", summary.residual_rms);
     }
     if (summary.layers.spheres > 0) {
-        text += fmt::format("  layers     {} of {} positions named, {} left out as impossible\n",
-                            summary.layers.labelled, summary.layers.spheres,
+        text += fmt::format("  layers     {}; {} left out as impossible\n",
+                            tracking::in_words(summary.layers),
                             summary.layers.rejected_pairs + summary.layers.rejected_triples);
     }
+    text += bias_in_words(result);
     text += synthesis_in_words(summary.synthesis);
     const auto& ms = summary.ms_per_frame;
     const std::string synthesis =
@@ -127,6 +137,7 @@ void add_units(ordered_json& facts, const TrackJobResult& result, const LabUnits
     facts["frame_rate"] = known(info.frame_rate);
     facts["frame_rate_source"] = result.rate_source == RateSource::given  ? "given"
                                  : result.rate_source == RateSource::file ? "file"
+                                 : result.rate_source == RateSource::live ? "live"
                                                                           : "unknown";
     facts["sphere_px"] = info.diameter;
     facts["sphere_px_source"] = is_apparent ? "apparent" : "given";
@@ -162,10 +173,18 @@ ordered_json facts(const TrackJobResult& result, const LabUnits& lab) {
     if (summary.layers.spheres > 0) {
         const auto& layers = summary.layers;
         facts["layers"] = {{"labelled", layers.labelled},
+                           {"bottom", layers.labelled - layers.top},
+                           {"top", layers.top},
+                           {"unknown", layers.spheres - layers.labelled},
                            {"positions", layers.spheres},
                            {"contradictory", layers.contradictory},
                            {"rejected_pairs", layers.rejected_pairs},
                            {"rejected_triples", layers.rejected_triples}};
+    }
+    facts["bias"] = nullptr;
+    if (result.bias) {
+        facts["bias"] = {{"rms_before_a", result.bias->before},
+                         {"rms_after_a", result.bias->after}};
     }
     facts["synthesis"] = synthesis_facts(summary);
     facts["unsettled"] = summary.unsettled;
@@ -174,6 +193,46 @@ ordered_json facts(const TrackJobResult& result, const LabUnits& lab) {
     facts["repeated_frames"] = summary.repeated;
     facts["contrast_range"] = {summary.dimmest, summary.brightest};
     return facts;
+}
+
+/// What is said of the source of a live run.
+std::string live_in_words(const pipelines::LiveJobResult& result) {
+    const io::LiveCounts& counts = result.counts;
+    std::string text = fmt::format("  live       {} came", counted(counts.arrived, "frame"));
+    if (counts.captured != counts.arrived) text += fmt::format(", {} wanted", counts.captured);
+    text += fmt::format(", {} dropped", counts.dropped);
+    if (result.untracked > 0) text += fmt::format(", {} not waited for", result.untracked);
+    if (counts.rate() > 0) text += fmt::format("; {:.4g} a second", counts.rate());
+    return text + (result.signal != 0       ? "; ended by a signal\n"
+                   : result.is_silent       ? "; the source fell silent\n"
+                   : !counts.damage.empty() ? "; the source broke off\n"
+                                            : "; the source ended\n");
+}
+
+ordered_json live_facts(const pipelines::LiveJobResult& result) {
+    const io::LiveCounts& counts = result.counts;
+    return {{"frames_arrived", counts.arrived},
+            {"frames_captured", counts.captured},
+            {"frames_dropped", counts.dropped},
+            {"frames_untracked", result.untracked},
+            {"seconds", counts.seconds},
+            {"damage", counts.damage.empty() ? ordered_json() : ordered_json(counts.damage)},
+            {"signal", result.signal}};
+}
+
+/// Throws OptionError where neither a film nor a live source is given, or live options without one.
+void require_film(const Session& session, const pipelines::LiveJobOptions& live) {
+    if (session.inputs.empty()) {
+        throw OptionError({.problem = "'track' has no input",
+                           .actual = {},
+                           .expected = "at least one VIDEO|IMAGE, or a live source (option 'live')",
+                           .suggestion = "see 'grainfield track --help'"});
+    }
+    if (live.preview.empty() && live.size.empty() && !live.waits) return;
+    throw OptionError({.problem = "option 'live' is not given",
+                       .actual = "options of a live source are",
+                       .expected = {},
+                       .suggestion = "name the source with 'live', or leave them out"});
 }
 
 }  // namespace
@@ -187,7 +246,7 @@ Command::Inputs TrackCommand::inputs() const {
             .meaning =
                 "videos, images (PNG, TIFF, JPEG, BMP, PGM), a folder or a quoted pattern of "
                 "them: one film in natural order",
-            .count = Count::many};
+            .count = Count::any};
 }
 
 std::vector<OptionTable> TrackCommand::options() {
@@ -210,6 +269,7 @@ std::vector<OptionTable> TrackCommand::options() {
     own.flag("resume", job_.resume.resume, "go on from OUTPUT.checkpoint if it is there");
     own.affects(Effect::call);  // a run that was gone on with is recorded as one
     own.number("checkpoint-every", checkpoint_every_, "min", {0, 1e6}, "time between checkpoints");
+    describe(live_, own);
     std::vector<OptionTable> tables{own};
     for (OptionTable& table : tracking::describe(job_.tracking)) tables.push_back(std::move(table));
     return tables;
@@ -227,11 +287,17 @@ std::vector<std::string> TrackCommand::usual() const {
             "region", "mask", "background",      "resume"};
 }
 
+std::string TrackCommand::default_output(const std::vector<std::filesystem::path>& inputs) const {
+    return named_after(inputs, "-tracks.h5");
+}
+
 Summary TrackCommand::run(Session& session) {
     require_output(session, output_);
     require_hdf5_name(output_);
     job_.output = output_;
     job_.resume.every = std::chrono::duration<double>(60 * checkpoint_every_);
+    if (!live_.source.empty()) return run_live(session);
+    require_film(session, live_);
     if (session.common.explain) {
         pipelines::plan_tracking(job_, session);
         return explanation(session.plan);
@@ -240,6 +306,20 @@ Summary TrackCommand::run(Session& session) {
     return {.text = words(session, result, result.lab),
             .facts = facts(result, result.lab),
             .signal = result.signal};
+}
+
+/// A signal is the usual end of a live run: exit code 0. A source that fell silent is none.
+Summary TrackCommand::run_live(Session& session) const {
+    if (session.common.explain) {
+        pipelines::plan_live(live_, job_, session);
+        return explanation(session.plan);
+    }
+    const pipelines::LiveJobResult result = pipelines::track_live(live_, job_, session);
+    Summary summary{.text = words(session, result.track, result.track.lab) + live_in_words(result),
+                    .facts = facts(result.track, result.track.lab)};
+    summary.facts["live"] = live_facts(result);
+    if (result.is_silent) summary.code = ExitCode::bad_input;
+    return summary;
 }
 
 }  // namespace grainfield::app

@@ -65,6 +65,10 @@ std::vector<std::string> TuneCommand::usual() const {
             "background", "disc-diameter", "polarity", "profile", "meeting-edges"};
 }
 
+std::string TuneCommand::default_output(const std::vector<std::filesystem::path>& inputs) const {
+    return named_after(inputs, "-tune.html");
+}
+
 Summary TuneCommand::run(Session& session) {
     return pipelines::run_or_discard("tuning", output_, [&] { return work(session); });
 }
@@ -75,6 +79,7 @@ Summary TuneCommand::work(Session& session) {
         return explanation(session.plan);
     }
     require_output(session, output_);
+    require_html_name(output_);
     job_.output = output_;
     job_.in_words = [&](const std::vector<pipelines::Setting>& settings) {
         return track_command_line(settings, session.inputs);
@@ -93,10 +98,10 @@ Summary TuneCommand::work(Session& session) {
     const std::string command_line = job_.in_words(result.settings);
 
     summary.text = fmt::format(
-        "{}: {} looked at, {:.1f} spheres a frame, residual {:.4f} of the contrast\n"
+        "{}: {} looked at, {} spheres a frame, residual {:.4f} of the contrast\n"
         "  settings   {}\n  try        {}\n",
-        output_, counted(result.frames, "frame"), result.particles_mean, result.residual_rms,
-        result.settings_file.string(), command_line);
+        output_, counted(result.frames, "frame"), mean_text(result.particles_mean),
+        result.residual_rms, result.settings_file.string(), command_line);
     summary.facts["frames"] = result.frames;
     summary.facts["particles_mean"] = result.particles_mean;
     summary.facts["residual_rms"] = result.residual_rms;

@@ -43,6 +43,11 @@ std::vector<std::string> ValidateCommand::usual() const {
             "scale",  "scenes",     "periods", "previews", "figures"};
 }
 
+std::string ValidateCommand::default_output(
+    const std::vector<std::filesystem::path>& /*inputs*/) const {
+    return "validation.html";
+}
+
 Summary ValidateCommand::run(Session& session) {
     const bool is_random = pipelines::is_random(job_);
     if (session.common.explain) {
@@ -54,6 +59,7 @@ Summary ValidateCommand::run(Session& session) {
         return explanation(session.plan);
     }
     require_output(session, output_);
+    require_html_name(output_);
     job_.output = output_;
     return is_random ? run_random(session) : run_one_camera(session);
 }

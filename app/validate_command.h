@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@ class ValidateCommand : public Command {
     std::vector<OptionTable> options() override;
     std::vector<std::string> usual() const override;
     Summary run(Session& session) override;
+    std::string default_output(const std::vector<std::filesystem::path>& inputs) const override;
 
  private:
     Summary run_random(Session& session);

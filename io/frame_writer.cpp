@@ -36,4 +36,20 @@ std::vector<std::uint8_t> counts_of(const Frame& frame, const FrameWriterOptions
     return bytes;
 }
 
+Image image_of(const std::vector<std::uint8_t>& counts, const FrameWriterOptions& options) {
+    Image image(options.width, options.height);
+    const std::size_t size = options.bit_depth <= 8 ? 1 : 2;
+    if (counts.size() != size * image.size()) {
+        throw InputError({.problem = "these counts are of another image",
+                          .actual = fmt::format("{} bytes", counts.size()),
+                          .expected = fmt::format("{}", size * image.size()),
+                          .suggestion = {}});
+    }
+    for (std::size_t i = 0; i < image.size(); ++i) {
+        const unsigned high = size == 1 ? 0U : static_cast<unsigned>(counts[2 * i + 1]) << 8U;
+        image.pixels()[i] = static_cast<float>(counts[size * i] + high);
+    }
+    return image;
+}
+
 }  // namespace grainfield::io

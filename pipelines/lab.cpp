@@ -83,9 +83,10 @@ std::string rate_in_words(const TrajectoryInfo& info, RateSource source) {
     if (!info.frame_rate || source == RateSource::unknown) {
         return "not known, times are in frames: give option 'fps'";
     }
-    return fmt::format(
-        "{:.6g} frames a second, {}", *info.frame_rate,
-        source == RateSource::given ? "given" : "from the file: is that the filming rate?");
+    const char* origin = source == RateSource::given  ? "given"
+                         : source == RateSource::live ? "as the source says"
+                                                      : "from the file: is that the filming rate?";
+    return fmt::format("{:.6g} frames a second, {}", *info.frame_rate, origin);
 }
 
 std::string scale_in_words(const TrajectoryInfo& info, const LabUnits& lab) {

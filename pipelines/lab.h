@@ -35,7 +35,7 @@ std::optional<Curve> curve_of(const LabUnits& lab);
 LabUnits lab_units_in(const std::vector<Curve>& curves);
 
 /// Where the frame rate of a film comes from.
-enum class RateSource { given, file, unknown };
+enum class RateSource { given, file, live, unknown };
 
 /// "25 frames a second, from the file: is that the filming rate?"
 std::string rate_in_words(const TrajectoryInfo& info, RateSource source);

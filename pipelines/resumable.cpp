@@ -1,5 +1,6 @@
 #include "pipelines/resumable.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <system_error>
@@ -12,7 +13,10 @@
 
 #include "core/errors.h"
 #include "core/version.h"
+#include "io/file_kind.h"
 #include "io/h5/checkpoint_file.h"
+#include "io/h5/field_file.h"
+#include "io/h5/trajectory_file.h"
 
 namespace grainfield::pipelines {
 
@@ -44,6 +48,57 @@ std::string version_of(const Checkpoint& checkpoint) {
                                                                         : found->second.front();
 }
 
+std::optional<RunRecord> record_of(const fs::path& path) {
+    try {
+        switch (io::identify(path)) {
+            case io::FileKind::trajectory:
+                return io::TrajectoryFile(path).record();
+            case io::FileKind::field:
+                return io::FieldFile(path).record();
+            default:
+                return std::nullopt;
+        }
+    } catch (const InputError&) {
+        return std::nullopt;
+    }
+}
+
+/// In what the run that a record is of differs from the job; empty: in nothing.
+std::string differences_of(const RunRecord& made, const Job& job) {
+    const RunRecord now = job.record();
+    std::string text;
+    const auto compare = [&](const std::string& name, const std::string& there,
+                             const std::string& here) {
+        if (there == here) return;
+        text += fmt::format("{}{}: {} there, {} now", text.empty() ? "" : "; ", name,
+                            there.empty() ? "nothing" : there, here.empty() ? "nothing" : here);
+    };
+    compare("command", made.command, now.command);
+    compare("version", made.version, now.version);
+    compare("seed", std::to_string(made.seed), std::to_string(now.seed));
+    const auto value_in = [](const RunRecord& record, const std::string& name) {
+        for (const auto& [known, value] : record.configuration) {
+            if (known == name) return value;
+        }
+        return std::string();
+    };
+    for (const auto& [name, value] : made.configuration) compare(name, value, value_in(now, name));
+    for (const auto& [name, value] : now.configuration) {
+        if (value_in(made, name).empty()) compare(name, "", value);
+    }
+    const auto contents = [](const RunRecord& record) {
+        std::string all;
+        for (const RunRecord::Input& input : record.inputs) {
+            all += fmt::format("{} B {} ", input.bytes, input.checksum);
+        }
+        return all;
+    };
+    if (contents(made) != contents(now)) {
+        text += fmt::format("{}the content of its inputs", text.empty() ? "" : "; ");
+    }
+    return text;
+}
+
 [[noreturn]] void refuse(const fs::path& path, std::string actual, std::string expected,
                          std::string suggestion) {
     throw InputError({.problem = fmt::format("cannot go on from '{}'", path.string()),
@@ -58,7 +113,11 @@ Resumable::Resumable(Job& job, Identity identity, const ResumeOptions& options)
     : job_(job), identity_(std::move(identity)), options_(options) {
     // Without an output, which a plan need not have, there is nothing beside it.
     is_saved_ = !identity_.output.empty() && is_there(checkpoint_path());
-    if (!is_saved_ || !options_.resume) return;
+    if (!options_.resume) return;
+    if (!is_saved_) {
+        look_for_complete_output();
+        return;
+    }
     from_ = io::read_checkpoint(checkpoint_path());
     require_same_run(*from_);
     log_bytes();
@@ -87,6 +146,27 @@ void Resumable::require_same_run(const Checkpoint& checkpoint) const {
                "finish the run with the program that began it, or start it anew");
     }
     io::require_same_configuration(checkpoint, identity_.configuration, checkpoint_path());
+}
+
+void Resumable::look_for_complete_output() const {
+    if (job_.overwrite == Overwrite::force || identity_.record.empty()) return;
+    if (!is_there(identity_.output) || !is_there(identity_.record)) return;
+    const std::optional<RunRecord> made = record_of(identity_.record);
+    if (!made || made->command.empty()) return;  // not one of ours: it exists, as any file
+    const bool is_cut_short = std::ranges::any_of(made->warnings, [](const Warning& warning) {
+        return warning.code == WarningCode::incomplete || warning.text.starts_with("interrupted");
+    });
+    if (is_cut_short) return;
+    const std::string differences = differences_of(*made, job_);
+    if (!differences.empty()) {
+        throw InputError({.problem = fmt::format("'{}' is complete, and was made otherwise",
+                                                 identity_.output.string()),
+                          .actual = differences,
+                          .expected = "the command and settings that made it",
+                          .suggestion = "give another name, or option 'force' to begin anew"});
+    }
+    throw AlreadyComplete(
+        fmt::format("{}: complete already, nothing to do", identity_.output.string()));
 }
 
 std::int64_t Resumable::log_bytes() const {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <stdexcept>
 #include <string>
 
 #include "core/support/checkpoint.h"
@@ -17,6 +18,12 @@ namespace grainfield::pipelines {
 struct ResumeOptions {
     bool resume = false;                      ///< go on from the checkpoint if it is there
     std::chrono::duration<double> every{60};  ///< wall time between checkpoints [s]
+};
+
+/// A job is to be resumed whose output is complete: there is nothing to do.
+class AlreadyComplete : public std::runtime_error {
+ public:
+    using std::runtime_error::runtime_error;
 };
 
 /// What makes a long job stoppable anywhere: killed and taken up again, it ends in the same output.
@@ -36,11 +43,15 @@ class Resumable {
         std::filesystem::path output;  ///< the file that the job makes in the end
         std::string log;               ///< suffix of the log: ".snapshots"; empty: none
         Configuration configuration;   ///< all that the result depends on
+        /// The output that holds the record of a complete run; empty: none does.
+        std::filesystem::path record{};
     };
 
     /// Reads the checkpoint if the job is to be resumed and one is there; without one the job
     /// starts from the beginning. Throws InputError, with the difference, if it is of another kind,
-    /// version of the program or configuration.
+    /// version of the program or configuration. Where the output is there and no checkpoint:
+    /// AlreadyComplete if its record says that this job made it, InputError, with the difference,
+    /// if another one did, unless outputs may be replaced.
     Resumable(Job& job, Identity identity, const ResumeOptions& options);
     ~Resumable();
     Resumable(const Resumable&) = delete;
@@ -84,6 +95,7 @@ class Resumable {
  private:
     std::filesystem::path with_suffix(const std::string& suffix) const;
     void require_same_run(const Checkpoint& checkpoint) const;
+    void look_for_complete_output() const;
     std::int64_t log_bytes() const;
 
     Job& job_;

@@ -12,6 +12,7 @@
 #include "report/maps/particle_map.h"
 #include "report/page/differences.h"
 #include "report/page/page.h"
+#include "report/page/paper_panels.h"
 #include "report/page/paper_table.h"
 #include "report/possible_numbers.h"
 #include "report/run_labels.h"
@@ -57,9 +58,20 @@ Prepared prepared(const std::vector<Results>& given, const ReportOptions& option
     return all;
 }
 
+void mark(std::vector<ParticleMap>& maps, const std::vector<MarkedSphere>& marked) {
+    for (ParticleMap& map : maps) {
+        map.places.clear();
+        for (const MarkedSphere& sphere : marked) {
+            if (sphere.run != map.run || sphere.frame != map.frame) continue;
+            map.places.push_back({sphere.position, 0, 1, sphere.words});
+        }
+    }
+}
+
 std::string figure_name(std::string name) {
     if (name == "s-over-s1") return "sk_scaled";
     if (name == "s0-over-s1") return "critical";
+    if (name == "s0-over-s1-epsilon") return "critical_epsilon";
     std::ranges::replace(name, '-', '_');
     return name;
 }
@@ -92,7 +104,13 @@ void write_report(const std::vector<Results>& given, const ReportOptions& option
             figures.push_back(std::move(figure));
         }
     }
-    const std::vector<ParticleMap> maps = make_maps(runs, {.threads = options.threads});
+    std::vector<PaperPanel> paper;
+    if (options.paper) paper = paper_panels(runs, labels, options.hints);
+    for (const PaperPanel& panel : paper) {
+        if (panel.figure) figures.push_back(*panel.figure);
+    }
+    std::vector<ParticleMap> maps = make_maps(runs, {.threads = options.threads});
+    if (!additions.marked_as.empty()) mark(maps, additions.marked);
     std::string title = clean_text(options.title);
     if (title.empty()) title = title_of(labels);
 
@@ -104,10 +122,14 @@ void write_report(const std::vector<Results>& given, const ReportOptions& option
             write_file(figures_dir / files.back(), table_csv(table));
         }
     }
-    write_file(html, page_html({title, runs, labels, figures, maps,
-                                options.figures ? relative_folder(figures_dir, html) : "", files,
-                                plan, tables, options.observables, options.titles,
-                                clean_text(options.date), options.sphere_mm}));
+    write_file(html,
+               page_html({title, runs, labels, figures, maps,
+                          options.figures ? relative_folder(figures_dir, html) : "", files, plan,
+                          tables, options.observables, options.titles, clean_text(options.date),
+                          options.sphere_mm, additions.verdict, additions.blocks,
+                          additions.marked_as.empty() ? std::string("Places to look at")
+                                                      : additions.marked_as,
+                          paper, additions.alternatives}));
 }
 
 std::string write_figure(const std::vector<Results>& given, const ReportOptions& options,

@@ -11,6 +11,8 @@
 #include "core/run_plan.h"
 #include "report/figures/figure.h"
 #include "report/figures/gnuplot_script.h"
+#include "report/page/alternatives.h"
+#include "report/page/copy_block.h"
 #include "report/page/table.h"
 
 namespace grainfield::report {
@@ -27,11 +29,24 @@ struct ReportOptions {
     std::optional<double> sphere_mm{};  ///< true diameter of the spheres [mm], for lengths in mm
 };
 
+/// A sphere that the page marks in the picture of a frame and leads to.
+struct MarkedSphere {
+    std::size_t run = 0;
+    std::int64_t frame = 0;
+    Vec2 position;      ///< [length unit]
+    std::string words;  ///< "missed"
+};
+
 /// What a command adds to a report of its own: tables before the key numbers, figures before those
 /// of the runs.
 struct ReportAdditions {
     std::vector<Table> tables;
     std::vector<Figure> figures;
+    std::string verdict{};               ///< under the title, in place of that of the runs
+    std::vector<CopyBlock> blocks{};     ///< below the picture
+    std::vector<MarkedSphere> marked{};  ///< in place of the places to look at
+    std::string marked_as{};             ///< "Missed and false"; empty: nothing is marked
+    Alternatives alternatives{};         ///< below the picture; may be empty
 };
 
 /// Writes the report of one or more runs, side by side: one HTML file that needs no network and no
@@ -50,8 +65,9 @@ void write_report(const std::vector<Results>& runs, const ReportOptions& options
 
 /// Draws one figure of the runs for print (publication_script) into `file`. `name`: as the files of
 /// the figures are called, '-' or '_' between words; "s-over-s1" is "sk_scaled", "s0-over-s1" is
-/// "critical". Returns the title of the figure. Throws OptionError if no figure with data is called
-/// so (names those that are), OutputError if gnuplot cannot draw it.
+/// "critical", "s0-over-s1-epsilon" is "critical_epsilon". Returns the title of the figure. Throws
+/// OptionError if no figure with data is called so (names those that are), OutputError if gnuplot
+/// cannot draw it.
 std::string write_figure(const std::vector<Results>& runs, const ReportOptions& options,
                          const std::string& name, PlotForm form, const std::filesystem::path& file);
 

@@ -25,16 +25,18 @@ constexpr double kLeastError = 1e-4;      // [px]
 constexpr double kSweepTolerance = 0.03;  // [w] where sweeps end: a joint step does the rest
 constexpr int kRoughSweeps = 4;
 constexpr int kMostSettling = 4;  // rounds
+constexpr int kJudgedRounds = 2;  // of them, in which spheres are judged and the noise is measured
 // A step of less than this many standard errors of an isolated sphere stays pending.
 constexpr double kPendingErrors = 8;
 // The product image is made for the positions of the fit before; in crystals the first one moves
 // some spheres far.
 constexpr int kProductImages = 2;
 // The core of a mirror-like sphere is dark wherever no other lies above it. It is a disc of
-// diameter a/√2: rays that meet the sphere within go up again. D is 0.85 to 0.9 a. Edges are taken
-// sharper than they are, so that cores that touch stay apart.
-constexpr double kCoreDiameter = 0.82;  // [D]
-constexpr double kCoreEdge = 0.45;      // [w]
+// diameter a/√2: rays that meet the sphere within go up again. D is 0.85 to 0.9 a, and the blur
+// takes from the core. Edges are taken sharper than they are, so that cores that touch stay apart.
+// On five cameras drawn at random 0.75 to 0.78 D with 0.2 to 0.35 w find alike.
+constexpr double kCoreDiameter = 0.75;  // [D]
+constexpr double kCoreEdge = 0.3;       // [w]
 /// Where every sphere need only explain this share the model describes the frame, and what the
 /// search ends with is right.
 constexpr double kWellDescribed = 0.05;
@@ -182,19 +184,37 @@ void Locator::start_discs(Frame& frame, const std::vector<Vec2>& start, double s
     }
 }
 
-/// Rounds of sweeps and a joint Newton step until no disc goes far. Small steps stay pending, or
-/// with `draw_all` only those below the tolerance. Discs that go very far, or far more than once,
-/// are swept in between, where each step is checked: discs hardly wider than a pixel may step to
-/// and fro. Whether all discs have settled.
-bool Locator::settle(Frame& frame, bool draw_all) {
+/// What limits positions: the camera's noise, or what the model of the film leaves over, if a frame
+/// has as much of it [contrast].
+double Locator::unexplained_by_model(const Frame& frame) const {
+    const SphereSearch::Summary& now = frame.search.summary();
+    return std::max(now.noise, std::min(now.misfit, expected_misfit_));
+}
+
+/// Rounds of sweeps and a joint Newton step until no disc goes far. Small steps stay pending. Discs
+/// that go very far, or far more than once, are swept in between, where each step is checked: discs
+/// hardly wider than a pixel may step to and fro. Before the last fit of a frame a disc has gone
+/// far only if its step was cut short: the error of a step that was not is at most 0.04 px where
+/// w = 1.6 px, less than the positions go in the next fit. Whether all discs have settled.
+bool Locator::settle(Frame& frame, bool is_last) {
     const double tolerance = frame.refinement.tolerance;
+    const RefinementOptions sweeps = sweeps_of(frame.refinement);
     for (int round = 0; round < kMostSettling; ++round) {
-        frame.search.finish(sweeps_of(frame.refinement), Drawing::roughly);
-        const double noise = frame.search.summary().noise;
-        const double lag = draw_all ? tolerance : least_drawn(noise, frame.refinement);
+        // After the first joint step noise and misfit are those of settled discs, or nearly so.
+        if (round < kJudgedRounds) {
+            frame.search.finish(sweeps, Drawing::roughly);
+        } else {
+            frame.search.sweep(sweeps, Drawing::roughly);
+        }
+        const double unexplained = unexplained_by_model(frame);
+        const double lag = least_drawn(unexplained, frame.refinement);
         const auto begin = Clock::now();
-        const JointSolver::StepCount step = solver_.step(
-            fit_, {.accuracy = 0.1 * tolerance, .least_drawn = lag, .far = far(noise)}, round == 0);
+        const JointSolver::StepCount step =
+            solver_.step(fit_,
+                         {.accuracy = 0.1 * tolerance,
+                          .least_drawn = lag,
+                          .far = is_last ? far(unexplained) : JointFit::kLongestStep},
+                         round == 0);
         frame.found.steps += step.discs;
         frame.found.refine_seconds += seconds_since(begin);
         if (step.went_far == 0) return true;
@@ -204,17 +224,13 @@ bool Locator::settle(Frame& frame, bool draw_all) {
 
 /// The few discs that no joint step settles are swept to the end.
 void Locator::sweep_to_rest(Frame& frame) {
-    fit_.draw_pending();
     frame.search.finish(frame.refinement, Drawing::exactly);
     solver_.complete(fit_);
 }
 
-void Locator::settle_and_judge(Frame& frame, bool draw_all) {
-    frame.is_settled = settle(frame, draw_all);
-    if (!frame.is_settled) {
-        fit_.draw_pending();
-        frame.search.finish(sweeps_of(frame.refinement), Drawing::exactly);
-    }
+void Locator::settle_and_judge(Frame& frame) {
+    frame.is_settled = settle(frame, model_.is_product());
+    if (!frame.is_settled) frame.search.finish(sweeps_of(frame.refinement), Drawing::exactly);
     frame.gain = solver_.gain(fit_);
     frame.residual.emplace(residual_of(fit_, frame.gain));
     frame.revision = fit_.revision();
@@ -222,18 +238,17 @@ void Locator::settle_and_judge(Frame& frame, bool draw_all) {
 
 /// Stages 2 to 4: spheres are added and removed until nothing changes, and all of them settled.
 void Locator::search(Frame& frame) {
-    // The product image is no better than where discs are drawn.
-    const bool draw_all = !model_.is_product();
     // A warm frame has all its spheres, as a rule: they settle before any is looked for.
-    if (frame.found.warm) settle_and_judge(frame, draw_all);
+    if (frame.found.warm) settle_and_judge(frame);
     if (!frame.found.warm || frame.search.misses_any(*frame.residual)) {
         frame.search.run(rough_sweeps_of(frame.refinement));
-        settle_and_judge(frame, draw_all);
+        settle_and_judge(frame);
     }
     // While the model is still wrong, most spheres are enough.
     if (frame.detection.goal == SearchGoal::every_sphere &&
         frame.search.look_again(sweeps_of(frame.refinement), *frame.residual)) {
-        settle_and_judge(frame, draw_all);
+        // Meeting edges are fitted next, and settle all again.
+        if (model_.is_product() || is_searched_for_cores(frame)) settle_and_judge(frame);
     }
     if (!frame.is_settled) sweep_to_rest(frame);
 }
@@ -268,14 +283,17 @@ bool Locator::take_better(Frame& frame) {
     return true;
 }
 
+bool Locator::is_searched_for_cores(const Frame& frame) const {
+    const CoreSearch wanted = frame.detection.cores;
+    return wanted != CoreSearch::never &&
+           (wanted != CoreSearch::cold_frames || !frame.found.warm) &&
+           frame.detection.goal == SearchGoal::every_sphere &&
+           frame.search.summary().evidence > kWellDescribed;
+}
+
 /// Stage 5: where a search for cores finds other discs, the better arrangement stays.
 void Locator::compare_with_cores(Frame& frame) {
-    const double share = frame.search.summary().evidence;
-    const CoreSearch wanted = frame.detection.cores;
-    if (wanted == CoreSearch::never || (wanted == CoreSearch::cold_frames && frame.found.warm) ||
-        frame.detection.goal != SearchGoal::every_sphere || share <= kWellDescribed) {
-        return;
-    }
+    if (!is_searched_for_cores(frame)) return;
     const auto begin = Clock::now();
     if (!cores_) {
         const DiscProfile core{kCoreDiameter * model_.disc.diameter,
@@ -284,28 +302,30 @@ void Locator::compare_with_cores(Frame& frame) {
                                            DiscModel(core), threads_);
         cores_->set_visible(visible_);
     }
+    cores_->expect_misfit(expected_misfit_);
     const bool any = take_better(frame);
     frame.found.detect_seconds += seconds_since(begin);
     if (!any) return;
     frame.search.forget_judgement();
-    settle_and_judge(frame, !model_.is_product());
+    settle_and_judge(frame);
     if (frame.search.look_again(sweeps_of(frame.refinement), *frame.residual)) {
-        settle_and_judge(frame, !model_.is_product());
+        settle_and_judge(frame);
     }
     if (!frame.is_settled) sweep_to_rest(frame);
 }
 
 /// Stage 6: the fit again on the image that the product of transmissions should see.
 void Locator::fit_overlaps(Frame& frame) {
-    const Image original = fit_.darkness().inner();
+    fit_.darkness().copy_to(original_);
     for (int round = 1; round <= kProductImages; ++round) {
         const auto begin = Clock::now();
         const std::vector<Vec2> positions = fit_.positions();
-        fit_.restart(product_image(original, fit_.transmission(), positions, model_, threads_));
+        product_image(original_, positions, model_, threads_, seen_);
+        fit_.restart(seen_);
         place_all({positions, {}}, kSweepTolerance * model_.disc.edge_width);
         frame.found.refine_seconds += seconds_since(begin);
         frame.search.forget_judgement();
-        if (!settle(frame, round < kProductImages)) sweep_to_rest(frame);
+        if (!settle(frame, round == kProductImages)) sweep_to_rest(frame);
     }
 }
 

@@ -79,6 +79,9 @@ class Locator {
                    double step = 0);
     /// Others are not looked at, in all frames to come.
     void set_visible(const VisiblePixels& visible);
+    /// RMS of image − model that the calibration left, less than which steps need not bring
+    /// [contrast]. 0, as it begins: only the noise of each frame limits positions.
+    void expect_misfit(double rms) { expected_misfit_ = rms; }
     /// Results do not depend on it.
     void set_threads(int threads);
     const DiscProfile& disc() const { return model_.disc; }
@@ -96,8 +99,10 @@ class Locator {
     StartingDiscs approached(Frame& frame, const std::vector<Vec2>& start);
     void place_all(const StartingDiscs& discs, std::optional<double> left);
     void search(Frame& frame);
-    bool settle(Frame& frame, bool draw_all);
-    void settle_and_judge(Frame& frame, bool draw_all);
+    double unexplained_by_model(const Frame& frame) const;
+    bool settle(Frame& frame, bool is_last);
+    void settle_and_judge(Frame& frame);
+    bool is_searched_for_cores(const Frame& frame) const;
     void compare_with_cores(Frame& frame);
     bool take_better(Frame& frame);
     void sweep_to_rest(Frame& frame);
@@ -111,11 +116,13 @@ class Locator {
 
     DiscModel model_;
     int threads_;
+    double expected_misfit_ = 0;
     DiscCorrelation correlation_;
     JointFit fit_;
     JointSolver solver_;
     std::optional<CoarseSearch> coarse_;
     std::unique_ptr<Locator> cores_;  ///< for smaller and sharper discs; made when first needed
+    Image original_, seen_;           ///< with meeting edges, and as the product should see them
     VisiblePixels visible_;
     Image clearance_;  ///< squared distance to what is not visible [px²]; empty: all is
 };

@@ -33,6 +33,7 @@ Surveyor::Surveyor(const ImageModel& model, const TrackOptions& options, int wid
       locator_(width, height, model, thread_count(options.threads)),
       illumination_(model, options.visible) {
     locator_.set_visible(options.visible);
+    locator_.expect_misfit(model.residual_rms);
 }
 
 Survey Surveyor::look(const Frame& frame) {

@@ -68,8 +68,11 @@ void warn_of(const TrackSummary& summary, RunPlan& plan) {
     if (summary.poor_frames > 0) {
         plan.warn(fmt::format(
             "the image model explains {} of {} frames badly, worst frame {}: RMS residual {:.2f} "
-            "of the contrast (0.02 to 0.08 is usual); look at the overlay in the report, and at "
-            "calibrate.polarity, calibrate.disc-diameter and calibrate.edge-width",
+            "of the contrast (0.02 to 0.08 is usual); look at the overlay in the report. Walls, "
+            "liquid "
+            "levels and dust in one place: leave them out with track.region or track.mask. "
+            "Circles that do not fit: calibrate.polarity, calibrate.disc-diameter and "
+            "calibrate.edge-width",
             summary.poor_frames, summary.frames, summary.worst_frame, summary.worst_residual));
     }
     const Bilayer::Summary& layers = summary.layers;
@@ -82,9 +85,11 @@ void warn_of(const TrackSummary& summary, RunPlan& plan) {
     }
     if (layers.contradictory > 0) {
         plan.warn(fmt::format(
-            "{} of {} positions have no layer because their overlaps contradict each other; is "
-            "layers.height or track.sphere-diameter too small, or a sphere false?",
-            layers.contradictory, layers.spheres));
+            "overlaps of {} positions contradict each other: their layers are unknown, beside "
+            "those "
+            "that no overlap forces ({} of {} in all); is layers.height or track.sphere-diameter "
+            "too small, or a sphere false?",
+            layers.contradictory, layers.spheres - layers.labelled, layers.spheres));
     }
     warn_of(summary.synthesis, plan);
     if (summary.repeated > 0) {

@@ -7,50 +7,26 @@
 #include <vector>
 
 #include "core/frame_source.h"
-#include "core/option_table.h"
 #include "core/run_plan.h"
 #include "core/support/checkpoint.h"
 #include "core/support/number_archive.h"
 #include "core/support/progress.h"
 #include "core/trajectory.h"
-#include "tracking/calibrate/calibration.h"
 #include "tracking/calibrate/film_calibration.h"
 #include "tracking/calibrate/illumination.h"
 #include "tracking/calibrate/kept_calibration.h"
-#include "tracking/camera/camera.h"
 #include "tracking/layers/bilayer.h"
 #include "tracking/link/linker.h"
 #include "tracking/link/long_tracks.h"
 #include "tracking/locate.h"
 #include "tracking/model/image_model.h"
-#include "tracking/model/visible_pixels.h"
 #include "tracking/repeated_warnings.h"
+#include "tracking/synthesis/bias_correction.h"
 #include "tracking/synthesis/film_synthesis.h"
+#include "tracking/track_options.h"
 #include "tracking/track_summary.h"
 
 namespace grainfield::tracking {
-
-struct TrackOptions {
-    CalibrationOptions calibration;
-    DetectionOptions detection;
-    RefinementOptions refinement;
-    LinkOptions link;
-    LayerOptions layers;
-    std::optional<double> sphere_diameter;  ///< true diameter a [px]; empty: the apparent D
-    bool synthesis = false;                 ///< positions and heights from rendered images
-    SynthesisOptions synthesis_options;     ///< layers.height, where given, is the height
-    std::int64_t stretch = 200;             ///< [frames] that start from one another
-    std::optional<FrameSpan> part;          ///< measured, not linked; empty: all, and linked
-    VisiblePixels visible;                  ///< pixels that are looked at
-    std::optional<KeptCalibration> kept;    ///< instead of a calibration on this film
-    std::optional<CameraMap> camera;        ///< corrects positions; counts pixels of the source
-    bool keeps = false;  ///< start as films will that use the calibration: frame 0 knows nothing
-    int threads = 0;     ///< 0: all
-};
-
-/// Every option of tracking, one table a stage ("calibrate", "detect", "refine", "link", "layers",
-/// "synthesis", "track").
-std::vector<OptionTable> describe(TrackOptions& options);
 
 /// What a saved run of the tracker calls itself (Checkpoint::kind), with the version of what it
 /// holds.
@@ -82,6 +58,10 @@ struct TrackResumption {
 /// one. Those before `part.begin` are not passed on. Snapshots of a part have no identities, and no
 /// layers from overlaps: these follow from identities.
 ///
+/// With a correction of the bias (learn_bias), learned on the frame calibrated on or kept with the
+/// calibration, positions and errors are corrected as soon as a frame is fitted. The next frame
+/// starts from those of the fit.
+///
 /// With synthesis, positions, heights and layers are those of FilmSynthesis, frame by frame, and
 /// the next frame starts from them. Else, where the height of the cell is given, spheres without
 /// room between the plates are left out. The others get the layer that their overlaps imply
@@ -97,7 +77,8 @@ class Tracker {
     /// Calibrates; what was decided goes into `plan`. The source must outlive the tracker. A source
     /// without any usable frame gives a tracker that writes empty snapshots, with warnings. Throws
     /// OptionError if the height of the cell, or synthesis, is asked for without the true diameter
-    /// of the spheres, if synthesis is asked for with a mask, bright spheres or a camera, or if
+    /// of the spheres, if synthesis or a correction of the bias is asked for with a mask, bright
+    /// spheres or a camera, or both of them are, or if
     /// a kept calibration comes with options that estimate or give what it holds; InputError if it
     /// is of frames of another size, or the camera leaves no box.
     Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan);
@@ -117,10 +98,14 @@ class Tracker {
     /// was tried last where none could be calibrated on. Empty: nothing disc-shaped was seen.
     const std::vector<SizeCandidate>& weighed() const { return film_.weighed; }
     std::int64_t weighed_at() const { return film_.weighed_at; }
+    /// What positions are corrected with; empty: they are those of the discs.
+    const std::optional<BiasCorrection>& bias() const { return bias_; }
     /// What films to come need to be measured alike, from the frame calibrated on. Call only if
     /// is_calibrated().
     KeptCalibration to_keep() {
-        return tracking::to_keep(film_, source_, options_.visible, threads_);
+        KeptCalibration kept = tracking::to_keep(film_, source_, options_.visible, threads_);
+        kept.bias = bias_;
+        return kept;
     }
 
     /// Told of each frame that was tracked, in order, and its position among those selected.
@@ -183,11 +168,10 @@ class Tracker {
     void begin_stretch();
     void finish(Job& job, Run& run, const EachFrame& each_frame);
     void keep(Job& job);
-    void plan_camera(RunPlan& plan);
     Snapshot snapshot_of(const Job& job, Run& run);
     void report(const Job& job, Snapshot& snapshot, TrackSummary& summary);
     void link(const Job& job, Run& run, Snapshot& snapshot);
-    void plan_heights(RunPlan& plan);
+    void correct_bias(const Job& job, Lane& lane, Located& found) const;
 
     FrameSource& source_;
     TrackOptions options_;
@@ -202,6 +186,7 @@ class Tracker {
     Previous previous_;
     std::optional<Bilayer> bilayer_;
     std::optional<FilmSynthesis> synthesis_;
+    std::optional<BiasCorrection> bias_;
 };
 
 }  // namespace grainfield::tracking

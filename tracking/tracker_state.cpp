@@ -109,6 +109,7 @@ std::vector<double> Tracker::calibration_numbers() const {
                                 static_cast<double>(film_.calibration->positions.size()),
                                 model().correction.spacing};
     numbers.insert(numbers.end(), model().correction.value.begin(), model().correction.value.end());
+    if (bias_) numbers.insert(numbers.end(), bias_->weights.begin(), bias_->weights.end());
     if (options_.camera) {
         const std::vector<double> camera = numbers_of(options_.camera->camera());
         numbers.insert(numbers.end(), camera.begin(), camera.end());

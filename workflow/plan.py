@@ -9,7 +9,7 @@ import tomllib
 
 import jobs
 
-SCALES = ("small", "medium", "full")
+SCALES = ("small", "medium", "decide", "full")
 
 EXPERIMENT_DENSITY = 1.1704  # grains per a^2: 11,704 in the cell of 100 a x 100 a
 EXPERIMENT_OMEGA = 5.075  # sqrt(g/a): 80 Hz for spheres of 1 mm
@@ -21,6 +21,7 @@ FIELD_STEP = 0.5  # t; its bias is below 1 % for k <= 1.2 (docs/field/schemes.md
 PLANE_SPACING = 0.65
 LINE_SPACING = 0.25
 KINDS = ("tracked", "true")  # films are analysed as the tracker found them, and as they were
+LONG_KINDS = ("true", "box")  # a long run: plane waves as for films, and the modes between walls
 LEAST_SECONDS = 2  # of any job: to start and to read
 
 
@@ -49,12 +50,23 @@ class Plan:
     def gammas(self):
         return [text(gamma) for gamma in self.experiment["gamma"]]
 
-    def films(self):
-        """The films of each acceleration: slow1, …, fast."""
+    def films(self, gamma=None):
+        """The films of each acceleration: slow1, …, fast. Where there are long runs: long, which is
+        not filmed, and slow1 of some accelerations."""
+        if "long-frames" in self.experiment:
+            filmed = [text(value) for value in self.experiment["filmed-gamma"]]
+            return ["long"] + (["slow1"] if gamma is None or gamma in filmed else [])
         return [f"slow{i + 1}" for i in range(self.experiment["films"])] + ["fast"]
 
+    def runs(self):
+        """(acceleration, film) of all of them."""
+        return [(gamma, film) for gamma in self.gammas() for film in self.films(gamma)]
+
+    def kinds(self, film):
+        return LONG_KINDS if film == "long" else KINDS
+
     def film_frames(self, film):
-        return self.experiment["fast-frames" if film == "fast" else "slow-frames"]
+        return self.experiment[film + "-frames" if film in ("long", "fast") else "slow-frames"]
 
     def film_options(self, gamma, film):
         """Options of simulate md. The first film begins disordered, each other where slow1 or the one
@@ -69,7 +81,7 @@ class Plan:
         return FAST_EVERY if film == "fast" else SLOW_EVERY
 
     def _relax(self, film):
-        return self.experiment["relax"] if film == "slow1" else 0
+        return self.experiment["relax"] if film in ("slow1", "long") else 0
 
     def film_periods(self, film):
         return self._relax(film) + self._every(film) * (self.film_frames(film) - 1)
@@ -78,19 +90,19 @@ class Plan:
         """The film whose last frame this one begins with; None for the first."""
         films = self.films()
         place = films.index(film)
-        return None if place == 0 else films[place - 1]
+        return None if place == 0 or film == "slow1" else films[place - 1]
 
     def previews(self, gamma, film):
         """Frames kept for the report: a film to step through, and one frame of each other."""
-        return 20 if film == "fast" and gamma == text(self.experiment["map-gamma"]) else 1
+        return 20 if film == self.films()[-1] and gamma == text(self.experiment["map-gamma"]) else 1
 
-    def particle_fit_options(self, system):
+    def particle_fit_options(self, system, kind="true"):
         """Of analyze, for "experiment" or "layer": the range of the fit where it is not left to the
         pre-peak. Between walls plane waves are fitted, as in the paper; the modes that fit there stand
-        beside them."""
+        beside them, or are fitted (kind "box")."""
         size = getattr(self, system)
         options = [f"--fit-k-max={size['k-max-fit']}"] if "k-max-fit" in size else []
-        return options + (["--modes=plane-waves"] if system == "experiment" else [])
+        return options + (["--modes=plane-waves"] if system == "experiment" and kind != "box" else [])
 
     def diameter_px(self):
         return self.experiment["pixels"] / self.experiment["length"]
@@ -103,15 +115,27 @@ class Plan:
     def layer_gammas(self):
         return [text(amplitude * LAYER_OMEGA**2) for amplitude in self.layer["amplitude"]]
 
-    def layer_grains(self):
-        return round(LAYER_DENSITY * self.layer["length"] ** 2)
+    def layers(self):
+        """Names of all layers, acceleration first: 2.3, and beside it 2.3-large, 2.3-literal."""
+        large = [text(amplitude * LAYER_OMEGA**2) + "-large" for amplitude in self.layer.get("amplitude-large", [])]
+        literal = [f"{gamma}-literal" for gamma in self.layer_gammas()] if self.layer.get("literal") else []
+        return self.layer_gammas() + large + literal
 
-    def layer_options(self, gamma):
-        length, relax = self.layer["length"], self.layer["relax"]
-        return [f"--grains={self.layer_grains()}", f"--length-x={length}", f"--length-y={length}",
+    def layer_length(self, name):
+        return self.layer["length-large" if name.endswith("-large") else "length"]
+
+    def layer_grains(self, name=""):
+        return round(LAYER_DENSITY * self.layer_length(name) ** 2)
+
+    def layer_options(self, name):
+        length, relax = self.layer_length(name), self.layer["relax"]
+        gamma = name.split("-")[0]
+        # As the paper is worded: one coefficient for sticking and sliding.
+        friction = [f"--{of}-static-friction=0.03" for of in ("grain", "plate")] if name.endswith("-literal") else []
+        return [f"--grains={self.layer_grains(name)}", f"--length-x={length}", f"--length-y={length}",
                 f"--amplitude={float(gamma) / LAYER_OMEGA**2:.6g}", f"--discard={relax}",
                 f"--periods={relax + self.layer['record']}",
-                f"--snapshot-every={self.layer['snapshot-every']}"]
+                f"--snapshot-every={self.layer['snapshot-every']}"] + friction
 
     # ---- the field model -------------------------------------------------------------------------
 
@@ -119,12 +143,18 @@ class Plan:
         """Names of all field runs, those behind the figures first."""
         names = [f"plane-b4-{text(nu)}" for nu in self.plane["nu"]]
         names += [f"plane-b2-{text(nu)}" for nu in self.plane["nu-beside"]]
+        names += [f"plane-b4-{text(nu)}-n{nx}" for nx, nu in self.plane.get("other-sizes", [])]
         return names + [f"line-b{b}-{text(nu)}" for b in (2, 4) for nu in self.line["nu"]]
 
+    def field_nx(self, name):
+        if "-n" in name:
+            return int(name.rsplit("-n", 1)[1])
+        return (self.plane if name.startswith("plane") else self.line)["nx"]
+
     def field_options(self, name):
-        geometry, b, nu = name.split("-")
+        geometry, b, nu = name.split("-")[:3]
         size = self.plane if geometry == "plane" else self.line
-        options = [f"--nx={size['nx']}", f"--b={b[1:]}", f"--nu={nu}", f"--dt={FIELD_STEP}",
+        options = [f"--nx={self.field_nx(name)}", f"--b={b[1:]}", f"--nu={nu}", f"--dt={FIELD_STEP}",
                    f"--relax={size['relax']}", f"--record={size['record']}", "--k-max=3",
                    f"--sample={5 if geometry == 'plane' else 10}"]
         if geometry == "plane":
@@ -140,10 +170,11 @@ class Plan:
 
     # ---- what it costs ---------------------------------------------------------------------------
 
-    def job(self, rule, gamma=None, film=None, kind=None, name=None):
+    def job(self, rule, gamma=None, film=None, kind=None, layer=None, name=None):
         """What a job of the Snakefile takes; the words are its wildcards. None: seconds, on the machine that starts
         the workflow."""
         del gamma, kind
+        layer_grains = self.layer_grains(layer or "")
         grains, pixels = self.experiment_grains(), self.experiment["pixels"] ** 2
         if rule == "cell":
             return jobs.simulate_md(grains, self.film_periods(film), walls=True)
@@ -154,13 +185,13 @@ class Plan:
         if rule == "analyze_film":
             return jobs.analyze(self.film_frames(film), grains)
         if rule == "layer":
-            return jobs.simulate_md(self.layer_grains(), self.layer["relax"] + self.layer["record"], walls=False)
+            return jobs.simulate_md(layer_grains, self.layer["relax"] + self.layer["record"], walls=False)
         if rule == "analyze_layer":
-            return jobs.analyze(self.layer["record"] / self.layer["snapshot-every"], self.layer_grains())
+            return jobs.analyze(self.layer["record"] / self.layer["snapshot-every"], layer_grains)
         if rule in ("field", "analyze_field"):
             plane = name.startswith("plane")
             size = self.plane if plane else self.line
-            sites = size["nx"] ** 2 if plane else size["nx"]
+            sites = self.field_nx(name) ** (2 if plane else 1)
             if rule == "analyze_field":
                 return jobs.Job(LEAST_SECONDS, jobs.simulate_field(sites, 0, 2).megabytes)
             return jobs.simulate_field(sites, (size["relax"] + size["record"]) / FIELD_STEP, 2 if plane else 1)
@@ -168,10 +199,11 @@ class Plan:
 
     def jobs(self):
         """(stage, rule, wildcards) of every job that is no matter of seconds."""
-        films = [{"gamma": gamma, "film": film} for gamma in self.gammas() for film in self.films()]
-        layers = [{"gamma": gamma} for gamma in self.layer_gammas()]
-        kinds = [{**film, "kind": kind} for film in films for kind in KINDS]
-        for stage, rule, runs in [("walled cell, molecular dynamics", "cell", films), ("films", "film", films),
+        cells = [{"gamma": gamma, "film": film} for gamma, film in self.runs()]
+        films = [cell for cell in cells if cell["film"] != "long"]
+        layers = [{"layer": layer} for layer in self.layers()]
+        kinds = [{**cell, "kind": kind} for cell in cells for kind in self.kinds(cell["film"])]
+        for stage, rule, runs in [("walled cell, molecular dynamics", "cell", cells), ("films", "film", films),
                                   ("tracking", "track", films), ("periodic layer, molecular dynamics", "layer", layers),
                                   ("field model", "field", [{"name": name} for name in self.fields()]),
                                   ("analysis", "analyze_film", kinds), ("analysis", "analyze_layer", layers)]:
@@ -192,12 +224,12 @@ class Plan:
     def gigabytes(self):
         """Disk for positions, and for the largest film, which goes when it is tracked (as does the
         simulation that was filmed: its positions are kept in pixels)."""
-        frames = sum(self.film_frames(film) for film in self.films())
-        positions = len(self.experiment["gamma"]) * frames * self.experiment_grains() * (72 + 80)
+        frames = sum(self.film_frames(film) for _, film in self.runs())
+        positions = frames * self.experiment_grains() * (72 + 80)
         layer = self.layer
-        positions += (len(layer["amplitude"]) * layer["record"] / layer["snapshot-every"]
-                      * self.layer_grains() * 104)
-        film = max(self.film_frames(f) for f in self.films()) * self.experiment["pixels"] ** 2
+        grains = sum(self.layer_grains(name) for name in self.layers())
+        positions += grains * layer["record"] / layer["snapshot-every"] * 104
+        film = max(self.film_frames(f) for f in self.films() if f != "long") * self.experiment["pixels"] ** 2
         return (positions + 2 * film) / 1e9
 
 

@@ -38,7 +38,9 @@ std::vector<FigureHint> VarianceObservable::figures() {
             "ℓ = L",
         .guides = {guide("β = 1", 1, "β = 0"), guide("β = 2", 2, "β = 2")},
         .reading =
-            "How much the content of a window of side ℓ varies in time. Along β = 2 density "
+            "How much the content of a window of side ℓ varies: in time, of one frame from place "
+            "to "
+            "place. Along β = 2 density "
             "fluctuates as in a gas; a lower slope means that it is evened out."};
     variance.guides.front().note =
         "Guides: σ² ∝ ⟨N⟩^(β/2). β = 2 grows as the window, ℓ² in the plane and ℓ on a line; the "

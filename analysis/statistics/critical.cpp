@@ -62,8 +62,8 @@ CriticalFit fit_critical(std::span<const CriticalPoint> points, CriticalLine lin
         ++fit.points;
     }
     if (points.size() < least) {
-        return refused(
-            fmt::format("{} runs with S0/S1 and its error, {} are needed", points.size(), least));
+        return refused(fmt::format("{} run{} with S0/S1 and its error, {} are needed",
+                                   points.size(), points.size() == 1 ? "" : "s", least));
     }
     const double mx = free ? sx / sw : 0;
     const double my = free ? sy / sw : 0;

@@ -3,10 +3,11 @@
 
 usage: bench/python/overhead.py PROGRAM [--frames N] [--rounds N] [--size PX] [--grains N] [--threads N]
 
-PYTHONPATH names the package of the same build. The film is a simulated layer under a noisy camera. The command line and
-Python track it in turns: the same files to the same output, the same files in memory, the array. Each must find the same,
-bit by bit. Times are of whole processes: by the clock, and of the processor (user and system), which holds on a machine
-that does other work too. Ratios are medians over the rounds.
+The package is that of the program's build folder, or the one that PYTHONPATH names. The film is a simulated layer under a
+noisy camera. The command line and Python track it in turns: the same files to the same output, the same files in memory, the
+array. Each must find the same, bit by bit. Times are of whole processes: by the clock, and of the processor (user and
+system), which holds on a machine that does other work too. Ratios are medians over the rounds. What importing and saving
+take is measured alone, too: a difference above both is the machine's.
 """
 import argparse
 import os
@@ -19,7 +20,11 @@ import time
 
 import numpy as np
 
-import grainfield as gf
+if len(sys.argv) > 1 and "PYTHONPATH" not in os.environ:
+    os.environ["PYTHONPATH"] = str(pathlib.Path(sys.argv[1]).resolve().parent / "python")
+    sys.path.insert(0, os.environ["PYTHONPATH"])
+
+import grainfield as gf  # noqa: E402
 
 
 def write_pictures(frames, folder):
@@ -41,6 +46,16 @@ def seconds(words):
     if child.returncode != 0:
         raise RuntimeError(f"{words[0]} ended with {child.returncode}")
     return wall, usage.ru_utime + usage.ru_stime
+
+
+def saving(file, copy, rounds):
+    """Of the processor [s], to write what was tracked."""
+    tracks, times = gf.read(file), []
+    for _ in range(rounds):
+        begin = time.process_time()
+        tracks.save(copy, overwrite=True)
+        times.append(time.process_time() - begin)
+    return statistics.median(times)
 
 
 def median(pairs, which):
@@ -85,6 +100,7 @@ gf.track(np.load(folder + "/frames.npy"), {options}).save(folder + "/d.h5", over
             for what, words in run.items():
                 times[what].append(seconds(words))
         start = [seconds([sys.executable, "-c", "import grainfield"]) for _ in range(given.rounds)]
+        save = saving(folder / "a.h5", folder / "e.h5", given.rounds)
         expected = gf.read(folder / "a.h5").columns()
         for other in "bcd":
             found = gf.read(folder / f"{other}.h5").columns()
@@ -92,7 +108,7 @@ gf.track(np.load(folder + "/frames.npy"), {options}).save(folder + "/d.h5", over
                 np.testing.assert_array_equal(found[column], expected[column])
     print(f"{len(frames)} frames of {given.size} x {given.size} px, {len(expected['x']) / len(frames):.0f} spheres a frame; "
           f"{given.rounds} rounds, threads: {given.threads}; importing the module alone {median(start, 1):.2f} s of the "
-          "processor")
+          f"processor, save() alone {save:.3f} s; load {os.getloadavg()[0]:.1f}")
     for what, measured in times.items():
         in_python = what != "command line"
         without = 100 * (statistics.median((m[1] - in_python * median(start, 1)) / b[1]

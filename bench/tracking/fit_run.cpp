@@ -24,7 +24,7 @@ std::vector<Vec2> tracker_fit(const Image& darkness, const DiscProfile& disc,
     fit.refine({});
     if (rule.is_product()) return fit.positions();
     const std::vector<Vec2> rough = fit.positions();
-    fit.restart(product_image(darkness, fit.transmission(), rough, {disc, rule}, 1));
+    fit.restart(product_image(darkness, rough, {disc, rule}, 1));
     fit.add_all(rough);
     fit.refine({});
     return fit.positions();

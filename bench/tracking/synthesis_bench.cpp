@@ -2,7 +2,7 @@
 //
 //   bench.tracking.synthesis FRAME TRUTH.csv DIAMETER [--height H] [--height-unit PX] [--searches
 //   N]
-//                            [--threads N]
+//                            [--threads N] [--synthesis no]
 //
 // FRAME: any image. TRUTH.csv: columns x, y [px] and z, in units of `--height-unit` (1: pixels; a:
 // diameters). Spheres 2 a or more within the frame are scored. Prints a table: error per axis,
@@ -21,6 +21,7 @@
 #include <fmt/format.h>
 
 #include "core/frame_source.h"
+#include "core/run_plan.h"
 #include "io/frame_files.h"
 #include "tests/support/csv_rows.h"
 #include "tests/support/position_score.h"
@@ -34,6 +35,7 @@ struct Settings {
     std::string frame, truth;
     double diameter = 0;     ///< a [px]
     double height_unit = 1;  ///< [px]
+    bool without_synthesis = false;
     tracking::TrackOptions options;
 };
 
@@ -53,6 +55,8 @@ Settings settings_of(const std::vector<std::string>& words) {
             s.height_unit = std::stod(value);
         } else if (words[i] == "--searches") {
             s.options.synthesis_options.searches = std::stoi(value);
+        } else if (words[i] == "--synthesis") {
+            s.without_synthesis = value == "no";
         } else if (words[i] == "--threads") {
             s.options.threads = std::stoi(value);
         } else {
@@ -163,17 +167,24 @@ void run(Settings s) {
         "| | matched | missed | false | rms x, y [a] | median | p99 | within 2σ | rms z [a] | "
         "median | p99 | within 2σ | residual | seconds | CPU seconds |\n"
         "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
-    for (const bool with_synthesis : {false, true}) {
+    for (const char* method : {"discs", "corrected", "synthesis"}) {
+        const std::string name = method;
+        if (name == "synthesis" && s.without_synthesis) continue;
         auto frames = io::open_frames({s.frame}, {});
-        s.options.synthesis = with_synthesis;
+        s.options.synthesis = name == "synthesis";
+        s.options.correct_bias = name == "corrected";
         Keep sink;
         const auto begin = std::chrono::steady_clock::now();
         const std::clock_t cpu_begin = std::clock();
-        const tracking::TrackSummary summary = tracking::track(*frames, sink, s.options);
+        RunPlan plan;
+        const tracking::TrackSummary summary =
+            tracking::track(*frames, sink, s.options, {.plan = &plan});
         const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
         const double cpu = static_cast<double>(std::clock() - cpu_begin) / CLOCKS_PER_SEC;
-        print_line(with_synthesis ? "synthesis" : "discs", s, truth, frames->read(0), sink.kept,
-                   summary, taken.count(), cpu);
+        print_line(method, s, truth, frames->read(0), sink.kept, summary, taken.count(), cpu);
+        for (const PlannedStage& stage : plan.stages()) {
+            if (stage.stage == "bias") fmt::print(stderr, "{}: {}\n", method, stage.reason);
+        }
     }
 }
 

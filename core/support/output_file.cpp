@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "core/errors.h"
+#include "core/support/left_output.h"
 
 namespace grainfield {
 
@@ -146,8 +147,7 @@ OutputFile::OutputFile(OutputFile&& other) noexcept
 OutputFile::~OutputFile() {
     if (descriptor_ < 0) return;
     const std::lock_guard lock(unfinished().mutex);
-    unfinished().temporaries.erase(temporary_);
-    ::unlink(temporary_.c_str());
+    if (unfinished().temporaries.erase(temporary_) > 0) ::unlink(temporary_.c_str());
     ::close(descriptor_);
 }
 
@@ -179,6 +179,11 @@ void write_file(const fs::path& target, std::string_view content, Overwrite over
         refuse(target, system_text(error), "check the free space and quota of that disk");
     }
     output.commit();
+}
+
+void leave_temporary(const fs::path& temporary) {
+    const std::lock_guard lock(unfinished().mutex);
+    unfinished().temporaries.erase(temporary);
 }
 
 std::size_t abandon_outputs() {

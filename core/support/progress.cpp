@@ -44,7 +44,7 @@ void Progress::advance(std::int64_t done_more) {
 }
 
 void Progress::resume_at(std::int64_t already) {
-    already_ = already;
+    already_ += already;
     done_ += already;
 }
 

@@ -53,6 +53,9 @@ class TrajectoryWriter : public SnapshotSink {
 /// velocities, times and rectangular box of a file from elsewhere (info() is then the default one
 /// with origin `points`).
 ///
+/// A file of a killed run has frames, but no record. Frames at its end that lack a column are left
+/// out: frames_left_out() of them, and record() has a warning of the code `incomplete`.
+///
 /// Rows with id < 0 or NaN position are padding and left out. Throws InputError, naming the file
 /// and what is wrong with it, if it is missing, damaged, not H5MD, refers to other files (external
 /// links or storage), or claims sizes that it cannot hold.
@@ -69,6 +72,8 @@ class TrajectoryFile : public SnapshotSource {
     const std::vector<Preview>& previews() const;
     const std::vector<Curve>& curves() const;
     const RunRecord& record() const;
+    /// Of a file whose writer was killed; 0 for all others.
+    std::int64_t frames_left_out() const;
 
  private:
     struct State;

@@ -98,7 +98,10 @@ Boundary boundary_of(const H5File& file, const std::string& name) {
 struct TrajectoryFile::State {
     explicit State(const std::filesystem::path& path);
 
-    void open_positions(const H5Group& particles);
+    void open_positions(const H5Group& root, const H5Group& particles);
+    void leave_out_unwritten(const H5Group& own, const H5Group& particles);
+    void leave_out_broken();
+    void warn_of_its_end();
     void open_box(const H5Group& particles);
     void read_own(const H5Group& root);
     void open_columns(const H5Group& particles);
@@ -118,7 +121,10 @@ struct TrajectoryFile::State {
     RunRecord record;
     std::vector<Preview> previews;
     std::vector<Curve> curves;
+    bool is_complete = true;    ///< else its writer failed or was killed
+    std::int64_t left_out = 0;  ///< frames
     hsize_t frames = 0;
+    hsize_t longest = 0;  ///< frames of the longest column
     hsize_t most_particles = 0;
     hsize_t dimensions = 3;
     std::vector<std::int64_t> step;
@@ -138,15 +144,77 @@ struct TrajectoryFile::State {
 TrajectoryFile::State::State(const std::filesystem::path& path) : file(H5File::open(path)) {
     const H5Group root = H5Group::root(file);
     const H5Group particles = particle_group(file, root);
-    open_positions(particles);
+    open_positions(root, particles);
     open_box(particles);
     read_own(root);
     open_columns(particles);
+    if (!is_complete) {
+        leave_out_broken();
+        warn_of_its_end();
+    }
     require_growing_times();
     if (info.source.empty()) info.source = path.filename().string();
 }
 
-void TrajectoryFile::State::open_positions(const H5Group& particles) {
+// The frame at which its writer failed: of some columns it has numbers, of others none.
+void TrajectoryFile::State::leave_out_unwritten(const H5Group& own, const H5Group& particles) {
+    const auto bound = [&](const H5Dataset& data) {
+        const H5Extent extent = data.extent();
+        longest = std::max(longest, extent.empty() ? 0 : extent[0]);
+        frames = extent.empty() ? 0 : std::min(frames, extent[0]);
+    };
+    longest = frames;
+    const H5Group element = particles.group("position");
+    for (const char* name : {"step", "time"}) bound(element.dataset(name));
+    for (const char* name : {"columns", "box_origin", "box_height"}) bound(own.dataset(name));
+    bound(particles.group("box").group("edges").dataset("value"));
+    for (const TrajectoryColumn column : all_columns) {
+        const std::string name = trajectory_column_names[index_of(column)];
+        if (column != TrajectoryColumn::z && particles.has(name)) {
+            bound(particles.group(name).dataset("value"));
+        }
+    }
+    const auto steps = element.dataset("step").read<std::int64_t>();
+    const auto times = element.dataset("time").read<double>();
+    while (frames > 0) {
+        const auto last = static_cast<std::size_t>(frames - 1);
+        const bool grows = last == 0 || steps[last] > steps[last - 1];
+        if (steps[last] >= 0 && grows && std::isfinite(times[last])) return;
+        --frames;
+    }
+}
+
+// Frames are flushed one by one: more broken ones than these are damage, which reading says.
+void TrajectoryFile::State::leave_out_broken() {
+    constexpr hsize_t most = 2;
+    const hsize_t least = frames - std::min(frames, most);
+    const hsize_t all = frames;
+    for (; frames > least; --frames) {
+        try {
+            read(frames - 1);
+            break;
+        } catch (const InputError&) {
+            continue;
+        }
+    }
+    if (frames == least && least > 0) frames = all;
+    step.resize(static_cast<std::size_t>(frames));
+    time.resize(static_cast<std::size_t>(frames));
+    check = {};
+}
+
+// It stands in the record, where all who read the file look for what to know about it.
+void TrajectoryFile::State::warn_of_its_end() {
+    left_out = static_cast<std::int64_t>(longest - frames);
+    if (left_out == 0) return;
+    record.warnings.push_back(
+        {WarningCode::incomplete,
+         fmt::format("'{}' was cut off while it was written: {} of its {} frames are left out, as "
+                     "columns of them are absent or damaged",
+                     file.name(), left_out, longest)});
+}
+
+void TrajectoryFile::State::open_positions(const H5Group& root, const H5Group& particles) {
     const H5Group element = particles.group("position");
     positions = element.dataset("value");
     const H5Extent extent = positions.extent();
@@ -157,6 +225,11 @@ void TrajectoryFile::State::open_positions(const H5Group& particles) {
     frames = extent[0];
     most_particles = extent[1];
     dimensions = extent[2];
+    if (root.has("parameters") && root.group("parameters").has("grainfield")) {
+        const H5Group own = root.group("parameters").group("grainfield");
+        is_complete = own.has("record");
+        if (!is_complete) leave_out_unwritten(own, particles);
+    }
     file.require_plausible(static_cast<double>(frames) * sizeof(double), positions.path());
     const auto count = static_cast<std::size_t>(frames);
     step = sequence<std::int64_t>(element, "step", count);
@@ -406,6 +479,10 @@ const std::vector<Curve>& TrajectoryFile::curves() const {
 
 const RunRecord& TrajectoryFile::record() const {
     return state_->record;
+}
+
+std::int64_t TrajectoryFile::frames_left_out() const {
+    return state_->left_out;
 }
 
 }  // namespace grainfield::io

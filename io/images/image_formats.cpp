@@ -5,6 +5,7 @@
 
 #include "io/images/coded_image.h"
 #include "io/images/norpix_seq.h"
+#include "io/images/phantom_cine.h"
 #include "io/images/png_image.h"
 #include "io/images/tiff_format.h"
 
@@ -12,7 +13,8 @@ namespace grainfield::io {
 
 std::span<const ImageFormat> image_formats() {
     static const std::array formats{
-        png_format(), tiff_format(), jpeg_format(), bmp_format(), pnm_format(), norpix_format(),
+        png_format(), tiff_format(),   jpeg_format(), bmp_format(),
+        pnm_format(), norpix_format(), cine_format(),
     };
     return formats;
 }

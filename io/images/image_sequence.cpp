@@ -112,7 +112,11 @@ class ImageSequence : public FrameSource {
         for (const auto& file : files_) {
             if (file.empty()) continue;
             try {
-                shape_ = read_image(file, options_.max_pixels, formats_).shape();
+                const Picture picture = read_image(file, options_.max_pixels, formats_);
+                shape_ = picture.shape();
+                if (picture.filter != ColourFilter::none && !options_.knows_filter) {
+                    warnings_.push_back(mosaic_warning(name(), picture.filter));
+                }
                 return;
             } catch (const CorruptPicture& damage) {
                 if (!first_damage) first_damage = damage;

@@ -14,6 +14,7 @@
 
 #include "core/errors.h"
 #include "io/frame_clock.h"
+#include "io/images/detail/little_endian.h"
 #include "io/input_file.h"
 
 namespace grainfield::io {
@@ -27,12 +28,6 @@ constexpr std::string_view signature = "\xed\xfe\0\0N\0o\0r\0p\0i\0x\0"sv;
 constexpr std::size_t header_bytes = 624;
 constexpr std::uint32_t format_grey = 100, format_bayer = 101;
 constexpr double same_rate = 0.02;
-
-std::uint64_t word(const std::uint8_t* bytes, unsigned count) {
-    std::uint64_t value = 0;
-    for (unsigned i = 0; i < count; ++i) value |= std::uint64_t{bytes[i]} << (8U * i);
-    return value;
-}
 
 struct Header {
     std::uint32_t version = 0;
@@ -210,8 +205,9 @@ class NorpixFrames : public FrameSource, public FrameClock {
     }
 
     void find_rate() {
-        const bool is_number = std::isfinite(header_.rate) && header_.rate > 0;
-        if (is_number) rate_ = header_.rate;
+        // No camera is slower or faster, and times stay finite.
+        const bool is_possible = header_.rate >= 1e-9 && header_.rate <= 1e9;
+        if (is_possible) rate_ = header_.rate;
         const auto known = stamps();
         if (!known) return;
         const double measured = 1 / known->interval;
@@ -231,8 +227,7 @@ class NorpixFrames : public FrameSource, public FrameClock {
                                             name(), count_, header_.allocated));
         }
         if (header_.format == format_bayer && !knows_filter) {
-            warnings_.push_back(fmt::format(
-                "'{}' holds the mosaic of a colour camera: give option 'mosaic'", name()));
+            warnings_.push_back(mosaic_warning(name(), ColourFilter::none));
         }
     }
 

@@ -177,7 +177,8 @@ class PhotronFrames : public FrameSource {
                 name(), colour));
         }
         const auto rate = header.number(field_rate);
-        if (rate && *rate > 0) rate_ = rate;
+        // No camera is slower or faster, and times stay finite.
+        if (rate && *rate >= 1e-9 && *rate <= 1e9) rate_ = rate;
         file_.open(path_, std::ios::binary);
     }
 

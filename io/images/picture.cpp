@@ -1,5 +1,7 @@
 #include "io/images/picture.h"
 
+#include <cctype>
+
 #include <fmt/format.h>
 
 namespace grainfield::io {
@@ -15,6 +17,14 @@ CorruptPicture::CorruptPicture(const std::filesystem::path& path,
                   .expected = "a whole picture",
                   .suggestion = "copy the file again from where it was recorded"}),
       decoder_message_(decoder_message) {}
+
+std::string mosaic_warning(const std::string& file, ColourFilter filter) {
+    std::string pattern;
+    if (filter != ColourFilter::none) pattern = fmt::format(" {}", name_of(filter));
+    for (char& c : pattern) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return fmt::format("'{}' holds the mosaic of a colour camera: give option 'mosaic'{}", file,
+                       pattern);
+}
 
 void require_pixel_count(const std::filesystem::path& path, std::int64_t width, std::int64_t height,
                          std::int64_t max_pixels) {

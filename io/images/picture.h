@@ -6,6 +6,7 @@
 
 #include "core/errors.h"
 #include "core/frame.h"
+#include "io/colour_filter.h"
 
 namespace grainfield::io {
 
@@ -24,6 +25,7 @@ struct PictureShape {
 struct Picture {
     Image image;
     int bit_depth = 8;
+    ColourFilter filter = ColourFilter::none;  ///< as the file says
 
     PictureShape shape() const { return {image.width(), image.height(), bit_depth}; }
 };
@@ -38,6 +40,9 @@ class CorruptPicture : public InputError {
  private:
     std::string decoder_message_;
 };
+
+/// For frames of a colour filter that the options do not name.
+std::string mosaic_warning(const std::string& file, ColourFilter filter);
 
 /// Rec. 601 luma in the counts of its arguments; exact where all three are equal and ≤ 65535.
 inline float luma(std::int32_t red, std::int32_t green, std::int32_t blue) {

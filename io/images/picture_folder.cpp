@@ -43,17 +43,36 @@ class PictureFolder : public FrameWriter {
 
     void write(const Frame& frame) override {
         const std::vector<std::uint8_t> bytes = counts_of(frame, options_);
-        OutputFile file(folder_ / fmt::format("frame-{:06}.{}", frame.index, format_.extension),
-                        overwrite_);
+        OutputFile file(path_of(frame.index), overwrite_);
         format_.write(file.temporary(), bytes,
                       {options_.width, options_.height, options_.bit_depth});
         file.commit();
     }
 
     void finish() override {}
+
+    bool holds(std::int64_t index) const override {
+        const fs::path path = path_of(index);
+        std::error_code unreachable;
+        if (!fs::is_regular_file(path, unreachable)) return false;
+        try {
+            const auto most_pixels = static_cast<std::int64_t>(options_.width) * options_.height;
+            const PictureShape found = format_.read(path, most_pixels).shape();
+            // Words have 16 bit, whatever the camera has.
+            return found.width == options_.width && found.height == options_.height &&
+                   (found.bit_depth > 8) == (options_.bit_depth > 8);
+        } catch (const InputError&) {
+            return false;
+        }
+    }
+
     std::vector<fs::path> outputs() const override { return {folder_}; }
 
  private:
+    fs::path path_of(std::int64_t index) const {
+        return folder_ / fmt::format("frame-{:06}.{}", index, format_.extension);
+    }
+
     // Frames of an older, longer series would join the new one unseen.
     void refuse_old_frames() const {
         for (const auto& entry : fs::directory_iterator(folder_)) {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdarg>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <limits>
 #include <memory>
@@ -16,6 +16,8 @@
 #include <fmt/format.h>
 #include <tiffio.h>
 
+#include "io/frame_scale.h"
+#include "io/images/tiff_description.h"
 #include "io/input_file.h"
 
 #if TIFFLIB_VERSION < 20221213
@@ -34,26 +36,31 @@ struct TiffDeleter {
 /// Keeps the first message of an operation; libtiff prints nothing.
 struct Messages {
     std::string first;
+    std::string of_table;  ///< what is said of a table that libtiff does not take
 
-    void add(const char* module, const char* format, va_list arguments) {
-        if (!first.empty()) return;
+    static std::string text_of(const char* module, const char* format, va_list arguments) {
         std::array<char, 400> text{};
         std::vsnprintf(text.data(), text.size(), format, arguments);
-        first = fmt::format("{}: {}", module == nullptr ? "libtiff" : module, text.data());
+        return fmt::format("{}: {}", module == nullptr ? "libtiff" : module, text.data());
+    }
+    void add(const std::string& text) {
+        if (first.empty()) first = text;
     }
     std::string take() { return std::exchange(first, {}); }
 };
 
 int on_error(TIFF*, void* user, const char* module, const char* format, va_list arguments) {
-    static_cast<Messages*>(user)->add(module, format, arguments);
+    static_cast<Messages*>(user)->add(Messages::text_of(module, format, arguments));
     return 1;
 }
 
-// Unknown tags and the like are harmless, but a cut JPEG strip is only warned about.
+// Unknown tags and the like are harmless, but a cut JPEG strip is only warned about, and so
+// is a table that is left out.
 int on_warning(TIFF*, void* user, const char* module, const char* format, va_list arguments) {
-    if (module != nullptr && std::string_view(module).starts_with("JPEG")) {
-        static_cast<Messages*>(user)->add(module, format, arguments);
-    }
+    auto& messages = *static_cast<Messages*>(user);
+    const std::string text = Messages::text_of(module, format, arguments);
+    if (module != nullptr && std::string_view(module).starts_with("JPEG")) messages.add(text);
+    if (text.find("LinearizationTable") != std::string::npos) messages.of_table = text;
     return 1;
 }
 
@@ -71,10 +78,24 @@ struct Layout {
     std::uint16_t photometric = PHOTOMETRIC_MINISBLACK;
     std::uint16_t format = SAMPLEFORMAT_UINT;
     std::uint16_t compression = COMPRESSION_NONE;
+    ColourFilter filter = ColourFilter::none;
+    std::vector<std::uint16_t> table;  ///< of DNG: counts in proportion to light, by stored value
 
+    /// Values beyond the end of the table take its last entry.
+    std::int32_t linear(std::uint32_t stored) const {
+        if (table.empty()) return static_cast<std::int32_t>(stored);
+        return table[std::min<std::size_t>(stored, table.size() - 1)];
+    }
+    /// Of the counts that come out.
+    int bit_depth(std::uint16_t stored_bits) const {
+        if (table.empty()) return stored_bits;
+        return std::max(8, static_cast<int>(std::bit_width(*std::ranges::max_element(table))));
+    }
     int planes() const { return planar == PLANARCONFIG_SEPARATE ? samples : 1; }
     int samples_in_plane() const { return planar == PLANARCONFIG_SEPARATE ? 1 : samples; }
 };
+
+constexpr std::uint16_t photometric_linear_raw = 34892;  // of DNG: counts of the sensor
 
 class TiffFile {
  public:
@@ -97,23 +118,27 @@ class TiffFile {
 
     const std::filesystem::path& path() const { return path_; }
     const std::vector<Page>& pages() const { return pages_; }
+    const TiffDescription& description() const { return description_; }
     /// Why the list of pages broke off; empty if it came to its end.
     const std::string& cut_message() const { return cut_message_; }
 
     Picture read(std::size_t number) {
         const Page& page = pages_[number];
         messages_->take();
+        messages_->of_table.clear();
         if (TIFFSetSubDirectory(tiff_.get(), page.offset) == 0) fail("no such page");
         require_pixel_count(path_, page.width, page.height, max_pixels_);
         const Layout layout = read_layout();
         require_supported(page, layout);
         const std::vector<std::uint8_t> raw = read_raw(page, layout);
         Picture picture{Image(static_cast<int>(page.width), static_cast<int>(page.height)),
-                        page.bits};
+                        layout.bit_depth(page.bits), layout.filter};
         if (page.bits == 8) {
             convert<std::uint8_t>(raw, layout, picture.image);
-        } else {
+        } else if (page.bits == 16) {
             convert<std::uint16_t>(raw, layout, picture.image);
+        } else {
+            unpack(raw, page, layout, picture.image);
         }
         return picture;
     }
@@ -130,30 +155,58 @@ class TiffFile {
             page.offset = TIFFCurrentDirOffset(tiff_.get());
             std::uint32_t kind = 0;
             TIFFGetField(tiff_.get(), TIFFTAG_SUBFILETYPE, &kind);
+            note_raw_pages();
             if ((kind & (FILETYPE_REDUCEDIMAGE | FILETYPE_MASK)) != 0) continue;
             TIFFGetField(tiff_.get(), TIFFTAG_IMAGEWIDTH, &page.width);
             TIFFGetField(tiff_.get(), TIFFTAG_IMAGELENGTH, &page.height);
             TIFFGetFieldDefaulted(tiff_.get(), TIFFTAG_BITSPERSAMPLE, &page.bits);
             pages_.push_back(page);
-            note_promise();
+            note_description();
             messages_->take();
         } while (TIFFReadDirectory(tiff_.get()) != 0);
         if (std::string message = messages_->take(); !message.empty()) cut_message_ = message;
-        if (cut_message_.empty() && promised_ > pages_.size()) {
-            cut_message_ = fmt::format("{} pages promised by its description", promised_);
+        if (!raw_pages_.empty()) find_raw_pages();
+        if (const std::uint64_t promised = description_.pages.value_or(0);
+            cut_message_.empty() && promised > pages_.size()) {
+            cut_message_ = fmt::format("{} pages promised by its description", promised);
         }
     }
 
-    // ImageJ writes "images=N" into the first page.
-    void note_promise() {
+    // In DNG the counts of the sensor often stand below a page with a small picture of them.
+    void note_raw_pages() {
+        if (numbers_of<std::uint8_t>(TIFFTAG_DNGVERSION).empty()) return;
+        std::uint16_t count = 0;
+        const std::uint64_t* offsets = nullptr;
+        if (TIFFGetField(tiff_.get(), TIFFTAG_SUBIFD, &count, &offsets) == 0) return;
+        raw_pages_.insert(raw_pages_.end(), offsets, offsets + count);
+    }
+
+    void find_raw_pages() {
+        std::vector<Page> found;
+        for (const std::uint64_t offset : raw_pages_) {
+            Page page;
+            page.offset = offset;
+            if (TIFFSetSubDirectory(tiff_.get(), offset) == 0) continue;
+            std::uint32_t kind = 0;
+            std::uint16_t photometric = 0;
+            TIFFGetField(tiff_.get(), TIFFTAG_SUBFILETYPE, &kind);
+            TIFFGetField(tiff_.get(), TIFFTAG_PHOTOMETRIC, &photometric);
+            if (kind != 0) continue;
+            if (photometric != PHOTOMETRIC_CFA && photometric != photometric_linear_raw) continue;
+            TIFFGetField(tiff_.get(), TIFFTAG_IMAGEWIDTH, &page.width);
+            TIFFGetField(tiff_.get(), TIFFTAG_IMAGELENGTH, &page.height);
+            TIFFGetFieldDefaulted(tiff_.get(), TIFFTAG_BITSPERSAMPLE, &page.bits);
+            found.push_back(page);
+        }
+        if (std::string message = messages_->take(); cut_message_.empty()) cut_message_ = message;
+        if (!found.empty()) pages_ = std::move(found);
+    }
+
+    void note_description() {
         const char* description = nullptr;
         if (pages_.size() != 1) return;
         if (TIFFGetField(tiff_.get(), TIFFTAG_IMAGEDESCRIPTION, &description) == 0) return;
-        const std::string_view text(description);
-        if (!text.starts_with("ImageJ=")) return;
-        const std::size_t at = text.find("\nimages=");
-        if (at == std::string_view::npos) return;
-        promised_ = std::strtoull(text.data() + at + 8, nullptr, 10);
+        description_ = tiff_description(description);
     }
 
     Layout read_layout() {
@@ -169,7 +222,64 @@ class TiffFile {
             TIFFSetField(tiff_.get(), TIFFTAG_JPEGCOLORMODE, JPEGCOLORMODE_RGB);
             layout.photometric = PHOTOMETRIC_RGB;
         }
+        if (layout.photometric == photometric_linear_raw || layout.photometric == PHOTOMETRIC_CFA) {
+            layout.table = read_table();
+        }
+        if (layout.photometric == photometric_linear_raw) {
+            layout.photometric = layout.samples >= 3 ? PHOTOMETRIC_RGB : PHOTOMETRIC_MINISBLACK;
+        }
+        if (layout.photometric == PHOTOMETRIC_CFA) {
+            layout.filter = read_filter();
+            layout.photometric = PHOTOMETRIC_MINISBLACK;
+        }
         return layout;
+    }
+
+    /// The numbers of a tag whose count is fixed in some releases of libtiff and passed in others.
+    template <class Number>
+    std::vector<Number> numbers_of(std::uint32_t tag) {
+        const TIFFField* field = TIFFFindField(tiff_.get(), tag, TIFF_ANY);
+        const Number* numbers = nullptr;
+        if (field == nullptr) return {};
+        const int fixed = TIFFFieldReadCount(field);
+        if (TIFFFieldPassCount(field) == 0) {
+            if (fixed < 1 || TIFFGetField(tiff_.get(), tag, &numbers) == 0) return {};
+            return {numbers, numbers + fixed};
+        }
+        std::uint16_t count = 0;
+        std::uint32_t long_count = 0;
+        if (fixed == TIFF_VARIABLE2) {
+            if (TIFFGetField(tiff_.get(), tag, &long_count, &numbers) == 0) return {};
+        } else {
+            if (TIFFGetField(tiff_.get(), tag, &count, &numbers) == 0) return {};
+            long_count = count;
+        }
+        return {numbers, numbers + long_count};
+    }
+
+    /// Without its table a file would give counts that are no measure of light.
+    std::vector<std::uint16_t> read_table() {
+        if (!messages_->of_table.empty()) {
+            refuse(fmt::format("its counts go through a table that cannot be read ({})",
+                               messages_->of_table),
+                   "a LinearizationTable of at most 65,535 values, or none");
+        }
+        return numbers_of<std::uint16_t>(TIFFTAG_LINEARIZATIONTABLE);
+    }
+
+    ColourFilter read_filter() {
+        const auto sides = numbers_of<std::uint16_t>(TIFFTAG_CFAREPEATPATTERNDIM);
+        const auto colours = numbers_of<std::uint8_t>(TIFFTAG_CFAPATTERN);
+        using Pattern = std::vector<std::uint8_t>;
+        if (sides == std::vector<std::uint16_t>{2, 2}) {
+            if (colours == Pattern{0, 1, 1, 2}) return ColourFilter::rggb;
+            if (colours == Pattern{1, 0, 2, 1}) return ColourFilter::grbg;
+            if (colours == Pattern{1, 2, 0, 1}) return ColourFilter::gbrg;
+            if (colours == Pattern{2, 1, 1, 0}) return ColourFilter::bggr;
+        }
+        refuse(fmt::format("a colour filter of {} x {} pixels", sides.empty() ? 0 : sides[0],
+                           sides.size() < 2 ? 0 : sides[1]),
+               "two rows and columns of red, green, green, blue");
     }
 
     void require_supported(const Page& page, const Layout& layout) const {
@@ -177,7 +287,11 @@ class TiffFile {
                           layout.photometric == PHOTOMETRIC_MINISWHITE;
         const bool colour = layout.photometric == PHOTOMETRIC_RGB && layout.samples >= 3;
         const bool palette = layout.photometric == PHOTOMETRIC_PALETTE && page.bits == 8;
-        const bool depth = page.bits == 8 || page.bits == 16;
+        const bool is_packed = page.bits > 8 && page.bits < 16 && layout.samples == 1;
+        const bool depth = page.bits == 8 || page.bits == 16 || (is_packed && grey);
+        if (layout.filter != ColourFilter::none && layout.compression == COMPRESSION_JPEG) {
+            refuse("counts of the sensor in JPEG", "a DNG that is not compressed");
+        }
         if (depth && layout.format == SAMPLEFORMAT_UINT && layout.samples >= 1 &&
             layout.samples <= 16 && (grey || colour || palette)) {
             return;
@@ -187,28 +301,28 @@ class TiffFile {
         }
         refuse(fmt::format("{} bit, {} samples per pixel, sample format {}, photometric {}",
                            page.bits, layout.samples, layout.format, layout.photometric),
-               "8 or 16 bit unsigned, grey, RGB or palette");
+               "8 to 16 bit unsigned grey, or RGB or palette of 8 or 16 bit");
     }
 
     [[noreturn]] void refuse(std::string actual, std::string expected) const {
         throw InputError({.problem = fmt::format("cannot use the TIFF '{}'", path_.string()),
                           .actual = std::move(actual),
                           .expected = std::move(expected),
-                          .suggestion = "save it as 16-bit grey"});
+                          .suggestion = "save it as 16-bit grey, not compressed"});
     }
 
     /// All samples as stored, plane after plane, row after row.
     std::vector<std::uint8_t> read_raw(const Page& page, const Layout& layout) {
-        const std::size_t pixel_bytes =
-            static_cast<std::size_t>(layout.samples_in_plane()) * page.bits / 8U;
-        const std::size_t row_bytes = pixel_bytes * page.width;
+        const std::size_t pixel_bits =
+            static_cast<std::size_t>(layout.samples_in_plane()) * page.bits;
+        const std::size_t row_bytes = (pixel_bits * page.width + 7) / 8;
         std::vector<std::uint8_t> raw(row_bytes * page.height *
                                       static_cast<std::size_t>(layout.planes()));
         for (int plane = 0; plane < layout.planes(); ++plane) {
             std::uint8_t* start =
                 raw.data() + row_bytes * page.height * static_cast<std::size_t>(plane);
             if (TIFFIsTiled(tiff_.get()) != 0) {
-                read_tiles(page, plane, pixel_bytes, start);
+                read_tiles(page, plane, pixel_bits, start);
             } else {
                 read_rows(page, plane, row_bytes, start);
             }
@@ -231,13 +345,15 @@ class TiffFile {
         }
     }
 
-    void read_tiles(const Page& page, int plane, std::size_t pixel_bytes, std::uint8_t* out) {
+    void read_tiles(const Page& page, int plane, std::size_t pixel_bits, std::uint8_t* out) {
         std::uint32_t tile_width = 0;
         std::uint32_t tile_height = 0;
         TIFFGetField(tiff_.get(), TIFFTAG_TILEWIDTH, &tile_width);
         TIFFGetField(tiff_.get(), TIFFTAG_TILELENGTH, &tile_height);
         require_pixel_count(path_, tile_width, tile_height, max_pixels_);
-        const std::size_t tile_row = pixel_bytes * tile_width;
+        if (pixel_bits * tile_width % 8 != 0) fail("tiles end within a byte");
+        const std::size_t row_bytes = (pixel_bits * page.width + 7) / 8;
+        const std::size_t tile_row = pixel_bits * tile_width / 8;
         const tmsize_t bytes = TIFFTileSize(tiff_.get());
         if (bytes < static_cast<tmsize_t>(tile_row * tile_height)) fail("tiles are too short");
         std::vector<std::uint8_t> tile(static_cast<std::size_t>(bytes));
@@ -247,13 +363,34 @@ class TiffFile {
                                  static_cast<std::uint16_t>(plane)) < 0) {
                     fail(fmt::format("the tile at ({}, {}) cannot be decoded", x, y));
                 }
-                const std::size_t columns = std::min(tile_width, page.width - x) * pixel_bytes;
+                const std::size_t first = x * pixel_bits / 8;
+                const std::size_t columns = std::min(tile_row, row_bytes - first);
                 const std::uint32_t rows = std::min(tile_height, page.height - y);
                 for (std::uint32_t row = 0; row < rows; ++row) {
-                    std::memcpy(
-                        out + (std::size_t{y} + row) * page.width * pixel_bytes + x * pixel_bytes,
-                        tile.data() + row * tile_row, columns);
+                    std::memcpy(out + (std::size_t{y} + row) * row_bytes + first,
+                                tile.data() + row * tile_row, columns);
                 }
+            }
+        }
+    }
+
+    /// Counts of 9 to 15 bit, the highest bits first; each row begins with a byte.
+    static void unpack(const std::vector<std::uint8_t>& raw, const Page& page, const Layout& layout,
+                       Image& image) {
+        const std::uint32_t white = (1U << page.bits) - 1U;
+        const std::size_t row_bytes = (std::size_t{page.width} * page.bits + 7) / 8;
+        for (std::uint32_t y = 0; y < page.height; ++y) {
+            const std::uint8_t* in = raw.data() + y * row_bytes;
+            float* out = image.pixels().data() + std::size_t{y} * page.width;
+            std::uint32_t held = 0;
+            unsigned bits = 0;
+            for (std::uint32_t x = 0; x < page.width; ++x) {
+                for (; bits < page.bits; bits += 8) held = held << 8U | *in++;
+                bits -= page.bits;
+                const std::uint32_t count = held >> bits & white;
+                out[x] = layout.photometric == PHOTOMETRIC_MINISWHITE
+                             ? static_cast<float>(white - count)
+                             : static_cast<float>(layout.linear(count));
             }
         }
     }
@@ -267,7 +404,7 @@ class TiffFile {
                 separate ? channel * pixels + pixel : pixel * layout.samples + channel;
             Sample value;
             std::memcpy(&value, raw.data() + at * sizeof(Sample), sizeof(Sample));
-            return static_cast<std::int32_t>(value);
+            return layout.linear(value);
         };
         float* out = image.pixels().data();
         if (layout.photometric == PHOTOMETRIC_PALETTE) {
@@ -309,15 +446,34 @@ class TiffFile {
     std::unique_ptr<Messages> messages_ = std::make_unique<Messages>();
     std::unique_ptr<TIFF, TiffDeleter> tiff_;
     std::vector<Page> pages_;
+    std::vector<std::uint64_t> raw_pages_;  ///< below other pages
     std::string cut_message_;
-    std::uint64_t promised_ = 0;
+    TiffDescription description_;
 };
 
-class TiffFrames : public FrameSource {
+class TiffFrames : public FrameSource, public FrameScale {
  public:
     TiffFrames(const std::filesystem::path& path, const FrameFileOptions& options)
         : file_(path, options.max_pixels), fps_(options.fps) {
         find_shape();
+        const TiffDescription& said = file_.description();
+        if (said.channels > 1 || said.depths > 1) {
+            warnings_.push_back(fmt::format(
+                "'{}' holds {} channels and {} focal planes of each time: its pages are taken for "
+                "frames one after the other; save one of them, or choose with frames",
+                name(), said.channels, said.depths));
+            if (said.frame_rate && !fps_) {
+                warnings_.push_back(fmt::format(
+                    "the frame rate of '{}' is not known: it states {:.6g} times a second, each of "
+                    "{} pages; --fps gives the rate of the pages",
+                    name(), *said.frame_rate, said.channels * said.depths));
+            }
+        } else if (!fps_) {
+            fps_ = said.frame_rate;
+        }
+        if (filter_ != ColourFilter::none && !options.knows_filter) {
+            warnings_.push_back(mosaic_warning(name(), filter_));
+        }
         if (!file_.cut_message().empty()) {
             warnings_.push_back(fmt::format("'{}' is cut short after {} pages: {}", name(), count(),
                                             file_.cut_message()));
@@ -331,6 +487,7 @@ class TiffFrames : public FrameSource {
     std::optional<double> frame_rate() const override { return fps_; }
     std::string name() const override { return file_.path().string(); }
     const std::vector<std::string>& warnings() const override { return warnings_; }
+    std::optional<double> pixel_mm() const override { return file_.description().pixel_mm; }
 
     Frame read(std::int64_t index) override {
         require_frame_index(index, count(), name());
@@ -354,7 +511,9 @@ class TiffFrames : public FrameSource {
     void find_shape() {
         for (std::size_t i = 0;; ++i) {
             try {
-                shape_ = file_.read(i).shape();
+                const Picture picture = file_.read(i);
+                shape_ = picture.shape();
+                filter_ = picture.filter;
                 return;
             } catch (const CorruptPicture&) {
                 if (i + 1 == file_.pages().size()) throw;
@@ -365,6 +524,7 @@ class TiffFrames : public FrameSource {
     TiffFile file_;
     std::optional<double> fps_;
     PictureShape shape_;
+    ColourFilter filter_ = ColourFilter::none;
     std::vector<std::string> warnings_;
 };
 

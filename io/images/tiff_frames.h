@@ -12,7 +12,10 @@ namespace grainfield::io {
 
 /// The pages of one TIFF as frames; pages marked as reduced images are left out.
 ///
-/// Reads 8 and 16 bit, grey, RGB(A) or palette, in strips or tiles, any compression of libtiff.
+/// Reads grey of 8 to 16 bit, packed or not, and RGB(A) or palette of 8 or 16 bit, in strips or
+/// tiles, any compression of libtiff. Of DNG the counts of the sensor are read, also below the page
+/// of a small picture; the whole sensor with its dark border, without the tables that DNG has for
+/// viewers. A warning names the colour filter. JPEG is refused there.
 /// `min-is-white` is inverted, so that bright is always large. The list of pages is walked on
 /// opening; where it breaks off, the pages before are kept and a warning says so. A page whose
 /// pixels are damaged or cut is a corrupt frame with libtiff's message; if it is the only page,

@@ -57,12 +57,30 @@ VideoEncoder::Format for_people(const fs::path& path, const ColourVideoOptions& 
             .configure = configure};
 }
 
+/// One picture of this stream is a JPEG file.
+VideoEncoder::Format one_jpeg(const ColourVideoOptions& options) {
+    const auto configure = [&options](AVCodecContext& encoder) {
+        encoder.width = options.width / 2 * 2;
+        encoder.height = options.height / 2 * 2;
+        encoder.pix_fmt = AV_PIX_FMT_YUVJ420P;
+        encoder.color_range = AVCOL_RANGE_JPEG;
+        encoder.framerate = {25, 1};
+        encoder.flags |= AV_CODEC_FLAG_QSCALE;
+        encoder.global_quality = 3 * FF_QP2LAMBDA;
+    };
+    return {.codec = avcodec_find_encoder(AV_CODEC_ID_MJPEG),
+            .codec_name = "JPEG",
+            .muxer = "mjpeg",
+            .configure = configure};
+}
+
 }  // namespace
 
 class ColourVideo::Encoder {
  public:
-    Encoder(const fs::path& path, const ColourVideoOptions& options, Overwrite overwrite)
-        : options_(options), encoder_(path, overwrite, for_people(path, options)) {}
+    Encoder(const fs::path& path, const ColourVideoOptions& options, Overwrite overwrite,
+            const VideoEncoder::Format& format)
+        : options_(options), encoder_(path, overwrite, format) {}
 
     void write(std::span<const std::uint8_t> rgb) {
         const auto expected = static_cast<std::size_t>(options_.width) *
@@ -80,8 +98,12 @@ class ColourVideo::Encoder {
     void finish() { encoder_.finish(); }
 
  private:
-    // RGB to Y'CbCr of BT.601, limited range; chroma is the mean of 2 × 2 pixels.
+    // RGB to Y'CbCr of BT.601, of films in limited range; chroma is the mean of 2 × 2 pixels.
     void fill(AVFrame& picture, std::span<const std::uint8_t> rgb) const {
+        const bool is_full = picture.format == AV_PIX_FMT_YUVJ420P;
+        const double black = is_full ? 0 : 16;
+        const double luma_range = is_full ? 1 : 219.0 / 255;
+        const double chroma_range = is_full ? 1 : 224.0 / 255;
         const int width = picture.width;
         const int height = picture.height;
         const auto at = [&](int x, int y) {
@@ -96,7 +118,7 @@ class ColourVideo::Encoder {
             std::uint8_t* luma = row(0, y);
             for (int x = 0; x < width; ++x) {
                 const std::uint8_t* p = at(x, y);
-                luma[x] = level(16 + 0.256788 * p[0] + 0.504129 * p[1] + 0.097906 * p[2]);
+                luma[x] = level(black + luma_range * (0.299 * p[0] + 0.587 * p[1] + 0.114 * p[2]));
             }
         }
         for (int y = 0; y < height; y += 2) {
@@ -112,8 +134,8 @@ class ColourVideo::Encoder {
                     g += 0.25 * p[1];
                     b += 0.25 * p[2];
                 }
-                blue[x / 2] = level(128 - 0.148223 * r - 0.290993 * g + 0.439216 * b);
-                red[x / 2] = level(128 + 0.439216 * r - 0.367788 * g - 0.071427 * b);
+                blue[x / 2] = level(128 + chroma_range * (-0.168736 * r - 0.331264 * g + 0.5 * b));
+                red[x / 2] = level(128 + chroma_range * (0.5 * r - 0.418688 * g - 0.081312 * b));
             }
         }
     }
@@ -139,7 +161,7 @@ ColourVideo::ColourVideo(const fs::path& path, const ColourVideoOptions& options
                            .expected = "at least 2 x 2 px",
                            .suggestion = {}});
     }
-    encoder_ = std::make_unique<Encoder>(path, options, overwrite);
+    encoder_ = std::make_unique<Encoder>(path, options, overwrite, for_people(path, options));
 }
 
 ColourVideo::~ColourVideo() = default;
@@ -150,6 +172,14 @@ void ColourVideo::write(std::span<const std::uint8_t> rgb) {
 
 void ColourVideo::finish() {
     encoder_->finish();
+}
+
+void write_jpeg(const fs::path& path, std::span<const std::uint8_t> rgb, int width, int height,
+                Overwrite overwrite) {
+    const ColourVideoOptions options{.width = width, .height = height};
+    ColourVideo::Encoder encoder(path, options, overwrite, one_jpeg(options));
+    encoder.write(rgb);
+    encoder.finish();
 }
 
 bool is_colour_video_name(const fs::path& path) {

@@ -35,9 +35,16 @@ class ColourVideo {
     void finish();
 
  private:
+    friend void write_jpeg(const std::filesystem::path& path, std::span<const std::uint8_t> rgb,
+                           int width, int height, Overwrite overwrite);
     class Encoder;
     std::unique_ptr<Encoder> encoder_;
 };
+
+/// One picture for people to look at, as JPEG. An odd size loses its last column or row. Throws
+/// OptionError for a wrong number of bytes, OutputError.
+void write_jpeg(const std::filesystem::path& path, std::span<const std::uint8_t> rgb, int width,
+                int height, Overwrite overwrite);
 
 /// True for names that ColourVideo writes.
 bool is_colour_video_name(const std::filesystem::path& path);

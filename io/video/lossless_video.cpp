@@ -63,6 +63,7 @@ class VideoWriter : public FrameWriter {
     }
 
     void finish() override { encoder_.finish(); }
+    bool holds(std::int64_t) const override { return false; }
 
     std::vector<fs::path> outputs() const override { return {encoder_.target()}; }
 

@@ -75,6 +75,11 @@ ColourVideo::~ColourVideo() = default;
 void ColourVideo::write(std::span<const std::uint8_t> /*rgb*/) {}
 void ColourVideo::finish() {}
 
+void write_jpeg(const fs::path& path, std::span<const std::uint8_t> /*rgb*/, int /*width*/,
+                int /*height*/, Overwrite /*overwrite*/) {
+    throw OptionError(refusal(fmt::format("cannot write the picture '{}'", path.string())));
+}
+
 bool is_colour_video_name(const fs::path& path) {
     return path.extension() == ".mp4" || path.extension() == ".mkv" || path.extension() == ".mov";
 }

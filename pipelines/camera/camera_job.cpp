@@ -118,12 +118,18 @@ const char* name_of(BoardKind kind) {
 }
 
 bool is_of_corners(const CameraJobOptions& options) {
-    if (options.corners && options.sides) return true;
-    if (!options.corners && !options.sides) return false;
+    if (options.corners && options.walls) {
+        throw OptionError({.problem = "corners are given, and walls are to be looked for",
+                           .actual = {},
+                           .expected = "option 'corners' or option 'walls'",
+                           .suggestion = {}});
+    }
+    if ((options.corners || options.walls) && options.sides) return true;
+    if (!options.corners && !options.walls && !options.sides) return false;
     throw OptionError({.problem = "a rectangle needs its corners and its sides",
-                       .actual = options.corners ? "option 'sides' is not given"
-                                                 : "option 'corners' is not given",
-                       .expected = "corners x,y,x,y,x,y,x,y [px] and sides w,h",
+                       .actual = options.sides ? "neither option 'corners' nor 'walls' is given"
+                                               : "option 'sides' is not given",
+                       .expected = "corners x,y,x,y,x,y,x,y [px], or walls, and sides w,h",
                        .suggestion = {}});
 }
 
@@ -141,18 +147,33 @@ double largest_shift(const tracking::Camera& camera) {
     return largest;
 }
 
-CameraJobResult of_rectangle(const CameraJobOptions& options, const Place& place) {
-    const Image image = image_of(place);
-    const std::vector<double>& numbers = *options.corners;
+std::array<Vec2, 4> given_corners(const std::vector<double>& numbers) {
     std::array<Vec2, 4> corners;
     for (std::size_t i = 0; i < corners.size(); ++i) {
         corners[i] = {numbers[2 * i], numbers[2 * i + 1]};
     }
+    return corners;
+}
+
+CameraJobResult of_rectangle(const CameraJobOptions& options, const Place& place, RunPlan& plan) {
+    const Image image = image_of(place);
     CameraJobResult result;
     result.pictures = 1;
+    if (options.walls) {
+        result.walls = tracking::find_walls(image);
+        constexpr double bent = 0.3;  // px
+        if (result.walls->residual_rms > bent) {
+            plan.warn(fmt::format(
+                "the walls are off straight lines by {:.2f} px: a lens that bends them, or rough "
+                "walls; pictures of a board tell the lens",
+                result.walls->residual_rms));
+        }
+    }
+    const auto corners = result.walls ? result.walls->corner : given_corners(*options.corners);
     result.fit.camera =
         tracking::camera_of_rectangle(corners, options.sides->front(), options.sides->back(),
                                       options.unit, image.width(), image.height());
+    if (result.walls) result.fit.camera.residual_rms = result.walls->residual_rms;
     return result;
 }
 
@@ -258,14 +279,17 @@ void describe(CameraJobOptions& options, OptionTable& table) {
                   {kCorners, kCorners});
     table.numbers("sides", options.sides, "", {1e-9, 1e9},
                   "with corners: from the first to the second corner, and from there to the "
-                  "third, as W,H in 'unit'",
+                  "third, as W,H in 'unit'; with walls: level and upright side",
                   {2, 2});
+    table.flag("walls", options.walls,
+               "instead of a board: looks for the four walls of the cell in a frame of the film");
 }
 
 void plan_camera(const CameraJobOptions& options, Job& job) {
     job.inputs = io::recording_files(job.inputs);
     if (is_of_corners(options)) {
-        job.plan.skip("lens", "corners are given", "pictures of a board");
+        job.plan.skip("lens", options.walls ? "walls tell no lens" : "corners are given",
+                      "pictures of a board");
         job.plan.run("tilt", "the plane of the rectangle; its sides are the walls of the cell");
         return;
     }
@@ -283,7 +307,7 @@ CameraJobResult calibrate_camera(const CameraJobOptions& options, Job& job) {
     require_free(options.output, job);
     if (is_of_corners(options)) {
         plan_camera(options, job);
-        result = of_rectangle(options, {job.inputs.front(), 0, 1});
+        result = of_rectangle(options, {job.inputs.front(), 0, 1}, job.plan);
     } else {
         require_free(picture, job);
         result = of_boards(options, places_of(job), job);

@@ -9,6 +9,7 @@
 #include "core/option_table.h"
 #include "pipelines/job.h"
 #include "tracking/camera/camera_fit.h"
+#include "tracking/camera/wall_lines.h"
 
 namespace grainfield::pipelines {
 
@@ -26,6 +27,7 @@ struct CameraJobOptions {
     std::int64_t pictures = 40;                  ///< looked at, spread evenly
     std::optional<std::vector<double>> corners;  ///< x,y of four, in the first picture [px]
     std::optional<std::vector<double>> sides;    ///< of that rectangle [unit]
+    bool walls = false;                          ///< the rectangle is looked for in the picture
 };
 
 void describe(CameraJobOptions& options, OptionTable& table);
@@ -33,16 +35,18 @@ void describe(CameraJobOptions& options, OptionTable& table);
 struct CameraJobResult {
     tracking::CameraFit fit;
     BoardKind board = BoardKind::automatic;
-    std::int64_t pictures = 0, views = 0;  ///< looked at, with a board
-    double largest_shift = 0;              ///< of the correction over the frame [px]
-    std::filesystem::path picture;         ///< of the residuals; empty: of a rectangle
+    std::int64_t pictures = 0, views = 0;      ///< looked at, with a board
+    std::optional<tracking::CellWalls> walls;  ///< where they were looked for
+    double largest_shift = 0;                  ///< of the correction over the frame [px]
+    std::filesystem::path picture;             ///< of the residuals; empty: of a rectangle
 };
 
 /// Says in the plan what calibrate_camera would do. Throws OptionError.
 void plan_camera(const CameraJobOptions& options, Job& job);
 
 /// Lens and tilt from pictures of a board (tracking::fit_camera), or tilt alone from the corners of
-/// a rectangle (tracking::camera_of_rectangle). Writes the camera file, and of a board a picture
+/// a rectangle (tracking::camera_of_rectangle), given or those of the walls that are seen
+/// (tracking::find_walls). Writes the camera file, and of a board a picture
 /// of the residuals beside it. Pictures without a board are left out with a warning. Throws
 /// OptionError; InputError for pictures of different sizes, and where no board is found, or none
 /// in the picture of the cell's plane.

@@ -148,7 +148,8 @@ Resumable::Identity identity_of(const FieldJobOptions& options, const simulate::
     return {.kind = is_adjoint ? "field adjoint" : "field",
             .output = options.output,
             .log = is_adjoint ? "" : ".fields",
-            .configuration = std::move(physics)};
+            .configuration = std::move(physics),
+            .record = options.output};
 }
 
 // Sixteen blocks of sums of two quantities for each mode, of the density and of the order.

@@ -12,6 +12,7 @@
 #include "io/frame_files.h"
 #include "io/frame_range.h"
 #include "io/frame_region.h"
+#include "io/frame_scale.h"
 #include "io/read_ahead.h"
 
 namespace grainfield::pipelines {
@@ -249,22 +250,15 @@ void describe(FilmOptions& options, OptionTable& table) {
     table.affects(Effect::work);
 }
 
-Film open_film(Job& job, const FilmOptions& options, const tracking::TrackOptions& tracking) {
-    std::unique_ptr<FrameSource> frames =
-        io::open_frames(job.inputs, {.fps = options.fps,
-                                     .max_pixels = options.max_pixels,
-                                     .knows_filter = options.mosaic != io::ColourFilter::none});
-    Film film;
+namespace {
+
+/// What is done to frames between the source and the tracker. `range`: which are wanted; empty:
+/// the source has chosen.
+Film prepared(Film film, std::unique_ptr<FrameSource> frames, const std::string& range,
+              const FilmOptions& options, const tracking::TrackOptions& tracking, Job& job) {
     const Mosaic mosaic = mosaic_of(*frames, options, job.plan);
     frames = io::demosaic_frames(std::move(frames), mosaic.filter, mosaic.channel);
-    std::string range = options.frames;
-    if (options.is_part) {
-        film.part = io::part_of_film(options.frames, options.part_of, frames->count());
-        const io::FrameSelection& whole = film.part->film;
-        range = fmt::format("{}:{}:{}", whole.first,
-                            whole.first + (whole.count - 1) * whole.step + 1, whole.step);
-    }
-    frames = io::select_frames(std::move(frames), range);
+    if (!range.empty()) frames = io::select_frames(std::move(frames), range);
     film.whole_width = frames->width();
     film.whole_height = frames->height();
     const auto region = io::region_within(options.region, frames->width(), frames->height());
@@ -285,12 +279,47 @@ Film open_film(Job& job, const FilmOptions& options, const tracking::TrackOption
     if (region) frames = io::crop_frames(std::move(frames), *region);
     tracking::TrackOptions first = tracking;
     first.visible = film.visible;
-    // The thread that reads ahead does not compute: what is evened out comes behind it.
-    frames = evened(io::read_ahead(std::move(frames)), options, empty, first, job);
+    // The thread that reads ahead does not compute: what is evened out comes behind it. Live frames
+    // come in a thread of their own.
+    if (!range.empty()) frames = io::read_ahead(std::move(frames));
+    frames = evened(std::move(frames), options, empty, first, job);
     film.frames = std::make_unique<WatchedFrames>(
         std::move(frames), options.strict ? BadFrames::refuse : BadFrames::allow);
     for (const std::string& warning : film.frames->warnings()) job.plan.warn(warning);
     return film;
+}
+
+}  // namespace
+
+Film open_film(Job& job, const FilmOptions& options, const tracking::TrackOptions& tracking) {
+    std::unique_ptr<FrameSource> frames =
+        io::open_frames(job.inputs, {.fps = options.fps,
+                                     .max_pixels = options.max_pixels,
+                                     .knows_filter = options.mosaic != io::ColourFilter::none});
+    Film film;
+    if (const auto* scale = dynamic_cast<const io::FrameScale*>(frames.get())) {
+        film.pixel_mm = scale->pixel_mm();
+    }
+    std::string range = options.frames.empty() ? "::" : options.frames;
+    if (options.is_part) {
+        film.part = io::part_of_film(options.frames, options.part_of, frames->count());
+        const io::FrameSelection& whole = film.part->film;
+        range = fmt::format("{}:{}:{}", whole.first,
+                            whole.first + (whole.count - 1) * whole.step + 1, whole.step);
+    }
+    return prepared(std::move(film), std::move(frames), range, options, tracking, job);
+}
+
+Film live_film(std::unique_ptr<FrameSource> frames, const FilmOptions& options,
+               const tracking::TrackOptions& tracking, Job& job) {
+    const BackgroundSource background = background_of(options).source;
+    if (background == BackgroundSource::film || background == BackgroundSource::running) {
+        throw OptionError({.problem = "a background cannot be estimated from frames to come",
+                           .actual = fmt::format("option 'background' is '{}'", options.background),
+                           .expected = "none, or a picture of the empty cell",
+                           .suggestion = {}});
+    }
+    return prepared({}, std::move(frames), "", options, tracking, job);
 }
 
 }  // namespace grainfield::pipelines

@@ -53,10 +53,16 @@ struct Film {
     int whole_height = 0;              ///< likewise [px]
     tracking::VisiblePixels visible;   ///< where the mask is not zero
     std::optional<io::FilmPart> part;  ///< what is asked for; empty: all frames
+    std::optional<double> pixel_mm;    ///< side of a pixel, where the file says it [mm]
 };
 
 /// What is done to the frames goes into the plan of the job; a background is estimated with the
 /// image model that `tracking` calibrates. Throws OptionError, InputError.
 Film open_film(Job& job, const FilmOptions& options, const tracking::TrackOptions& tracking);
+
+/// The same of frames that are filmed while they are tracked; the source has chosen which. Throws
+/// OptionError too if the background is to be estimated from frames to come.
+Film live_film(std::unique_ptr<FrameSource> frames, const FilmOptions& options,
+               const tracking::TrackOptions& tracking, Job& job);
 
 }  // namespace grainfield::pipelines

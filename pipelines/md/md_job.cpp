@@ -1,5 +1,6 @@
 #include "pipelines/md/md_job.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <optional>
@@ -57,7 +58,8 @@ Resumable::Identity identity_of(const MdJobOptions& options, std::uint64_t seed)
     return {.kind = "md",
             .output = options.output,
             .log = ".snapshots",
-            .configuration = std::move(physics)};
+            .configuration = std::move(physics),
+            .record = options.output};
 }
 
 /// With A and ω in numbers, however they were given, also in the record of the run.
@@ -146,6 +148,8 @@ MdJobResult result_of(const MdSimulation& simulation, const MdJobOptions& option
     MdJobResult result;
     result.periods = simulation.periods_done();
     result.events = simulation.events();
+    result.snapshots = simulation.settled_snapshots();
+    result.discarded = std::min(options.md.run.discard, result.periods);
     result.events_per_second = seconds > 0 ? static_cast<double>(events) / seconds : 0;
     result.seconds = seconds;
     result.means = {.pair = series.late_mean("pair"),
@@ -225,6 +229,7 @@ MdJobResult run_md(const MdJobOptions& given, Job& job) {
     MdJobResult result =
         result_of(simulation, options, simulation.events() - events_before, seconds);
     result.failure = failure;
+    if (!failure.empty()) result.snapshots = log.count();
     if (failure.empty()) save(simulation, resumable);
     if (simulation.is_done() || !failure.empty()) {
         try {

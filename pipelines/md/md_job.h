@@ -32,6 +32,8 @@ struct MdMeans {
 struct MdJobResult {
     double periods = 0;            ///< since the start, before a resume included
     std::int64_t events = 0;       ///< likewise
+    std::int64_t snapshots = 0;    ///< sampled so far
+    double discarded = 0;          ///< of the periods, before the first snapshot
     double events_per_second = 0;  ///< of this call
     double seconds = 0;            ///< of this call, simulation alone
     MdMeans means;

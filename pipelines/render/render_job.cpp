@@ -10,7 +10,10 @@
 #include "core/errors.h"
 #include "core/support/interrupt.h"
 #include "io/h5/trajectory_file.h"
+#include "io/input_record.h"
 #include "io/open_snapshots.h"
+#include "pipelines/configuration.h"
+#include "pipelines/render/kept_frames.h"
 #include "pipelines/render/snapshot_window.h"
 #include "simulate/render/motion/grain_motion.h"
 #include "simulate/render/motion/lasting_ids.h"
@@ -91,18 +94,44 @@ Scene open_scene(const RenderJobOptions& options, Job& job) {
     return scene;
 }
 
+/// All that frames and truth depend on.
+Resumable::Identity identity_of(const RenderJobOptions& options, const Job& job) {
+    simulate::RenderOptions render = options.render;
+    Configuration compared = physics_of(simulate::describe(render));
+    compared.emplace_back("most-frames", std::to_string(options.most_frames));
+    compared.emplace_back("truth", options.truth);
+    compared.emplace_back("seed", std::to_string(job.seed));
+    const bool is_video = io::is_video_name(options.output);
+    if (!is_video) compared.emplace_back("format", std::string(options.format->name));
+    const RunRecord::Input input = io::describe_input(job.inputs.front());
+    throw_if_interrupted("rendering");
+    compared.emplace_back("input", fmt::format("{} bytes, {}", input.bytes, input.checksum));
+    // Beside a folder, not in it.
+    std::filesystem::path output = options.output;
+    if (!output.has_filename()) output = output.parent_path();
+    return {.kind = "render",
+            .output = std::move(output),
+            .log = is_video ? KeptFrames::log_suffix : "",
+            .configuration = std::move(compared),
+            .record = options.truth};
+}
+
 /// What was rendered so far.
 struct Tally {
     std::int64_t frames = 0;
     std::int64_t lost = 0;
+    std::int64_t kept = 0;  ///< of the frames: an interrupted run had rendered them
     double render_seconds = 0;
     double write_seconds = 0;
     double spheres = 0;
     simulate::SamplingCheck check;
+
+    std::int64_t done() const { return frames + lost; }
+    std::int64_t rendered() const { return frames - kept; }
 };
 
 Tally render_all(const RenderJobOptions& options, Scene& scene, const Job& job,
-                 io::FrameWriter& writer, io::TrajectoryWriter* truth) {
+                 const Resumable& resumable, KeptFrames& frames, io::TrajectoryWriter* truth) {
     simulate::Renderer& renderer = *scene.renderer;
     const bool video = io::is_video_name(options.output);
     Tally tally;
@@ -121,22 +150,38 @@ Tally render_all(const RenderJobOptions& options, Scene& scene, const Job& job,
         const simulate::SnapshotSeries series =
             window.around(scene.chosen[i], renderer.half_exposure());
         if (tally.frames == 0) tally.check = scene.check(series, job);
-        const auto start = Clock::now();
-        simulate::RenderedFrame rendered = renderer.render(series, index);
-        tally.render_seconds += seconds_since(start);
-        const auto start_writing = Clock::now();
         // A video cannot leave a place empty: what follows a lost frame moves up, as from a camera.
         const std::int64_t place = video ? tally.frames : index;
-        rendered.frame.index = place;
-        rendered.truth.frame = place;
-        writer.write(rendered.frame);
-        ids.follow(rendered.truth);
-        ids.renumber(rendered.truth, tally.frames);
-        if (truth != nullptr) truth->write(rendered.truth);
+        Snapshot positions;
+        const bool is_kept = index < frames.done() && frames.restore(place);
+        if (is_kept) {
+            positions = renderer.truth(series, index);
+            ++tally.kept;
+        } else {
+            const auto start = Clock::now();
+            simulate::RenderedFrame rendered = renderer.render(series, index);
+            tally.render_seconds += seconds_since(start);
+            const auto start_writing = Clock::now();
+            rendered.frame.index = place;
+            frames.write(rendered.frame);
+            tally.write_seconds += seconds_since(start_writing);
+            positions = std::move(rendered.truth);
+        }
+        const auto start_writing = Clock::now();
+        positions.frame = place;
+        ids.follow(positions);
+        ids.renumber(positions, tally.frames);
+        if (truth != nullptr) truth->write(positions);
         tally.write_seconds += seconds_since(start_writing);
-        tally.spheres += static_cast<double>(rendered.truth.size());
+        tally.spheres += static_cast<double>(positions.size());
         ++tally.frames;
-        progress.advance();
+        if (is_kept) {
+            progress.resume_at(1);
+        } else {
+            progress.advance();
+        }
+        // What was done before stays vouched for.
+        if (resumable.is_due() && index >= frames.done()) frames.save(tally.done());
     }
     return tally;
 }
@@ -161,6 +206,8 @@ std::vector<std::int64_t> snapshots_at_rate(std::int64_t count, double interval,
 
 void plan_rendering(const RenderJobOptions& options, Job& job) {
     const Scene scene = open_scene(options, job);
+    // A plan need not name an output.
+    Resumable(job, identity_of(options, job), options.resume).explain();
     SnapshotWindow window(*scene.source);
     plan_rays(
         scene.check(window.around(scene.chosen.front(), scene.renderer->half_exposure()), job),
@@ -175,18 +222,29 @@ RenderJobResult render_frames(const RenderJobOptions& options, Job& job) {
                            .suggestion = "give the positions a name of their own"});
     }
     Scene scene = open_scene(options, job);
+    Resumable resumable(job, identity_of(options, job), options.resume);
+    resumable.require_free();
+    resumable.explain();
     const simulate::Renderer& renderer = *scene.renderer;
-    const auto writer = io::make_frame_writer(options.output,
-                                              {.format = options.format,
-                                               .width = renderer.view().width(),
-                                               .height = renderer.view().height(),
-                                               .bit_depth = scene.options.sensor.bits,
-                                               .fps = scene.options.exposure.frame_rate},
-                                              job.overwrite);
+    const bool is_video = io::is_video_name(options.output);
+    const io::FrameWriterOptions announced{.format = options.format,
+                                           .width = renderer.view().width(),
+                                           .height = renderer.view().height(),
+                                           .bit_depth = scene.options.sensor.bits,
+                                           .fps = scene.options.exposure.frame_rate};
+    const auto writer = io::make_frame_writer(options.output, announced, resumable.overwrite());
     std::optional<io::TrajectoryWriter> truth;
-    if (!options.truth.empty()) truth.emplace(options.truth, renderer.truth_info(), job.overwrite);
-    const Tally tally = render_all(options, scene, job, *writer, truth ? &*truth : nullptr);
-    if (tally.frames > 0 || !io::is_video_name(options.output)) {
+    if (!options.truth.empty()) {
+        truth.emplace(options.truth, renderer.truth_info(), resumable.overwrite());
+    }
+    resumable.start();
+    KeptFrames kept(resumable, *writer, announced, is_video);
+    const Tally tally = render_all(options, scene, job, resumable, kept, truth ? &*truth : nullptr);
+    const auto asked = static_cast<std::int64_t>(scene.chosen.size());
+    const bool is_done = tally.done() == asked;
+    // Before the output, which takes its time.
+    if (!is_done && tally.done() > kept.done()) kept.save(tally.done());
+    if (tally.frames > 0 || !is_video) {
         writer->finish();
         for (const auto& path : writer->outputs()) job.outputs.push_back(path);
     }
@@ -194,22 +252,26 @@ RenderJobResult render_frames(const RenderJobOptions& options, Job& job) {
         truth->finish(job.record());
         job.outputs.emplace_back(options.truth);
     }
+    if (is_done) resumable.finish();
     const double frames = static_cast<double>(std::max<std::int64_t>(tally.frames, 1));
+    const double rendered = static_cast<double>(std::max<std::int64_t>(tally.rendered(), 1));
     RenderJobResult result{.frames = tally.frames,
                            .lost = tally.lost,
+                           .kept = tally.kept,
                            .particles_mean = tally.spheres / frames,
                            .scale = renderer.view().scale(),
                            .frame_rate = scene.options.exposure.frame_rate,
-                           .ms_per_frame = 1e3 * tally.render_seconds / frames,
+                           .ms_per_frame = 1e3 * tally.render_seconds / rendered,
                            .write_ms_per_frame = 1e3 * tally.write_seconds / frames,
-                           .optics = optics_use(renderer, tally.frames, tally.check),
+                           .optics = optics_use(renderer, tally.rendered(), tally.check),
                            .signal = caught_signal()};
     if (tally.frames > 0 && tally.spheres <= 0) {
         job.plan.warn("no sphere is in view; see view.centre-x, view.centre-y and view.scale");
     }
     if (result.signal != 0) {
-        job.plan.warn(fmt::format("interrupted after {} of {} frames, which are kept",
-                                  tally.frames + tally.lost, scene.chosen.size()));
+        job.plan.warn(resumable.interrupted(static_cast<double>(tally.done()),
+                                            static_cast<double>(asked), "frames",
+                                            ", which are kept"));
     }
     return result;
 }

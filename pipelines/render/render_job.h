@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -9,6 +10,7 @@
 #include "io/frame_files.h"
 #include "pipelines/job.h"
 #include "pipelines/render/optics_use.h"
+#include "pipelines/resumable.h"
 #include "simulate/render/render_options.h"
 
 namespace grainfield::pipelines {
@@ -20,6 +22,7 @@ struct RenderJobOptions {
     std::int64_t most_frames = 0;  ///< no more than these; 0: all
     /// Of the pictures in a folder.
     const io::ImageFormat* format = io::find_image_format_named("TIFF");
+    ResumeOptions resume{.resume = false, .every = std::chrono::minutes(1)};
     simulate::RenderOptions render;
 };
 
@@ -27,10 +30,11 @@ struct RenderJobOptions {
 struct RenderJobResult {
     std::int64_t frames = 0;
     std::int64_t lost = 0;             ///< frames that the camera lost
+    std::int64_t kept = 0;             ///< frames that an interrupted run had rendered
     double particles_mean = 0;         ///< in view, per frame
     double scale = 0;                  ///< [px per diameter]
     std::optional<double> frame_rate;  ///< [1/s]; empty: unknown
-    double ms_per_frame = 0;           ///< to render
+    double ms_per_frame = 0;           ///< to render, of those rendered now; so `optics`
     double write_ms_per_frame = 0;
     OpticsUse optics;
     int signal = 0;  ///< that ended it early; 0: none
@@ -40,7 +44,9 @@ struct RenderJobResult {
 void plan_rendering(const RenderJobOptions& options, Job& job);
 
 /// Renders the snapshots that the camera sees into frames, and their true positions. Stopped by a
-/// signal, the frames rendered so far are kept. Throws OptionError, InputError, OutputError.
+/// signal, the frames rendered so far are a complete output, and a checkpoint beside it is what
+/// `resume` goes on from (Resumable, KeptFrames): frames and truth in the end are those of a run
+/// that was not stopped. Throws OptionError, InputError, OutputError.
 RenderJobResult render_frames(const RenderJobOptions& options, Job& job);
 
 /// The snapshots nearest to the instants of a camera of `rate` [1/s] which sees the first one, of a

@@ -10,6 +10,7 @@
 #include "pipelines/camera/camera_file.h"
 #include "pipelines/detail/toml_values.h"
 #include "tracking/model/known_models.h"
+#include "tracking/synthesis/bias_terms.h"
 
 namespace grainfield::pipelines {
 
@@ -51,6 +52,17 @@ std::string text_of(const KeptCalibration& kept) {
         "{}\ndiameter = {}\nlow = {}\nhigh = {}\n",
         model.noise, model.residual_rms, kept.check.residual, kept.check.diameter,
         text_of_number(kept.check.low), text_of_number(kept.check.high));
+    if (kept.bias) {
+        const tracking::BiasCorrection& bias = *kept.bias;
+        text += fmt::format(
+            "\n[bias]  # px, a, contrast; of 'grainfield track --correct-bias'\ndiameter = {}\n"
+            "height = {}\ncamera-distance = {}\nbefore = {}\nafter = {}\nquality = {}\nremaining "
+            "= {}\nweights = {}\n",
+            text_of_number(bias.diameter), text_of_number(bias.height),
+            text_of_number(bias.camera_distance), text_of_number(bias.before),
+            text_of_number(bias.after), list_of(bias.quality), list_of(bias.remaining),
+            list_of(bias.weights));
+    }
     if (kept.camera) {
         text += "\n# Lens and tilt, of 'grainfield calibrate-camera'.\n" +
                 text_of(*kept.camera, "camera.");
@@ -97,6 +109,25 @@ KeptCalibration read_calibration(const std::filesystem::path& path) {
     kept.check.low = values.number("check.low", -largest, largest);
     kept.check.high = values.number("check.high", -largest, largest);
     if (values.has("camera")) kept.camera = camera_in(values, "camera.");
+    if (values.has("bias")) {
+        tracking::BiasCorrection& bias = kept.bias.emplace();
+        bias.diameter = values.number("bias.diameter", 2, 2000);
+        bias.height = values.number("bias.height", 1, 1e6);
+        bias.camera_distance = values.number("bias.camera-distance", 0, 1e9);
+        bias.before = values.number("bias.before", 0, 1);
+        bias.after = values.number("bias.after", 0, 1);
+        const auto list = [&](const char* key, int length) {
+            std::vector<double> numbers = values.list(key);
+            if (static_cast<int>(numbers.size()) != length) {
+                values.refuse_value(key, fmt::format("{} numbers", length));
+            }
+            return numbers;
+        };
+        bias.quality = list("bias.quality", tracking::kQualityClasses - 1);
+        bias.remaining =
+            list("bias.remaining", tracking::kQualityClasses * tracking::kOverlapClasses);
+        bias.weights = list("bias.weights", tracking::BiasTerms::kCount);
+    }
     values.require_no_others();
     return kept;
 }

@@ -11,13 +11,10 @@
 #include "io/h5/snapshot_log.h"
 #include "io/input_record.h"
 #include "io/joined_films.h"
-#include "pipelines/analyze/lengths.h"
-#include "pipelines/camera/camera_file.h"
-#include "pipelines/camera/stored_camera.h"
 #include "pipelines/interrupt_deadline.h"
-#include "pipelines/track/calibration_file.h"
 #include "pipelines/track/film_part.h"
 #include "pipelines/track/kept_tracks.h"
+#include "pipelines/track/track_steps.h"
 
 namespace grainfield::pipelines {
 
@@ -67,7 +64,8 @@ Resumable::Identity identity_of(const TrackJobOptions& options, const Job& job) 
     return {.kind = tracking::kTrackStateKind,
             .output = options.output,
             .log = ".snapshots",
-            .configuration = std::move(compared)};
+            .configuration = std::move(compared),
+            .record = options.output};
 }
 
 void plan_checkpoints(Resumable& resumable, std::int64_t frames, RunPlan& plan) {
@@ -81,24 +79,6 @@ void plan_checkpoints(Resumable& resumable, std::int64_t frames, RunPlan& plan) 
 std::vector<std::int64_t> recorded_previews(const Checkpoint& checkpoint) {
     const auto found = checkpoint.integers.find("previews");
     return found == checkpoint.integers.end() ? std::vector<std::int64_t>{} : found->second;
-}
-
-std::optional<SphereImage> spheres_of(const Tracker& tracker) {
-    if (!tracker.is_calibrated()) return std::nullopt;
-    const tracking::ImageModel& model = tracker.model();
-    return SphereImage{model.polarity, model.disc.diameter, model.disc.edge_width};
-}
-
-void warn_of_units(const tracking::TrackOptions& options, const FrameSource& frames,
-                   const Tracker& tracker, RunPlan& plan) {
-    if (frames.count() > 1 && !frames.frame_rate()) {
-        plan.warn("times are in frames: the frame rate is not known; give option 'fps'");
-    }
-    if (options.sphere_diameter || !tracker.is_calibrated()) return;
-    plan.warn(WarningCode::apparent_diameter,
-              fmt::format("lengths are in apparent disc diameters D = {:.3f} px; steel spheres: D "
-                          "is about 0.88 a; give track.sphere-diameter",
-                          tracker.model().disc.diameter));
 }
 
 /// Says which frames the file holds, the first `done` of those asked for, and how they were
@@ -135,36 +115,6 @@ void plan_part(const Film& film, const Tracker& tracker, RunPlan& plan) {
                                      : fmt::format("; {} before it are fitted as well, as they "
                                                    "begin the stretch (track.stretch)",
                                                    counted(before, "frame"))));
-}
-
-/// The film cannot be tracked without more said of it. The warnings say what was weighed.
-void require_calibration(const Tracker& tracker, const FrameSource& frames) {
-    if (tracker.is_calibrated()) return;
-    throw InputError({.problem = fmt::format("no spheres to track in '{}'", frames.name()),
-                      .actual = tracker.weighed().empty()
-                                    ? std::string("nothing like a disc in the frames looked at")
-                                    : "of the image " + tracking::in_words(tracker.weighed()),
-                      .expected = "spheres of one size, clearer than any other reading",
-                      .suggestion = "say which they are: calibrate.disc-diameter, "
-                                    "calibrate.polarity; tune shows what was weighed"});
-}
-
-/// The optics that synthesis found, and how well rendering and image agree with them.
-Curve synthesis_curve(const tracking::SynthesisSummary& found) {
-    const tracking::MirrorOptics& optics = found.optics;
-    return {"synthesis",
-            "Mirror spheres as synthesis sees them",
-            {{"reflectivity", "-", "Reflectivity F0", {optics.reflectivity}},
-             {"blur", "a", "Blur (standard deviation)", {optics.blur}},
-             {"ambient", "-", "Radiance beside the panel", {optics.ambient}},
-             {"grazing", "-", "Sine of the least angle that meets the panel", {optics.grazing}},
-             {"camera_distance", "a", "Distance of the camera (0: telecentric)", {optics.distance}},
-             {"residual_before",
-              "-",
-              "Residual at the start (RMS, of the contrast)",
-              {found.mean_before()}},
-             {"residual", "-", "Residual (RMS, of the contrast)", {found.mean_after()}}},
-            {}};
 }
 
 /// Puts into the tracks what an interrupted run had, and hands the tracker what it goes on from.
@@ -216,64 +166,6 @@ class Resumption {
     std::vector<std::int64_t> previews_;
 };
 
-RateSource rate_source(const TrackJobOptions& options, const FrameSource& frames) {
-    if (options.film.fps) return RateSource::given;
-    return frames.frame_rate() ? RateSource::file : RateSource::unknown;
-}
-
-/// The camera that is named, or that the kept calibration holds.
-std::optional<tracking::Camera> camera_of(const TrackJobOptions& options,
-                                          const std::optional<tracking::KeptCalibration>& kept) {
-    const std::optional<tracking::Camera> held = kept ? kept->camera : std::nullopt;
-    if (options.camera.empty()) return held;
-    tracking::Camera camera = read_camera(options.camera);
-    if (held && *held != camera) {
-        throw OptionError({.problem = "two cameras are given",
-                           .actual = fmt::format("'{}' and the one that '{}' holds differ",
-                                                 options.camera, options.calibration),
-                           .expected = "one camera",
-                           .suggestion = "leave out option 'camera', or calibrate again"});
-    }
-    return camera;
-}
-
-/// The options of the tracker, with the calibration that is kept and, where the camera's scale
-/// tells it, the diameter of the spheres.
-tracking::TrackOptions tracking_of(const TrackJobOptions& options, const Job& job,
-                                   std::optional<tracking::Camera>& camera) {
-    tracking::TrackOptions tracking = options.tracking;
-    tracking.threads = job.threads;
-    tracking.keeps = !options.save_calibration.empty();
-    if (!options.calibration.empty()) tracking.kept = read_calibration(options.calibration);
-    camera = camera_of(options, tracking.kept);
-    const auto diameter = camera ? camera->diameter_px(options.lab.sphere_mm) : std::nullopt;
-    if (diameter && tracking.sphere_diameter) {
-        require_agreement("diameter of the spheres in px", "track.sphere-diameter",
-                          *tracking.sphere_diameter, "scale of the camera", *diameter);
-    }
-    if (diameter) tracking.sphere_diameter = diameter;
-    return tracking;
-}
-
-/// Lengths of the lab as the camera's scale has them.
-LabUnits lab_of(const LabUnits& given, const std::optional<tracking::Camera>& camera,
-                const TrajectoryInfo& info) {
-    LabUnits lab = given;
-    const bool knows_mm = camera && camera->scale && camera->scale->unit == tracking::PlaneUnit::mm;
-    if (knows_mm && !lab.sphere_mm) lab.sphere_mm = info.diameter * camera->scale->length;
-    return lab;
-}
-
-/// What the film adds to the options of the tracker.
-void complete(tracking::TrackOptions& tracking, const Film& film,
-              const std::optional<tracking::Camera>& camera) {
-    tracking.visible = film.visible;
-    if (film.part) tracking.part = film.part->span;
-    if (!camera) return;
-    camera->require_size(film.whole_width, film.whole_height, film.frames->name());
-    tracking.camera.emplace(*camera, film.origin);
-}
-
 }  // namespace
 
 void plan_tracking(const TrackJobOptions& options, Job& job) {
@@ -293,15 +185,10 @@ TrackJobResult track_film(const TrackJobOptions& options, Job& job) {
     const std::string name = options.output.string();
     options.lab.acceleration();  // contradictions are said before the work
     job.inputs = io::recording_files(job.inputs);
-    Resumable resumable(job, identity_of(options, job), options.resume);
-    resumable.require_free();
-    OutputFile output(options.output, resumable.overwrite());
-    // Before the deadline, so that they outlive it.
-    std::optional<io::SnapshotLog> log;
-    std::optional<KeptTracks> tracks;
-    LastAct last_act(job, resumable);
-    std::optional<InterruptDeadline> deadline;
-    deadline.emplace([&](int) { return last_act(); });
+    TracksInWork work(job, identity_of(options, job), options);
+    Resumable& resumable = work.resumable;
+    std::optional<io::SnapshotLog>& log = work.log;
+    std::optional<KeptTracks>& tracks = work.tracks;
     std::optional<tracking::Camera> camera;
     tracking::TrackOptions tracking = tracking_of(options, job, camera);
     const Film film = open_film(job, options.film, tracking);
@@ -319,10 +206,10 @@ TrackJobResult track_film(const TrackJobOptions& options, Job& job) {
         log.emplace(resumable.log());
     }
     TrajectoryInfo info = tracker.info();
-    const LabUnits lab = lab_of(options.lab, camera, info);
+    const LabUnits lab = lab_of(options.lab, camera, film, info);
     apply(lab, info);
-    tracks.emplace(std::move(output), info, film.origin, log ? &*log : nullptr);
-    last_act.holds(&*tracks, job);
+    tracks.emplace(std::move(work.output), info, film.origin, log ? &*log : nullptr);
+    work.last_act.holds(&*tracks, job);
     PreviewChoice choice(options.previews, frames.count());
     if (film.part) choice.begin_at(film.part->span.begin);
     Resumption resumption(resumable, *tracks, choice);
@@ -341,10 +228,11 @@ TrackJobResult track_film(const TrackJobOptions& options, Job& job) {
             resumption.take(frame, snapshot, position);
         },
         resumption.of_tracker(frames.count()));
-    deadline.reset();
+    work.deadline.reset();
     result.signal = caught_signal();
     result.spheres = spheres_of(tracker);
     result.weighed = tracker.weighed();
+    result.bias = tracker.bias();
     tracking::TrackSummary& summary = result.summary;
     // Without the tracks that are too short to be written.
     summary.particles_mean = tracks->particles_mean();
@@ -357,20 +245,9 @@ TrackJobResult track_film(const TrackJobOptions& options, Job& job) {
     }
     if (is_complete && result.signal == 0 && !result.has_residual()) {
         resumable.finish();
-        throw InputError(
-            {.problem = fmt::format("no spheres in any of {}", counted(done, "frame")),
-             .actual = fmt::format("dark or bright discs of D = {:.2f} px were looked for",
-                                   result.spheres->diameter),
-             .expected = "spheres, in tracks of link.minimum-length frames or more",
-             .suggestion = "look at the film with tune"});
+        refuse_without_spheres(result, done);
     }
-    if (result.has_residual()) {
-        tracks->add_curve(calibration_curve(result.spheres->diameter, result.spheres->edge_width,
-                                            summary.residual_rms));
-    }
-    if (const auto units = curve_of(lab)) tracks->add_curve(*units);
-    if (camera) tracks->add_curve(curve_of(*camera));
-    if (summary.synthesis.frames > 0) tracks->add_curve(synthesis_curve(summary.synthesis));
+    add_curves(result, *tracks);
     if (film.part) {
         for (const Curve& curve : curves_of(record_of(film, tracking, tracker, done))) {
             tracks->add_curve(curve);
@@ -379,10 +256,7 @@ TrackJobResult track_film(const TrackJobOptions& options, Job& job) {
     tracks->finish(job.record());
     job.outputs.push_back(options.output);
     if (!options.save_calibration.empty()) {
-        tracking::KeptCalibration kept = tracker.to_keep();
-        kept.camera = camera;
-        write_file(options.save_calibration, text_of(kept), job.overwrite);
-        job.outputs.emplace_back(options.save_calibration);
+        save_calibration(options.save_calibration, tracker.to_keep(), camera, job);
     }
     if (is_complete) resumable.finish();
     return result;

@@ -69,17 +69,28 @@ std::vector<Results> candidate_runs(WatchedFrames& frames, std::int64_t position
     return runs;
 }
 
+std::vector<report::CopyBlock> candidate_blocks(const std::vector<SizeCandidate>& weighed) {
+    std::vector<report::CopyBlock> blocks;
+    for (const std::size_t i : tracking::named_candidates(weighed)) {
+        const SizeCandidate& candidate = weighed[i];
+        blocks.push_back({title_of(candidate),
+                          fmt::format("[calibrate]\npolarity = \"{}\"\ndisc-diameter = {:.2f}\n",
+                                      polarity_name(candidate), candidate.diameter),
+                          ""});
+    }
+    return blocks;
+}
+
 report::Table candidates_table(const std::vector<SizeCandidate>& weighed) {
     report::Table table;
     table.name = "candidates";
     table.title = "What was weighed";
     table.note =
         "Share of the variance of that part of the frame that the fitted discs explain; charged: "
-        "after every fitted coordinate has paid for itself. The settings choose the candidate.";
+        "after every fitted coordinate has paid for itself.";
     table.columns = {{"explained", "Explained", "%", true},
                      {"charged", "Charged", "%", true},
-                     {"positions", "Positions", "", true},
-                     {"settings", "TOML", "", true}};
+                     {"positions", "Positions", "", true}};
     for (const std::size_t i : tracking::named_candidates(weighed)) {
         const SizeCandidate& candidate = weighed[i];
         const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -87,11 +98,7 @@ report::Table candidates_table(const std::vector<SizeCandidate>& weighed) {
             {fmt::format("{} D = {:.1f} px", polarity_name(candidate), candidate.diameter),
              {{nan, fmt::format("{:.1f}", 100 * std::max(0.0, candidate.explained.signal)), false},
               {nan, fmt::format("{:.1f}", 100 * candidate.explained.charged), false},
-              {nan, fmt::format("{}", candidate.spheres), false},
-              {nan,
-               fmt::format("[calibrate]\npolarity = \"{}\"\ndisc-diameter = {:.2f}",
-                           polarity_name(candidate), candidate.diameter),
-               false}}});
+              {nan, fmt::format("{}", candidate.spheres), false}}});
     }
     return table;
 }

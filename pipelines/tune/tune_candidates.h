@@ -17,7 +17,11 @@ std::vector<Results> candidate_runs(WatchedFrames& frames, std::int64_t position
                                     const std::vector<tracking::SizeCandidate>& weighed,
                                     const Job& job);
 
-/// They with their share of explained variance and the settings that choose them.
+/// The settings that choose each of them, to be copied.
+std::vector<report::CopyBlock> candidate_blocks(
+    const std::vector<tracking::SizeCandidate>& weighed);
+
+/// They with their share of explained variance.
 report::Table candidates_table(const std::vector<tracking::SizeCandidate>& weighed);
 
 }  // namespace grainfield::pipelines

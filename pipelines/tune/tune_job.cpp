@@ -11,6 +11,7 @@
 #include "core/support/interrupt.h"
 #include "io/joined_films.h"
 #include "pipelines/page/report_page.h"
+#include "pipelines/tune/tune_alternatives.h"
 #include "pipelines/tune/tune_candidates.h"
 #include "pipelines/tune/tune_report.h"
 #include "tracking/survey.h"
@@ -116,7 +117,10 @@ TuneJobResult run_tuning(const TuneJobOptions& options, Job& job) {
         candidate_runs(*film.frames, tracker.weighed_at(), tracker.weighed(), job);
     if (!tracker.is_calibrated()) {
         page.draw(candidates, job, "Which are the spheres?",
-                  {.tables = {candidates_table(tracker.weighed())}, .figures = {}});
+                  {.tables = {candidates_table(tracker.weighed())},
+                   .figures = {},
+                   .verdict = "Not clear: choose a picture and copy its settings",
+                   .blocks = candidate_blocks(tracker.weighed())});
         page.commit(job);
         TuneJobResult undecided;
         undecided.weighed = tracker.weighed();
@@ -137,7 +141,17 @@ TuneJobResult run_tuning(const TuneJobOptions& options, Job& job) {
     report::ReportAdditions additions =
         tuning_report(tuning, result.settings,
                       options.in_words ? options.in_words(result.settings) : std::string());
+    if (!look.surveys.empty()) {
+        additions.alternatives =
+            tuned_alternatives(look.previews.front().frame, tracker.model(),
+                               look.surveys.front().found.evidence, tracking, job);
+    }
     additions.tables.push_back(candidates_table(tracker.weighed()));
+    const std::vector<report::CopyBlock> others = candidate_blocks(tracker.weighed());
+    for (std::size_t i = 1; i < others.size(); ++i) {  // the first was taken
+        additions.blocks.push_back(others[i]);
+        additions.blocks.back().title = "Instead: " + others[i].title;
+    }
     page.draw(runs, job, "Settings of the tracker", additions);
     write_file(result.settings_file, toml_of(result.settings), job.overwrite);
     page.commit(job);

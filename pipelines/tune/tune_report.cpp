@@ -10,6 +10,8 @@
 
 #include "pipelines/job.h"
 #include "report/figures/figure_source.h"
+#include "report/page/cards.h"
+#include "report/text.h"
 
 namespace grainfield::pipelines {
 
@@ -250,27 +252,24 @@ Table calibration_table(const Tuning& tuning) {
     return table;
 }
 
-Table settings_table(const std::vector<Setting>& settings, const std::string& in_words) {
-    Table table;
-    table.name = "suggested_settings";
-    table.title = "Suggested settings";
-    if (!in_words.empty()) table.note = "The same as words: " + in_words;
-    table.columns = {{"value", "TOML", "", true}};
-    for (const Setting& setting : settings) {
-        table.rows.push_back({"[" + setting.section + "]",
-                              {{std::numeric_limits<double>::quiet_NaN(),
-                                setting.name + " = " + setting.value, false}}});
-    }
-    return table;
+std::string verdict(const Tuning& tuning) {
+    const double spheres = std::round(tuning.particles_mean());
+    return fmt::format("{} sphere{} a frame; {} discs of {:.2f} px; {}",
+                       report::count_text(spheres), spheres == 1 ? "" : "s",
+                       tuning.model.polarity == Polarity::dark ? "dark" : "bright",
+                       tuning.model.disc.diameter, report::residual_words(tuning.residual_rms()));
 }
 
 }  // namespace
 
 report::ReportAdditions tuning_report(const Tuning& tuning, const std::vector<Setting>& settings,
                                       const std::string& in_words) {
-    return {.tables = {calibration_table(tuning), settings_table(settings, in_words)},
+    return {.tables = {calibration_table(tuning)},
             .figures = {phase_figure(tuning), distance_figure(tuning), evidence_figure(tuning),
-                        residual_figure(tuning), profile_figure(tuning)}};
+                        residual_figure(tuning), profile_figure(tuning)},
+            .verdict = verdict(tuning),
+            .blocks = {{"Suggested settings", toml_of(settings),
+                        in_words.empty() ? "" : "The same as words: " + in_words}}};
 }
 
 }  // namespace grainfield::pipelines

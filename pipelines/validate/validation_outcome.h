@@ -29,6 +29,7 @@ struct ValidationOutcome {
     std::vector<DownstreamEffect> effects;
     double msd_offset = 0;  ///< MSD tracked − true at the shortest lag [a²]; NaN: unknown
     double predicted_msd_offset = 0;  ///< 4σ², σ the RMSE per axis of class all [a²]
+    bool truth_is_whole = false;      ///< true positions are whole pixels, all of them
 };
 
 /// Names the observables and measurements that are compared, by the keys of the analysis.

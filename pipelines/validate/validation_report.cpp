@@ -9,6 +9,7 @@
 #include "pipelines/validate/threshold_table.h"
 #include "pipelines/validate/validation_figures.h"
 #include "report/text.h"
+#include "tracking/score/match_positions.h"
 
 namespace grainfield::pipelines {
 
@@ -145,6 +146,50 @@ Table effect_table(const ValidationOutcome& outcome) {
     return table;
 }
 
+std::string verdict(const ClassScore& all, bool truth_is_whole,
+                    const std::vector<ThresholdCheck>& checks) {
+    const auto text_of = [](std::int64_t n) { return report::count_text(static_cast<double>(n)); };
+    const std::int64_t spheres = all.matched + all.missed;
+    std::string text =
+        fmt::format("{} of {} true sphere{} missed, {} false", text_of(all.missed),
+                    text_of(spheres), spheres == 1 ? "" : "s", text_of(all.spurious));
+    if (const double error = all.rmse_per_axis(); std::isfinite(error)) {
+        text += fmt::format("; error {:.3f} px per axis", error);
+        if (truth_is_whole) text += ", of which whole-pixel truths may make 0.29 px";
+    }
+    if (checks.empty()) return text;
+    const auto missed = std::ranges::count_if(checks, [](const auto& c) { return !c.met(); });
+    return text + (missed == 0
+                       ? std::string("; all thresholds met")
+                       : fmt::format("; {} of {} thresholds not met", missed, checks.size()));
+}
+
+/// In the frames that the page shows.
+std::vector<report::MarkedSphere> missed_and_false(const ValidationOutcome& outcome) {
+    std::vector<report::MarkedSphere> marked;
+    if (outcome.runs.size() < 2) return marked;
+    const auto& seen = outcome.runs[0].previews;
+    const auto& found = outcome.runs[1].previews;
+    for (std::size_t p = 0; p < std::min(seen.size(), found.size()); ++p) {
+        const Snapshot& truth = seen[p].snapshot;
+        const Snapshot& tracked = found[p].snapshot;
+        const std::vector<int> partner = tracking::match_positions(
+            tracked.position, truth.position, outcome.scores.detection().gate());
+        std::vector<bool> is_true(tracked.size(), false);
+        for (std::size_t i = 0; i < truth.size(); ++i) {
+            if (partner[i] < 0) {
+                marked.push_back({1, tracked.frame, truth.position[i], "missed"});
+            } else {
+                is_true[static_cast<std::size_t>(partner[i])] = true;
+            }
+        }
+        for (std::size_t i = 0; i < tracked.size(); ++i) {
+            if (!is_true[i]) marked.push_back({1, tracked.frame, tracked.position[i], "false"});
+        }
+    }
+    return marked;
+}
+
 }  // namespace
 
 report::ReportAdditions validation_report(const ValidationOutcome& outcome,
@@ -158,6 +203,9 @@ report::ReportAdditions validation_report(const ValidationOutcome& outcome,
         additions.tables.push_back(effect_table(outcome));
     }
     additions.figures = validation_figures(outcome);
+    additions.verdict = verdict(detection.classes().front(), outcome.truth_is_whole, checks);
+    additions.marked = missed_and_false(outcome);
+    additions.marked_as = "Missed and false";
     return additions;
 }
 

@@ -21,16 +21,18 @@ from .analysis import (Measurement, Observable, Results, analyze, bond_order, co
 from .motion import compute_drift, emsd, filter_stubs, imsd, subtract_drift
 from .napari import to_napari
 from .simulation import FieldSeries, RenderedFilm, render, simulate_field, simulate_md
-from .tracking import batch, link, locate, track
+from .plots import annotate, plot_traj
+from .tracking import batch, link, link_df, link_df_iter, locate, track
 from .trajectory import Trajectory, read
+from . import predict
 
 __version__: str = _grainfield.version
 
 __all__ = [
     "Error", "FieldSeries", "GrainfieldWarning", "InputError", "Measurement", "Observable",
     "OptionError", "OutputError", "PhysicsError", "RenderedFilm", "Results", "Trajectory",
-    "analyze", "batch", "bond_order", "compare", "compute_drift", "emsd", "filter_stubs",
-    "fit_hyperuniform", "imsd", "link", "locate", "msd", "number_variance", "options", "q4",
-    "read", "read_results", "render", "simulate_field", "simulate_md", "structure_factor",
-    "subtract_drift", "to_napari", "track",
+    "analyze", "annotate", "batch", "bond_order", "compare", "compute_drift", "emsd", "filter_stubs",
+    "fit_hyperuniform", "imsd", "link", "link_df", "link_df_iter", "locate", "msd", "number_variance",
+    "options", "plot_traj", "predict", "q4", "read", "read_results", "render", "simulate_field",
+    "simulate_md", "structure_factor", "subtract_drift", "to_napari", "track",
 ]

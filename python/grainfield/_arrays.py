@@ -51,7 +51,20 @@ def columns_to_link(table: "pandas.DataFrame", positions: Sequence[str],
         if name not in table.columns:
             raise _grainfield.InputError(f"the table has no column '{name}': it has "
                                          f"{', '.join(map(str, table.columns))}.")
-    return table[time].to_numpy(np.int64), table[list(positions)].to_numpy(float)
+    frame = table[time].to_numpy(float)
+    if not (np.isfinite(frame) & (np.abs(frame) < 2.0**53)).all():
+        raise _grainfield.InputError(f"the column '{time}' does not number frames: it holds "
+                                     f"{frame[~(np.isfinite(frame) & (np.abs(frame) < 2.0**53))][0]:g}.")
+    return frame, table[list(positions)].to_numpy(float)
+
+
+def whole_frames(frame: np.ndarray, time: str) -> np.ndarray:
+    """Numbers of frames that are counted."""
+    whole = frame.astype(np.int64)
+    if not (whole == frame).all():
+        raise _grainfield.InputError(f"the column '{time}' holds {frame[whole != frame][0]:g}; expected whole numbers of "
+                                     "frames.")
+    return whole
 
 
 def _box_numbers(box: Any) -> list[float] | None:
@@ -75,7 +88,7 @@ def _points_of(data: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
         data = data.assign(frame=time).sort_values("frame", kind="stable")
         frame, position = columns_to_link(data, ("x", "y"), "frame")
         particle = data["particle"].to_numpy(np.int64) if "particle" in data.columns else None
-        return frame, position, particle
+        return whole_frames(frame, "frame"), position, particle
     if isinstance(data, np.ndarray) and data.ndim == 2:
         return np.zeros(len(data), np.int64), np.asarray(data, float), None
     is_linked = isinstance(data, np.ndarray) and data.ndim == 3

@@ -20,6 +20,11 @@ _WITHOUT_COUNTERPART = frozenset({
     "characterize", "engine", "filter_after", "filter_before", "max_iterations", "maxsize",
     "minmass", "noise_size", "percentile", "preprocess", "processes", "separation",
     "smoothing_size", "threshold", "topn"})
+# And of its link: there is one exact solver here, for groups of any size. What would change the
+# distance (dist_func, to_eucl) is refused as unknown.
+_OF_LINKING = frozenset({
+    "adaptive_step", "adaptive_stop", "box_size", "copy_features", "diagnostics", "hash_generator",
+    "hash_size", "link_strategy", "neighbor_strategy", "retain_index", "verify_integrity"})
 
 
 def options(job: str) -> list[dict[str, Any]]:
@@ -64,13 +69,14 @@ def documented(function: Function) -> Function:
     return function
 
 
-def from_trackpy(keywords: dict[str, Any]) -> dict[str, Any]:
+def from_trackpy(keywords: dict[str, Any], linking: bool = False) -> dict[str, Any]:
     """Keywords as ours are: trackpy's `invert` is the polarity, others are left out with a warning."""
     ours = {}
+    ignored = _OF_LINKING if linking else _WITHOUT_COUNTERPART
     for name, value in keywords.items():
-        if name == "invert":
+        if name == "invert" and not linking:
             ours["polarity"] = "dark" if value else "bright"
-        elif name in _WITHOUT_COUNTERPART:
+        elif name in ignored:
             warnings.warn(f"'{name}' has no counterpart here and is ignored",
                           _grainfield.GrainfieldWarning, stacklevel=3)
         else:

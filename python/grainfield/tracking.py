@@ -2,12 +2,13 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any, Sequence
+from typing import TYPE_CHECKING, Any, Iterable, Iterator, Sequence
 
 import numpy as np
 
 from . import _grainfield
-from ._arrays import columns_to_link, film_files, is_table, pandas_module, table_of
+from ._arrays import (columns_to_link, film_files, is_table, pandas_module, table_of,
+                      whole_frames)
 from ._options import documented, from_trackpy
 from .trajectory import Trajectory
 
@@ -197,7 +198,8 @@ def link(f: Any, search_range: float | None = None, pos_columns: Sequence[str] |
     Parameters
     ----------
     f : DataFrame
-        Points; `t_column` numbers the frames. Frames that are absent count as missing.
+        Points; `t_column` numbers the frames. Frames that are absent count as missing. Times that
+        are no whole numbers only order the frames.
     search_range : float, optional
         R: the largest step between two frames, unit of the positions. Without it R follows the
         motion between D/2 and D, D being what locate or batch measured.
@@ -206,7 +208,7 @@ def link(f: Any, search_range: float | None = None, pos_columns: Sequence[str] |
     memory : int
         Frames for which a particle may be missing. 0 as in trackpy; ``gf.track`` has 2.
     **options
-        See below.
+        See below. Of trackpy's words those without a counterpart are ignored with a warning.
 
     Returns
     -------
@@ -231,8 +233,64 @@ def link(f: Any, search_range: float | None = None, pos_columns: Sequence[str] |
     if {"x_std", "y_std"} <= set(f.columns) and set(positions) == {"x", "y"}:
         errors = f[[f"{name}_std" for name in positions]].to_numpy(float)[order]
     diameter = f.attrs.get("grainfield", {}).get("diameter", 0.0)
-    linked[t_column] = frame[order]
+    if (np.floor(frame) == frame).all():
+        number = whole_frames(frame, t_column)
+        linked[t_column] = number[order]
+    else:
+        number = np.unique(frame, return_inverse=True)[1]
     linked["particle"] = _grainfield.link(
-        frame[order], position[order], errors, diameter=diameter,
-        options={"search_range": search_range, "memory": memory, **options})
+        number[order], position[order], errors, diameter=diameter,
+        options={"search_range": search_range, "memory": memory, **_linking(options)})
     return linked[linked["particle"] >= 0]
+
+
+def _linking(options: dict[str, Any]) -> dict[str, Any]:
+    predictor = options.get("predictor", "none")
+    if not isinstance(predictor, str):
+        raise _grainfield.OptionError("predictor: a function cannot be called from here; expected none, nearest-velocity "
+                                      "or drift, or link_df of a class in grainfield.predict.")
+    return from_trackpy(options, linking=True)
+
+
+link_df = link
+
+
+def link_df_iter(f_iter: Iterable[Any], search_range: float | None = None,
+                 pos_columns: Sequence[str] | None = None, t_column: str = "frame", memory: int = 0,
+                 **options: Any) -> "Iterator[pandas.DataFrame]":
+    """Links tables of one frame each, and yields them with `particle`.
+
+    All are linked before the first is yielded: which tracks are long enough is known at the end.
+
+    Parameters
+    ----------
+    f_iter : iterable of DataFrame
+        Tables of one frame each, in order.
+    search_range, pos_columns, t_column, memory, **options
+        As for link.
+
+    Yields
+    ------
+    DataFrame
+        Each table, with the column `particle`; an empty one for an empty table.
+
+    Raises
+    ------
+    InputError, OptionError
+        As link.
+    """
+    frames = list(f_iter)
+    if not any(len(frame) > 0 for frame in frames):
+        for frame in frames:
+            yield frame.assign(particle=np.empty(0, dtype=np.int64))
+        return
+    filled = [frame for frame in frames if len(frame) > 0]
+    linked = link(pandas_module().concat(filled, ignore_index=True), search_range, pos_columns, t_column,
+                  memory, **options)
+    linked = linked.sort_index()
+    row, particle = linked.index.to_numpy(), linked["particle"].to_numpy()
+    start = np.concatenate([[0], np.cumsum([len(frame) for frame in frames])])
+    first = np.searchsorted(row, start)
+    for i, frame in enumerate(frames):
+        mine = slice(first[i], first[i + 1])
+        yield frame.iloc[row[mine] - start[i]].assign(particle=particle[mine])

@@ -14,7 +14,17 @@ namespace grainfield::report {
 struct Kind {
     std::string label;
     Mark mark = Mark::line;
-    bool shown = true;  ///< false: on the page only after a click, not in the SVG
+    bool shown = true;       ///< false: on the page only after a click, not in the SVG
+    std::string word{};      ///< of the results that its series have; empty: there is none
+    bool is_filled = false;  ///< a guide around an area, which the page fills
+};
+
+/// Where a figure belongs.
+enum class FigureGroup {
+    page,               ///< among the others
+    critical_point,     ///< with what is measured of a critical point
+    critical_distance,  ///< the same, against the distance to it
+    paper,              ///< a panel of the paper
 };
 
 struct Series {
@@ -31,8 +41,9 @@ struct Figure {
         std::string reason;
     };
 
-    std::string name;     ///< file name of SVG and CSV, id on the page
-    std::string title;    ///< for people
+    std::string name;   ///< file name of SVG and CSV, id on the page
+    std::string title;  ///< for people
+    FigureGroup group = FigureGroup::page;
     std::string note;     ///< what to know when reading it; may be empty
     std::string reading;  ///< what it is, how to read it, what is usual; may be empty
     Axis x, y;

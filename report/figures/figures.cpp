@@ -6,13 +6,11 @@
 #include <optional>
 #include <utility>
 
-#include <fmt/format.h>
-
+#include "report/figures/critical_figures.h"
 #include "report/figures/figure_source.h"
 #include "report/figures/hinted_figure.h"
 #include "report/figures/panels.h"
 #include "report/figures/scaled_spectrum.h"
-#include "report/page/cards.h"
 #include "report/run_labels.h"
 #include "report/text.h"
 
@@ -27,46 +25,6 @@ std::string first_characters(const std::string& text, std::size_t count) {
         if (starts && ++characters > count) return text.substr(0, i) + "…";
     }
     return text;
-}
-
-// One figure for each control parameter: Γ and ν share no axis.
-std::vector<Figure> critical(const Runs& runs, const std::vector<std::string>& labels) {
-    std::vector<Figure> figures;
-    const CurveColumns points{"critical", "critical", "x", "s0_over_s1", "err"};
-    const CurveColumns line{"critical", "critical_line", "x", "s0_over_s1", "err"};
-    std::vector<std::string> parameters;
-    for (const Results& run : runs) {
-        const Curve* curve = find_curve(run, points);
-        if (curve == nullptr) continue;
-        const std::string& parameter = curve->find("x")->meaning;
-        if (std::ranges::find(parameters, parameter) == parameters.end()) {
-            parameters.push_back(parameter);
-        }
-    }
-    for (std::size_t p = 0; p < parameters.size(); ++p) {
-        const std::string name = clean_text(parameters[p]);
-        Figure figure =
-            empty_figure(labels, p == 0 ? "critical" : fmt::format("critical_{}", p + 1),
-                         "S₀/S₁ against " + name, {"x", name, "", Scale::linear, false},
-                         {"s0_over_s1", "S₀/S₁", "", Scale::linear, true});
-        add_kind(figure, runs, {"S₀/S₁", Mark::line, true}, points);
-        add_kind(figure, runs, {"weighted line", Mark::curve, true}, line);
-        std::erase_if(figure.series, [&](const Series& series) {
-            const Curve* curve = find_curve(runs[series.run], points);
-            return curve == nullptr || curve->find("x")->meaning != parameters[p];
-        });
-        figure.reading =
-            "How far from critical each run is: S₀, what stays at the longest waves, over S₁, how "
-            "fast S(k) grows. Where the line meets zero is the critical value.";
-        for (const Results& run : runs) {
-            const Curve* curve = find_curve(run, points);
-            if (curve == nullptr || curve->find("x")->meaning != parameters[p]) continue;
-            if (!figure.note.empty()) figure.note += ' ';
-            figure.note += critical_sentence(run);
-        }
-        figures.push_back(of_present_runs(std::move(figure)));
-    }
-    return figures;
 }
 
 bool any_has(const Runs& runs, const char* observable) {
@@ -102,7 +60,7 @@ std::vector<std::string> run_labels(const std::vector<Results>& runs) {
 std::vector<Figure> make_figures(const std::vector<Results>& runs,
                                  const std::vector<std::string>& labels,
                                  std::vector<FigureHint> hints) {
-    std::vector<Figure> figures = critical(runs, labels);
+    std::vector<Figure> figures = critical_figures(runs, labels);
     const std::vector<RunIdentity> identities = identities_of(runs);
     const auto add = [&](Figure figure, bool by_origin, const std::vector<GuideHint>& guides) {
         std::vector<Figure> panels;

@@ -111,7 +111,7 @@ void add_series(Figure& figure, const Runs& runs, const FigureHint& hint, const 
             found = true;
         }
         const std::string label = which.word.empty() ? which.label + word : which.label;
-        if (found) figure.kinds.push_back({label, which.mark, which.shown});
+        if (found) figure.kinds.push_back({label, which.mark, which.shown, word});
     }
 }
 

@@ -70,6 +70,10 @@ json trace(const Figure& figure, const Series& series) {
         t["mode"] = "lines";
         t["hoverinfo"] = "skip";
         t.erase("hovertemplate");
+        if (kind.is_filled) {
+            t["fill"] = "toself";
+            t["fillcolor"] = "rgba(102,102,102,0.18)";
+        }
         return t;
     }
     if (kind.mark == Mark::curve) {

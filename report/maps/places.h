@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "core/results.h"
@@ -8,11 +9,12 @@
 namespace grainfield::report {
 
 /// A spot of a frame where picture and image model differ much more than elsewhere: something was
-/// missed there, seen twice, or is no sphere.
+/// missed there, seen twice, or is no sphere. Or a sphere that is marked for another reason.
 struct Place {
     Vec2 position;        ///< of the worst sphere [length unit]
     double residual = 0;  ///< its local RMS residual [contrast]
     int spheres = 0;      ///< how many it joins
+    std::string words{};  ///< why it is marked; empty: for its residual
 };
 
 /// Spheres whose local residual (`Snapshot::quality`) is over four times the median of the frame;

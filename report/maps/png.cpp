@@ -71,12 +71,10 @@ void append(png_structp png, png_bytep data, png_size_t length) {
 
 void ignore(png_structp /*png*/, png_const_charp /*message*/) {}
 
-}  // namespace
-
-std::vector<std::uint8_t> encode_png(const Image& image, int reduction) {
-    const Grey grey = reduced(image, reduction);
-    const std::vector<std::uint8_t> pixels = stretched(grey.value);
-
+/// Rows of 8-bit pixels of one or three channels. Camera noise hardly compresses: a higher level
+/// costs three times the time for a few percent.
+std::vector<std::uint8_t> encoded(std::span<const std::uint8_t> pixels, int width, int height,
+                                  std::size_t channels, int level) {
     struct Writer {
         png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, fail, ignore);
         png_infop info = png_create_info_struct(png);
@@ -84,19 +82,31 @@ std::vector<std::uint8_t> encode_png(const Image& image, int reduction) {
     } writer;
     std::vector<std::uint8_t> out;
     png_set_write_fn(writer.png, &out, append, nullptr);
-    png_set_IHDR(writer.png, writer.info, static_cast<png_uint_32>(grey.width),
-                 static_cast<png_uint_32>(grey.height), 8, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
+    png_set_IHDR(writer.png, writer.info, static_cast<png_uint_32>(width),
+                 static_cast<png_uint_32>(height), 8,
+                 channels == 1 ? PNG_COLOR_TYPE_GRAY : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-    // Camera noise hardly compresses: a higher level costs three times the time for a few percent.
-    png_set_compression_level(writer.png, 4);
+    png_set_compression_level(writer.png, level);
     png_set_filter(writer.png, PNG_FILTER_TYPE_BASE, PNG_FILTER_UP);
     png_write_info(writer.png, writer.info);
-    for (int y = 0; y < grey.height; ++y) {
-        const auto start = static_cast<std::size_t>(y) * static_cast<std::size_t>(grey.width);
+    for (int y = 0; y < height; ++y) {
+        const std::size_t start =
+            static_cast<std::size_t>(y) * static_cast<std::size_t>(width) * channels;
         png_write_row(writer.png, pixels.data() + start);
     }
     png_write_end(writer.png, nullptr);
     return out;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> encode_png(const Image& image, int reduction) {
+    const Grey grey = reduced(image, reduction);
+    return encoded(stretched(grey.value), grey.width, grey.height, 1, 4);
+}
+
+std::vector<std::uint8_t> encode_png(std::span<const std::uint8_t> rgb, int width, int height) {
+    return encoded(rgb, width, height, 3, 1);
 }
 
 }  // namespace grainfield::report

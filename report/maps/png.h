@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/frame.h"
@@ -12,5 +13,9 @@ namespace grainfield::report {
 /// becomes mid-grey). Pixels beyond the last whole square are left out. Throws OutputError if
 /// libpng fails.
 std::vector<std::uint8_t> encode_png(const Image& image, int reduction);
+
+/// Red, green and blue of each pixel, row 0 on top, as a PNG; quick rather than small. Throws
+/// OutputError if libpng fails.
+std::vector<std::uint8_t> encode_png(std::span<const std::uint8_t> rgb, int width, int height);
 
 }  // namespace grainfield::report

@@ -60,7 +60,12 @@ std::vector<Absent> absences(const Results& run, const std::vector<ObservableTit
     std::vector<Absent> all;
     const auto add = [&](const std::string& what, const std::string& reason) {
         const std::string why = clean_text(reason.empty() ? "no value" : reason);
-        all.push_back({inside_sentence(clean_text(what)), why, blames_one_frame(run, why)});
+        // One of the boxes of `synthetic`, whose sides the user names.
+        const std::string of_box = "box ";
+        const std::string name = what.starts_with(of_box)
+                                     ? "number variance of a box of " + what.substr(4) + " a"
+                                     : what;
+        all.push_back({inside_sentence(clean_text(name)), why, blames_one_frame(run, why)});
     };
     for (const ObservableResult& observable : run.observables) {
         const std::string title = observable_title(titles, observable.name);

@@ -192,6 +192,21 @@ struct Kind {
     bool instead = false;  ///< left out if the card before has a value for every run
 };
 
+// Whether the picture differs from the model where no sphere is, much more than about spheres.
+bool lies_beside_spheres(const Results& run, double residual) {
+    constexpr double much = 1.5;
+    double squares = 0;
+    double count = 0;
+    for (const Preview& preview : run.previews) {
+        for (const double q : preview.snapshot.quality) {
+            if (!std::isfinite(q)) continue;
+            squares += q * q;
+            ++count;
+        }
+    }
+    return residual > fair_residual && count > 0 && residual > much * std::sqrt(squares / count);
+}
+
 }  // namespace
 
 std::vector<Card> make_cards(const std::vector<Results>& runs, std::optional<double> sphere_mm) {
@@ -274,6 +289,13 @@ std::string critical_sentence(const Results& run) {
     return text + ".";
 }
 
+std::string residual_words(double residual) {
+    const char* word = residual <= good_residual   ? "good"
+                       : residual <= fair_residual ? "fair"
+                                                   : "poor";
+    return fmt::format("residual {:.3f}, {}", residual, word);
+}
+
 std::string verdict(const Results& run, std::optional<std::size_t> places) {
     if (run.identity.role == RunRole::critical_point) {
         std::string text = critical_sentence(run);
@@ -286,15 +308,14 @@ std::string verdict(const Results& run, std::optional<std::size_t> places) {
                     std::round(run.particles_mean) == 1 ? "" : "s");
     const Measurement* residual = known(run, "lengths", "residual");
     if (residual != nullptr) {
-        const char* word = *residual->value <= good_residual   ? "good"
-                           : *residual->value <= fair_residual ? "fair"
-                                                               : "poor";
-        text += fmt::format("; residual {:.3f}, {}", *residual->value, word);
+        text += "; " + residual_words(*residual->value);
     }
     if (places && *places > 0) {
         text += fmt::format("; {} place{} to look at", *places, *places == 1 ? "" : "s");
     } else if (places && residual != nullptr) {
-        text += "; no place stands out";
+        text += lies_beside_spheres(run, *residual->value)
+                    ? "; the misfit lies beside the spheres: --region or --mask leaves it out"
+                    : "; no place stands out";
     }
     return text;
 }

@@ -35,6 +35,9 @@ std::string cards_html(const std::vector<Card>& cards, const std::vector<std::st
 /// `places`: of all maps of the run; where none was drawn they are not known, and not spoken of.
 std::string verdict(const Results& run, std::optional<std::size_t> places);
 
+/// "residual 0.059, good"; of a residual in units of the contrast.
+std::string residual_words(double residual);
+
 /// Where S0/S1 vanishes: "Critical at ν = 0.0012 ± 0.0004.", with its interval where that is known,
 /// or why it is not. Of results of `critical`.
 std::string critical_sentence(const Results& run);

@@ -33,7 +33,7 @@ constexpr std::array entries{
     Entry{"S₁", "Prefactor of the fit S(k) = S₀ + S₁ (ka)^α at small k."},
     Entry{"MSD", "Mean squared displacement of a sphere in a lag time."},
     Entry{"Γ", "Acceleration of the vibration over gravity, A ω²/g."},
-    Entry{"ε", "Distance to the critical acceleration, (Γ − Γc)/Γc."},
+    Entry{"ε", "Distance to the critical acceleration, (Γc − Γ)/Γc: above zero in the liquid."},
     Entry{"ν", "Distance of the field model to its critical point."},
     Entry{"residual",
           "Root mean square of picture less image model, in units of the contrast "

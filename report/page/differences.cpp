@@ -172,7 +172,19 @@ std::vector<std::string> mismatches(const std::vector<Results>& runs,
         return has_times(runs[r]) ? std::string(typeset_text(runs[r].source.time_unit))
                                   : std::string();
     });
-    if (!time.empty()) out.push_back("times in different units: " + time);
+    if (!time.empty()) {
+        const auto any = [&](TimeUnit unit) {
+            return std::ranges::any_of(
+                runs, [&](const Results& run) { return run.source.time_unit == unit; });
+        };
+        std::string cure;
+        if (any(TimeUnit::sqrt_a_over_g) && any(TimeUnit::second)) {
+            cure = "; --sphere-mm, the true diameter in mm, puts simulations in seconds";
+        } else if (any(TimeUnit::frame)) {
+            cure = "; track with --fps for seconds";
+        }
+        out.push_back("times in different units: " + time + cure);
+    }
     const auto dimension = groups(labels, [&](std::size_t r) {
         return identities[r].role == RunRole::critical_point
                    ? std::string()

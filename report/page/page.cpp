@@ -16,6 +16,7 @@
 #include "report/page/definitions.h"
 #include "report/page/embedded.h"
 #include "report/page/key_numbers.h"
+#include "report/page/paper_section.h"
 #include "report/page/run_record.h"
 #include "report/run_labels.h"
 #include "report/text.h"
@@ -79,19 +80,10 @@ std::string joined(const std::vector<std::string>& parts) {
     return out;
 }
 
-std::size_t warnings_of(const PageContent& content) {
-    const std::string html = warnings_html(content.runs, content.labels, content.plan);
-    std::size_t count = 0;
-    for (auto at = html.find("<li>"); at != std::string::npos; at = html.find("<li>", at + 1)) {
-        ++count;
-    }
-    return count;
-}
-
 std::string header_html(const PageContent& content) {
     const std::size_t count = content.runs.size();
     std::string out = "<header><h1>" + escape_html(content.title) + "</h1>\n";
-    const std::size_t warnings = warnings_of(content);
+    const std::size_t warnings = count_warnings(content.runs, content.labels, content.plan);
     std::string also;
     if (warnings > 0) {
         also = fmt::format("; <a href=\"#warnings\">{} warning{}</a>", warnings,
@@ -107,16 +99,31 @@ std::string header_html(const PageContent& content) {
                joined({label, first_file(run), frames_text(run), content.date}) + "</p>\n" +
                "<p class=\"verdict\">" + said(0) + also + "</p></header>\n";
     }
-    out += "<p class=\"summary\">" +
-           joined({fmt::format("{} runs side by side", count), content.date}) + also +
-           "</p>\n<ul class=\"run-key\">";
+    std::string runs;
     for (std::size_t r = 0; r < count; ++r) {
-        out += fmt::format(
+        runs += fmt::format(
             "<li><span class=\"block\" style=\"color:{}\"></span>{} <span class=\"summary\">{}"
             "</span></li>\n",
             hex(distinct_colour(r, count)), escape_html(content.labels[r]), said(r));
     }
-    return out + "</ul></header>\n";
+    if (!content.paper.empty()) {
+        return out + "<p class=\"summary\">" +
+               joined({fmt::format("{} runs", count), content.date}) + "</p>\n" +
+               "<p class=\"verdict\">" + escape_html(paper_verdict(content.runs)) + also +
+               "</p>\n<details class=\"run-key\"><summary>The runs</summary><ul>" + runs +
+               "</ul></details></header>\n";
+    }
+    if (!content.verdict.empty()) {
+        out += "<p class=\"summary\">" + joined({first_file(content.runs.front()), content.date}) +
+               "</p>\n" + "<p class=\"verdict\">" + escape_html(content.verdict) + also + "</p>\n";
+        if (!content.key_numbers) return out + "</header>\n";
+        out += "<ul class=\"run-key\">";
+    } else {
+        out += "<p class=\"summary\">" +
+               joined({fmt::format("{} runs side by side", count), content.date}) + also +
+               "</p>\n<ul class=\"run-key\">";
+    }
+    return out + runs + "</ul></header>\n";
 }
 
 // Runs without this curve, those with one reason together; a long list is folded.
@@ -182,6 +189,11 @@ const char* map_heading(const std::vector<ParticleMap>& maps) {
     return !maps.empty() && std::ranges::all_of(maps, is_field) ? "Fields" : "Positions";
 }
 
+std::string why_marked(const Place& place) {
+    return place.words.empty() ? fmt::format("residual {:.2f}", place.residual)
+                               : clean_text(place.words);
+}
+
 // The places of all maps of the first run, worst first within a map, as buttons that go there.
 std::string places_html(const PageContent& content) {
     constexpr std::size_t most = 12;
@@ -193,15 +205,15 @@ std::string places_html(const PageContent& content) {
             buttons += fmt::format(
                 "<button type=\"button\" class=\"place\" value=\"{} {}\" title=\"{}\">{}</button>",
                 m, p,
-                escape_html(fmt::format("{}: residual {:.2f} at x = {:.0f}, y = {:.0f} {}",
-                                        content.labels[map.run], map.places[p].residual,
+                escape_html(fmt::format("{}: {} at x = {:.0f}, y = {:.0f} {}",
+                                        content.labels[map.run], why_marked(map.places[p]),
                                         map.places[p].position.x, map.places[p].position.y,
                                         map.unit)),
                 ++count);
         }
     }
     if (buttons.empty()) return "";
-    return "<p class=\"places\">Places to look at: " + buttons + "</p>\n";
+    return "<p class=\"places\">" + escape_html(content.places_title) + ": " + buttons + "</p>\n";
 }
 
 // One picture with its axes; with a choice of runs where there are more than the page shows.
@@ -316,6 +328,30 @@ std::string tables_html(const PageContent& content, bool differences) {
                        differences ? "" : "<h2>Tables</h2>\n", out);
 }
 
+// With its lines, which escape_html joins.
+std::string escaped_lines(const std::string& text) {
+    std::string out;
+    for (std::size_t at = 0; at < text.size();) {
+        const std::size_t end = std::min(text.find('\n', at), text.size());
+        out += escape_html(text.substr(at, end - at)) + "\n";
+        at = end + 1;
+    }
+    return out;
+}
+
+std::string blocks_html(const PageContent& content) {
+    if (content.blocks.empty()) return "";
+    std::string out = "<div class=\"blocks\">\n";
+    for (const CopyBlock& block : content.blocks) {
+        out += "<section><h3>" + escape_html(block.title) +
+               "</h3>\n<button type=\"button\" class=\"copy\">Copy</button><pre tabindex=\"0\">" +
+               escaped_lines(block.text) + "</pre>\n";
+        if (!block.note.empty()) out += "<p class=\"note\">" + escape_html(block.note) + "</p>\n";
+        out += "</section>\n";
+    }
+    return out + "</div>\n";
+}
+
 std::string numbers_html(const PageContent& content) {
     const std::string table =
         key_numbers_html(key_numbers(content.runs, content.titles), content.labels);
@@ -324,10 +360,30 @@ std::string numbers_html(const PageContent& content) {
            table + "</details></section>\n";
 }
 
+bool is_of_critical_point(const Figure& figure) {
+    return figure.group == FigureGroup::critical_point ||
+           figure.group == FigureGroup::critical_distance;
+}
+
+bool is_of_paper(const Figure& figure) {
+    return figure.group == FigureGroup::paper;
+}
+
+// What a critical point is asked for stands above all else.
+std::string critical_html(const PageContent& content) {
+    std::string out;
+    for (const Figure& figure : content.figures) {
+        if (is_of_critical_point(figure)) out += figure_html(content, figure);
+    }
+    if (out.empty()) return "";
+    return "<section class=\"figures\" aria-label=\"Critical point\">\n" + out + "</section>\n";
+}
+
 // The figures that say how to read them come first.
 std::string figures_html(const PageContent& content, bool first) {
     std::string out;
     for (const Figure& figure : content.figures) {
+        if (is_of_critical_point(figure) || is_of_paper(figure)) continue;
         if (figure.reading.empty() != first) out += figure_html(content, figure);
     }
     return out;
@@ -346,7 +402,7 @@ std::string data_json(const PageContent& content) {
     for (const std::string& label : content.labels) labels.push_back(clean_text(label));
     return "{\"runs\":" + escape_json_for_script(labels.dump()) +
            ",\n\"colours\":" + colours.dump() + ",\n\"figures\":[" + figures + "],\n\"maps\":[" +
-           maps + "]}";
+           maps + "],\n\"alternatives\":" + alternatives_json(content.alternatives) + "}";
 }
 
 }  // namespace
@@ -364,7 +420,13 @@ std::string page_html(const PageContent& content) {
     const std::string warnings = warnings_html(content.runs, content.labels, content.plan);
     const std::string tables = tables_html(content, false);
     const std::string pictures = map_html(content);
-    if (content.key_numbers) {
+    if (!content.paper.empty()) {
+        const auto run = run_of_paper_map(content.runs);
+        out += paper_section_html(content.paper, paper_map(content.maps, run),
+                                  run ? content.labels[*run] : "");
+        out += pictures + tables + warnings + critical_html(content);
+    } else if (content.key_numbers) {
+        out += critical_html(content);
         constexpr std::size_t most_runs = 4;  // on a card
         const std::string cards =
             content.runs.size() > most_runs
@@ -375,7 +437,8 @@ std::string page_html(const PageContent& content) {
         const std::string missing = absences_html(content.runs, content.labels, content.titles);
         out += pictures + "<div>" + cards + missing + warnings + "</div></div>\n" + tables;
     } else {
-        out += warnings + tables + pictures;
+        out += critical_html(content) + pictures + alternatives_html(content.alternatives) +
+               blocks_html(content) + warnings + tables;
     }
     if (const std::string first = figures_html(content, true); !first.empty()) {
         out += "<section class=\"figures\" aria-label=\"Main curves\">\n" + first + "</section>\n";
@@ -385,6 +448,10 @@ std::string page_html(const PageContent& content) {
     if (!more.empty()) {
         out += std::string(content.key_numbers ? "<h2>More curves</h2>\n" : "") +
                "<section class=\"figures\">\n" + more + "</section>\n";
+    }
+    if (!content.paper.empty()) {
+        out +=
+            "<h2>Not measured</h2>\n" + absences_html(content.runs, content.labels, content.titles);
     }
     if (content.key_numbers) out += numbers_html(content);
     out += skipped_html(content.runs, content.labels, content.plan);

@@ -9,6 +9,9 @@
 #include "core/run_plan.h"
 #include "report/figures/figure.h"
 #include "report/maps/particle_map.h"
+#include "report/page/alternatives.h"
+#include "report/page/copy_block.h"
+#include "report/page/paper_panels.h"
 #include "report/page/table.h"
 
 namespace grainfield::report {
@@ -28,6 +31,11 @@ struct PageContent {
     std::vector<ObservableTitles> titles{};  ///< what it is called
     std::string date{};                      ///< of the page, in the header; may be empty
     std::optional<double> sphere_mm{};       ///< true diameter of the spheres [mm]
+    std::string verdict{};                   ///< in place of that of the runs; may be empty
+    std::vector<CopyBlock> blocks{};         ///< below the pictures
+    std::string places_title = "Places to look at";
+    std::vector<PaperPanel> paper{};  ///< the page begins with them; empty: it is no such page
+    Alternatives alternatives{};      ///< below the pictures; may be empty
 };
 
 /// The whole HTML page, self-contained: styles, scripts (plotly.js with its licence) and data are

@@ -733,12 +733,76 @@
     });
   }
 
+  // Part of a frame with what the settings chosen by the sliders find in it.
+  function drawAlternatives(data) {
+    const section = document.querySelector(".alternatives");
+    if (!section || !data) return Promise.resolve();
+    const canvas = section.querySelector("canvas");
+    const sliders = [...section.querySelectorAll("input")];
+    const [width, height] = data.size;
+    const zoom = Math.max(1, Math.round(1000 / Math.max(width, height)));
+    canvas.width = width * zoom;
+    canvas.height = height * zoom;
+    const picture = new Image();
+    const show = () => {
+      const chosen = sliders.map((slider) => Number(slider.value));
+      const one = data.tried[chosen.reduce((at, value, a) => at * data.axes[a].length + value, 0)];
+      sliders.forEach((slider, a) => {
+        const text = data.axes[a][chosen[a]];
+        slider.parentElement.querySelector("output").textContent = text;
+        slider.setAttribute("aria-valuetext", text);
+      });
+      section.querySelector(".found").textContent = one.words;
+      section.querySelector("pre").textContent = one.settings;
+      section.querySelector(".copy").textContent = "Copy";
+      const context = canvas.getContext("2d");
+      context.imageSmoothingEnabled = false;
+      context.drawImage(picture, 0, 0, canvas.width, canvas.height);
+      context.beginPath();
+      const r = 0.5 * one.diameter * zoom;
+      for (let i = 0; i < one.at.length; i += 2) {
+        // Pixel (0, 0) has its centre at 0.
+        const [x, y] = [(one.at[i] / 10 + 0.5) * zoom, (one.at[i + 1] / 10 + 0.5) * zoom];
+        context.moveTo(x + r, y);
+        context.arc(x, y, r, 0, 2 * Math.PI);
+      }
+      for (const [colour, line] of [["rgba(255,255,255,0.8)", 5], ["#c2410c", 2.5]]) {
+        context.strokeStyle = colour;
+        context.lineWidth = line;
+        context.stroke();
+      }
+    };
+    for (const slider of sliders) slider.addEventListener("input", show);
+    return new Promise((done) => {
+      picture.onload = () => { show(); done(); };
+      picture.onerror = () => { problem("the picture of the alternatives cannot be decoded"); done(); };
+      picture.src = data.image;
+    });
+  }
+
+  // Where the browser gives no clipboard the text is selected all the same.
+  function addCopying() {
+    for (const button of document.querySelectorAll(".copy")) {
+      button.addEventListener("click", () => {
+        const range = document.createRange();
+        range.selectNodeContents(button.parentElement.querySelector("pre"));
+        const selection = window.getSelection();
+        selection.removeAllRanges();
+        selection.addRange(range);
+        button.textContent = document.execCommand("copy") ? "Copied" : "Selected";
+      });
+    }
+  }
+
   document.addEventListener("DOMContentLoaded", async () => {
+    addCopying();
     try {
       const data = JSON.parse(document.getElementById("report-data").textContent);
+      const tried = drawAlternatives(data.alternatives);
       await drawFigures(data.figures, drawMaps(data.maps, data.colours, data.runs), () => {
         root.dataset.opened = String(Math.round(performance.now()));
       });
+      await tried;
       root.dataset.milliseconds = String(Math.round(performance.now()));
       root.dataset.ready = String(document.querySelectorAll(".js-plotly-plot").length);
       const next = () => { const draw = waitingMaps.shift(); if (draw) { draw(); setTimeout(next, 0); } };

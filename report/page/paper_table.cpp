@@ -17,14 +17,10 @@ bool is_known(const Measurement& m) {
     return m.value && m.error && std::isfinite(*m.value) && std::isfinite(*m.error) && *m.error > 0;
 }
 
-struct Found {
-    const Measurement* measurement = nullptr;
-    std::size_t run = 0;
-};
+}  // namespace
 
-// The measurement of the run with the largest control parameter; one with an error goes first.
-Found find(const PaperValue& paper, const std::vector<Results>& runs) {
-    Found best;
+PaperMeasurement paper_measurement(const PaperValue& paper, const std::vector<Results>& runs) {
+    PaperMeasurement best;
     const auto control = [&](std::size_t r) {
         const auto& known = runs[r].identity.control;
         return known ? known->value : 0;
@@ -43,7 +39,10 @@ Found find(const PaperValue& paper, const std::vector<Results>& runs) {
     return best;
 }
 
-}  // namespace
+std::string paper_text(const PaperValue& paper) {
+    return paper.is_rounded ? "≈ " + with_error(paper.value, nullptr)
+                            : with_error(paper.value, &paper.error);
+}
 
 std::string Verdict::text() const {
     switch (agreement) {
@@ -79,9 +78,8 @@ Table paper_table(const std::vector<Results>& runs, const std::vector<std::strin
                      {"run", "Run", "", true},
                      {"verdict", "Verdict", "", true}};
     for (const PaperValue& paper : paper_values()) {
-        const Found found = find(paper, runs);
+        const PaperMeasurement found = paper_measurement(paper, runs);
         const Measurement* m = found.measurement;
-        const double* error = paper.is_rounded ? nullptr : &paper.error;
         const auto words = [](const std::string& text) { return TableCell{.text = text}; };
         std::string ours = "not measured";
         if (m != nullptr && m->value) ours = with_error(*m->value, m->error ? &*m->error : nullptr);
@@ -89,10 +87,9 @@ Table paper_table(const std::vector<Results>& runs, const std::vector<std::strin
         const Verdict judgement = verdict(paper, m);
         TableCell judged = words(judgement.text());
         judged.failed = judgement.agreement == Agreement::differs;
-        table.rows.push_back(
-            {paper.name,
-             {words((error == nullptr ? "≈ " : "") + with_error(paper.value, error)), words(ours),
-              words(m == nullptr ? "–" : labels[found.run]), judged}});
+        table.rows.push_back({paper.name,
+                              {words(paper_text(paper)), words(ours),
+                               words(m == nullptr ? "–" : labels[found.run]), judged}});
     }
     return table;
 }

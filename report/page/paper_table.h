@@ -18,6 +18,7 @@ struct PaperValue {
     double value = 0;         ///< [-]
     double error = 0;         ///< as the paper gives it, or half of its last digit
     bool is_rounded = false;  ///< the paper gives no error, and "about"
+    std::string panel{};      ///< of the paper's figures, where it is marked: "2b"; may be empty
 };
 
 /// The numbers of `castillo2019` that a run of this program measures.
@@ -37,6 +38,17 @@ struct Verdict {
 /// Agrees within 2 standard errors of both together; unresolved: no value, no error, or an error
 /// above a quarter of the paper's value.
 Verdict verdict(const PaperValue& paper, const Measurement* ours);
+
+/// The paper's number with its error, "≈" before a rounded one.
+std::string paper_text(const PaperValue& paper);
+
+/// What the runs say about it: of several runs that measure it the one with the largest control
+/// parameter, one with an error before those without.
+struct PaperMeasurement {
+    const Measurement* measurement = nullptr;  ///< null: no run measures it
+    std::size_t run = 0;
+};
+PaperMeasurement paper_measurement(const PaperValue& paper, const std::vector<Results>& runs);
 
 /// The table "paper's value, ours, verdict", one row a value. Of several runs that measure it the
 /// one with the largest control parameter speaks. Values that no run measures stay in the table.

@@ -1,6 +1,7 @@
 #include "report/page/run_record.h"
 
 #include <algorithm>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -16,6 +17,36 @@ std::string who(const std::vector<std::string>& some, std::size_t all) {
     if (some.size() == all) return "all runs";
     std::string out = some.front();
     for (std::size_t i = 1; i < some.size(); ++i) out.append("; ").append(some[i]);
+    return out;
+}
+
+// What a remark is about: its first clause without numbers and names.
+std::string kind_of(const std::string& text) {
+    std::string kind;
+    bool in_name = false;
+    for (const char c : text) {
+        if (c == '\'' && (in_name || kind.empty() || kind.back() == ' ')) {
+            in_name = !in_name;
+            kind += c;
+        } else if (in_name) {
+            continue;
+        } else if (c == ';') {
+            break;
+        } else if (std::string_view("0123456789.+-").find(c) == std::string_view::npos) {
+            kind += c;
+        }
+    }
+    return kind;
+}
+
+// "tracked, Γ = 2.5; tracked, Γ = 3 and 4 more"
+std::string some_of(const std::vector<std::string>& runs) {
+    constexpr std::size_t most = 3;
+    std::string out;
+    for (std::size_t i = 0; i < std::min(most, runs.size()); ++i) {
+        out += (i > 0 ? "; " : "") + runs[i];
+    }
+    if (runs.size() > most) out += fmt::format(" and {} more", runs.size() - most);
     return out;
 }
 
@@ -43,12 +74,63 @@ class Remarks {
         }
         return out + "</ul></section>\n";
     }
+    // One line a kind: texts that differ in numbers and names alone are folded under the first.
+    std::string html_by_kind(const std::string& heading, const std::string& style,
+                             std::size_t runs) const {
+        const auto kinds = by_kind();
+        if (kinds.empty()) return "";
+        std::string out = fmt::format(
+            "<section class=\"remarks {0}\" id=\"{0}\"><h2>{1}</h2><ul>\n", style, heading);
+        for (const auto& [kind, items] : kinds) out += "<li>" + kind_html(items, runs) + "</li>\n";
+        return out + "</ul></section>\n";
+    }
+
+    std::size_t lines() const { return items_.size(); }
+    std::size_t kinds() const { return by_kind().size(); }
 
  private:
     struct Item {
         std::string text;
         std::vector<std::string> runs;
     };
+
+    std::vector<std::pair<std::string, std::vector<const Item*>>> by_kind() const {
+        std::vector<std::pair<std::string, std::vector<const Item*>>> kinds;
+        for (const Item& item : items_) {
+            const std::string kind = kind_of(item.text);
+            auto known =
+                std::ranges::find_if(kinds, [&](const auto& other) { return other.first == kind; });
+            if (known == kinds.end()) {
+                kinds.push_back({kind, {}});
+                known = kinds.end() - 1;
+            }
+            known->second.push_back(&item);
+        }
+        return kinds;
+    }
+
+    static std::string kind_html(const std::vector<const Item*>& items, std::size_t runs) {
+        std::vector<std::string> all;
+        for (const Item* item : items) {
+            for (const std::string& run : item->runs) {
+                if (!run.empty() && std::ranges::find(all, run) == all.end()) all.push_back(run);
+            }
+        }
+        const std::string concerned =
+            all.empty()
+                ? ""
+                : " <span class=\"who\">" +
+                      escape_html(all.size() == runs ? "all runs" : some_of(all)) + "</span>";
+        std::string line = escape_html(items.front()->text) + concerned;
+        if (items.size() == 1 && all.size() <= 3) return line;
+        std::string list;
+        for (const Item* item : items) {
+            const std::string whose =
+                item->runs.front().empty() ? "" : who(item->runs, runs) + ": ";
+            list += "<li>" + escape_html(whose + item->text) + "</li>\n";
+        }
+        return "<details><summary>" + line + "</summary><ul>\n" + list + "</ul></details>";
+    }
     std::vector<Item> items_;
 };
 
@@ -96,10 +178,10 @@ std::string configuration_html(const RunRecord& record) {
     return out + "</tbody></table></div></details>\n";
 }
 
-}  // namespace
+constexpr std::size_t most_listed = 4;  // of runs whose warnings stand one by one
 
-std::string warnings_html(const std::vector<Results>& runs, const std::vector<std::string>& labels,
-                          const RunPlan& plan) {
+Remarks warnings_of(const std::vector<Results>& runs, const std::vector<std::string>& labels,
+                    const RunPlan& plan) {
     Remarks warnings;
     for (std::size_t r = 0; r < runs.size(); ++r) {
         for (const RunRecord* record : history(runs[r])) {
@@ -107,7 +189,22 @@ std::string warnings_html(const std::vector<Results>& runs, const std::vector<st
         }
     }
     for (const Warning& warning : plan.warnings()) warnings.add(warning.text, "");
-    return warnings.html("Warnings", "warnings", runs.size());
+    return warnings;
+}
+
+}  // namespace
+
+std::string warnings_html(const std::vector<Results>& runs, const std::vector<std::string>& labels,
+                          const RunPlan& plan) {
+    const Remarks warnings = warnings_of(runs, labels, plan);
+    return runs.size() > most_listed ? warnings.html_by_kind("Warnings", "warnings", runs.size())
+                                     : warnings.html("Warnings", "warnings", runs.size());
+}
+
+std::size_t count_warnings(const std::vector<Results>& runs, const std::vector<std::string>& labels,
+                           const RunPlan& plan) {
+    const Remarks warnings = warnings_of(runs, labels, plan);
+    return runs.size() > most_listed ? warnings.kinds() : warnings.lines();
 }
 
 std::string skipped_html(const std::vector<Results>& runs, const std::vector<std::string>& labels,

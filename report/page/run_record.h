@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,10 @@ namespace grainfield::report {
 /// run.
 std::string warnings_html(const std::vector<Results>& runs, const std::vector<std::string>& labels,
                           const RunPlan& plan);
+
+/// How many lines they have there, those that are folded under another not counted.
+std::size_t count_warnings(const std::vector<Results>& runs, const std::vector<std::string>& labels,
+                           const RunPlan& plan);
 
 /// What was skipped and why, likewise.
 std::string skipped_html(const std::vector<Results>& runs, const std::vector<std::string>& labels,

@@ -26,6 +26,59 @@ Session session() {
     return s;
 }
 
+TEST(Outputs, AreNamedAfterTheFirstInputWithoutWhatACommandBeforeHasAdded) {
+    EXPECT_EQ(named_after({"films/layer.avi"}, "-tracks.h5"), "layer-tracks.h5");
+    EXPECT_EQ(named_after({"layer-tracks.h5"}, "-results.h5"), "layer-results.h5");
+    EXPECT_EQ(named_after({"layer-results.h5", "md-results.h5"}, "-report.html"),
+              "layer-report.html");
+    EXPECT_EQ(named_after({}, "-report.html"), "report.html");
+}
+
+TEST(Outputs, OfPagesAndFoldersHaveNoOtherEnding) {
+    EXPECT_NO_THROW(require_html_name("a.html"));
+    for (const char* wrong : {"a.pdf", "a", "-"}) {
+        EXPECT_THROW(require_html_name(wrong), OptionError) << wrong;
+    }
+    EXPECT_NO_THROW(require_folder_name("run.7", "a folder"));
+    EXPECT_NO_THROW(require_folder_name("results", "a folder"));
+    for (const char* wrong : {"a.csv", "a.html", "-"}) {
+        EXPECT_THROW(require_folder_name(wrong, "a folder"), OptionError) << wrong;
+    }
+}
+
+TEST(Outputs, ThatAreNoTextSayWhatCanGoToStandardOutputInstead) {
+    const auto said = [](const auto& require) -> std::string {
+        try {
+            require();
+        } catch (const OptionError& error) {
+            return error.what();
+        }
+        return {};
+    };
+    for (const std::string& words :
+         {said([] { require_html_name("-"); }), said([] { require_hdf5_name("-"); }),
+          said([] { require_folder_name("-", "a folder"); })}) {
+        EXPECT_NE(words.find("cannot go to standard output"), std::string::npos) << words;
+        EXPECT_NE(words.find("compare --figure"), std::string::npos) << words;
+    }
+    EXPECT_NE(said([] { require_hdf5_name("-"); }).find("export NAME.h5 -o -"), std::string::npos);
+}
+
+TEST(Outputs, MeansThatAreWholeHaveNoPoint) {
+    EXPECT_EQ(mean_text(10240), "10240");
+    EXPECT_EQ(mean_text(319.62), "319.6");
+}
+
+TEST(Outputs, EveryCommandThatWritesNamesOne) {
+    for (const auto& command : make_commands()) {
+        const OptionSet options(command->name(), command->options());
+        const OptionSet::Entry* output = options.find("", "output");
+        // A run names its folder itself; what is exported depends on the content of the file.
+        if (output == nullptr || command->name() == "run" || command->name() == "export") continue;
+        EXPECT_NE(command->default_output({"layer.avi"}), "") << command->name();
+    }
+}
+
 TEST(JsonSummary, HoldsTheKeysThatScriptsRelyOn) {
     Summary summary;
     summary.facts["frames"] = 7;

@@ -149,6 +149,35 @@ TEST(CompareCommand, DrawsOneFigureForPrintAndNamesThoseThatThereAre) {
     EXPECT_FALSE(std::filesystem::exists(folder / "b.pdf"));
 }
 
+TEST(CompareCommand, PrintsAFigureAsSvgAndNothingElse) {
+    const testing::ScratchFolder folder;
+    const auto run = write_run(folder / "a.h5", "first");
+    const auto print = [&](const std::string& figure, bool json) {
+        CompareCommand command;
+        const std::vector<OptionTable> tables = command.options();
+        tables.front().set("output", OptionValue(std::string("-")));
+        tables.front().set("figure", OptionValue(figure));
+        Session session;
+        session.inputs = {run};
+        session.common.json = json;
+        Summary summary = command.run(session);
+        EXPECT_TRUE(session.outputs.empty());
+        return summary;
+    };
+    EXPECT_THROW(print("", false), OptionError) << "a page";
+    EXPECT_THROW(print("sk", true), OptionError) << "two outputs on one stream";
+    EXPECT_THROW(print("msd", false), OptionError) << "no such figure";
+    try {
+        const Summary summary = print("sk", false);
+        EXPECT_TRUE(summary.is_table);
+        EXPECT_TRUE(summary.text.starts_with("<?xml")) << summary.text.substr(0, 40);
+        EXPECT_TRUE(summary.text.ends_with("</svg>\n\n") || summary.text.ends_with("</svg>\n"));
+    } catch (const OutputError& error) {
+        GTEST_SKIP() << error.what();  // no gnuplot
+    }
+    EXPECT_EQ(folder.entries(), 1U) << "the input";
+}
+
 TEST(CompareCommand, OfTwoHundredRunsNamesEachOfThem) {
     const testing::ScratchFolder folder;
     std::vector<std::filesystem::path> inputs;

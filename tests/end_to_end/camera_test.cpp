@@ -123,6 +123,15 @@ TEST_F(CameraFile, IsMadeOfPicturesOfADotPlate) {
     EXPECT_EQ(nlohmann::json::parse(info.out)["scale"], facts["scale"]);
 }
 
+TEST_F(CameraFile, IsPrintedAsItIsWritten) {
+    const std::vector<std::string> call = testing::with(
+        {"calibrate-camera", "-o", "-", "--pitch", fmt::format("{}", kPitch)}, boards);
+    const Outcome printed = run_grainfield(call);
+    ASSERT_EQ(printed.code, 0) << printed.err;
+    EXPECT_EQ(printed.out, testing::read_all(*folder / "camera.toml"));
+    EXPECT_EQ(run_grainfield(testing::with(call, {"--json"})).code, 2);
+}
+
 TEST_F(CameraFile, CorrectsPositionsToThoseOfThePlane) {
     const Outcome outcome = track({"--json", "-o", own_ / "t.h5", "--camera",
                                    *folder / "camera.toml", "--sphere-mm", "2.25"});
@@ -250,10 +259,10 @@ TEST_F(CameraFile, NeedsABoardInThePictureOfTheCell) {
 TEST_F(CameraFile, GoesThroughARun) {
     const Outcome outcome =
         run_grainfield(testing::with({"run", "-o", own_ / "r", "--camera", *folder / "camera.toml",
-                                      "--no-overlay", "--observables", "q4"},
+                                      "--no-overlay", "--observables", "q4", "--sphere-mm", "2.25"},
                                      frames));
     ASSERT_EQ(outcome.code, 0) << outcome.err;
-    EXPECT_THAT(outcome.out, HasSubstr(" mm"));
+    EXPECT_THAT(outcome.out, HasSubstr("spheres of 2.25 mm"));
     const Outcome overlay =
         run_grainfield({"export", own_ / "r/tracks.h5", "--overlay", own_ / "film.mp4"});
     EXPECT_EQ(overlay.code, 0) << overlay.err;

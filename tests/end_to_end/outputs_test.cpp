@@ -123,6 +123,33 @@ TEST_F(Outputs, AreAskedForInWordsWhereTheInputIsMissing) {
     EXPECT_EQ(help.out.find("{false}"), std::string::npos);
 }
 
+TEST_F(Outputs, GoToStandardOutputAsCsvOrJsonAndNothingElseDoes) {
+    make_tracks_and_results();
+    ASSERT_EQ(run_grainfield({"export", tracks_, "-o", folder_ / "table.csv"}).code, 0);
+    const std::size_t files = folder_.entries();
+    const Outcome table = run_grainfield({"export", tracks_, "-o", "-"});
+    EXPECT_EQ(table.code, 0) << table.err;
+    EXPECT_EQ(table.out, read_all(folder_ / "table.csv"));
+    const Outcome curves = run_grainfield({"export", results_, "-o", "-"});
+    EXPECT_EQ(curves.code, 0) << curves.err;
+    const auto all = nlohmann::json::parse(curves.out);
+    EXPECT_EQ(all["sk"]["sk"]["k"].size(), all["sk"]["sk"]["s"].size());
+    EXPECT_GT(all["sk"]["sk"]["k"].size(), 3U);
+    EXPECT_EQ(folder_.entries(), files) << "no file";
+    for (const char* command :
+         {"track", "analyze", "compare", "link", "tune", "validate", "render", "run"}) {
+        const Outcome refused = run_grainfield({command, tracks_, "-o", "-"});
+        EXPECT_EQ(refused.code, 2) << command;
+        EXPECT_THAT(refused.err, HasSubstr("cannot go to standard output")) << command;
+    }
+    for (const char* model : {"md", "field"}) {
+        const Outcome refused = run_grainfield({"simulate", model, "-o", "-"});
+        EXPECT_EQ(refused.code, 2) << model;
+        EXPECT_THAT(refused.err, HasSubstr("cannot go to standard output")) << model;
+    }
+    EXPECT_EQ(run_grainfield({"export", tracks_, "-o", "-", "--json"}).code, 2);
+}
+
 TEST_F(Outputs, OfAFormThatDoesNotFitTheInputAreRefused) {
     make_tracks_and_results();
     EXPECT_EQ(run_grainfield({"export", tracks_, "-o", folder_ / "a.tif"}).code, 2);
@@ -142,7 +169,7 @@ TEST_F(Outputs, OfASingleFrameAndOfAllCommandsLeaveNoTemporaryFiles) {
     EXPECT_TRUE(std::filesystem::exists(folder_ / "t.csv.meta"));
 }
 
-TEST_F(Outputs, OverlayShowsTheFilmAsTrackedOrSaysThatItIsGone) {
+TEST_F(Outputs, OverlayFindsTheFilmFromAnotherFolderAndFailsWhereItIsGone) {
     const std::vector<std::string> film = testing::write_disc_sequence(folder_, 4);
     std::vector<std::string> words{"track", "-o", tracks_};
     words.insert(words.end(), film.begin(), film.end());
@@ -151,15 +178,49 @@ TEST_F(Outputs, OverlayShowsTheFilmAsTrackedOrSaysThatItIsGone) {
     const Outcome drawn = run_grainfield({"export", tracks_, "--overlay", video, "--json"});
     EXPECT_EQ(drawn.code, 0) << drawn.err;
     EXPECT_THAT(drawn.out, HasSubstr("\"frames\": 4"));
-    EXPECT_THAT(drawn.out, ::testing::Not(HasSubstr("is not there")));
+    EXPECT_THAT(drawn.out, ::testing::Not(HasSubstr("without the film")));
     EXPECT_EQ(read_all(video).substr(4, 4), "ftyp") << "an MP4 file";
 
+    // The record says frame_000.png; another folder has none.
+    const std::string here = folder_.path().string();
+    ASSERT_EQ(testing::shell("cd '" + here + "' && $GRAINFIELD track --force frame_*.png -o '" +
+                             tracks_ + "'")
+                  .code,
+              0);
+    const Outcome away = testing::shell("cd / && $GRAINFIELD export --force '" + tracks_ +
+                                        "' --overlay '" + video + "'");
+    EXPECT_EQ(away.code, 0) << away.err;
+    EXPECT_THAT(away.out, ::testing::Not(HasSubstr("without the film")));
+    for (const char* colour : {"speed", "phase"}) {
+        EXPECT_EQ(
+            run_grainfield({"export", tracks_, "--overlay", video, "--force", "--colour", colour})
+                .code,
+            0);
+    }
+    const Outcome layers =
+        run_grainfield({"export", tracks_, "--overlay", video, "--force", "--colour", "layer"});
+    EXPECT_EQ(layers.code, 3) << "they are not known";
+
+    // Another film of the same names and sizes.
+    std::string bytes = read_all(film[0]);
+    bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
+    std::ofstream(film[0], std::ios::binary) << bytes;
+    const Outcome other = run_grainfield({"export", tracks_, "--overlay", video, "--force"});
+    EXPECT_EQ(other.code, 3);
+    EXPECT_THAT(other.err, ::testing::AllOf(HasSubstr("its content is another"),
+                                            HasSubstr("recorded checksum")));
+
     for (const std::string& frame : film) std::filesystem::remove(frame);
-    const Outcome white = run_grainfield({"export", tracks_, "--overlay", video, "--force"});
+    const Outcome gone = run_grainfield({"export", tracks_, "--overlay", video, "--force"});
+    EXPECT_EQ(gone.code, 3);
+    EXPECT_THAT(gone.err, ::testing::AllOf(HasSubstr("is not there"), HasSubstr("--film")));
+    const Outcome white =
+        run_grainfield({"export", tracks_, "--overlay", video, "--force", "--film", "none"});
     EXPECT_EQ(white.code, 0) << white.err;
-    EXPECT_THAT(white.err, HasSubstr("drawn on white"));
+    EXPECT_THAT(white.out, HasSubstr("without the film"));
     EXPECT_EQ(run_grainfield({"export", tracks_, "--overlay", folder_ / "o.gif"}).code, 2);
-    EXPECT_EQ(run_grainfield({"export", tracks_, "--overlay", video}).code, 4) << "it exists";
+    EXPECT_EQ(run_grainfield({"export", tracks_, "--overlay", video, "--film", "none"}).code, 4)
+        << "it exists";
     EXPECT_EQ(run_grainfield({"export", tracks_, "--overlay", video, "-o", folder_ / "x.csv"}).code,
               2);
 }

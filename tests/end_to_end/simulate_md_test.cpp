@@ -110,6 +110,7 @@ TEST(SimulateMd, ThePresetOfAMinuteEndsInAReport) {
         testing::run_grainfield({"simulate", "md", "-c", preset, "-o", folder / "a.h5", "--periods",
                                  "12", "--discard", "2", "--order"});
     ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.out, HasSubstr("3 snapshots (2 of 12 periods discarded)"));
     const Outcome analysis =
         testing::run_grainfield({"analyze", folder / "a.h5", "-o", folder / "r.h5"});
     ASSERT_EQ(analysis.code, 0) << analysis.err;
@@ -201,8 +202,8 @@ TEST(SimulateMd, ThreadsDoNotChangeAByte) {
 
 TEST(SimulateMd, StopsWithinTwoSecondsAndGoesOnAsIfNothingHadHappened) {
     const ScratchFolder folder;
-    ASSERT_EQ(testing::run_grainfield(small_run(folder / "whole.h5")).code, 0);
-    const Process process(program(small_run(folder / "cut.h5")));
+    ASSERT_EQ(testing::run_grainfield(small_run(folder / "whole.h5", "1500")).code, 0);
+    const Process process(program(small_run(folder / "cut.h5", "1500")));
     process.let_work(std::chrono::milliseconds(300), SIGINT);
     const auto start = std::chrono::steady_clock::now();
     process.send(SIGINT);
@@ -210,14 +211,14 @@ TEST(SimulateMd, StopsWithinTwoSecondsAndGoesOnAsIfNothingHadHappened) {
     EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
     ASSERT_EQ(outcome.code, 130) << outcome.err;
     EXPECT_THAT(outcome.err, HasSubstr("--resume goes on from there"));
-    const Outcome again = testing::run_grainfield(small_run(folder / "cut.h5"));
+    const Outcome again = testing::run_grainfield(small_run(folder / "cut.h5", "1500"));
     EXPECT_EQ(again.code, 4) << "an interrupted run is not thrown away";
     const Outcome other = testing::run_grainfield(
-        with(small_run(folder / "cut.h5"), {"--resume", "--amplitude", "0.09"}));
+        with(small_run(folder / "cut.h5", "1500"), {"--resume", "--amplitude", "0.09"}));
     EXPECT_EQ(other.code, 3);
     EXPECT_THAT(other.err, HasSubstr("--amplitude: 0.08 in the checkpoint, 0.09 now"));
     const Outcome resumed =
-        testing::run_grainfield(with(small_run(folder / "cut.h5"), {"--resume"}));
+        testing::run_grainfield(with(small_run(folder / "cut.h5", "1500"), {"--resume"}));
     ASSERT_EQ(resumed.code, 0) << resumed.err;
     EXPECT_EQ(content(folder, "cut"), content(folder, "whole"));
 }

@@ -197,6 +197,18 @@ TEST_F(TrackResume, BegunAnewOnlyByForce) {
     EXPECT_EQ(json::parse(forced.out)["frames"], 39) << "all but the damaged one";
 }
 
+TEST_F(TrackResume, ResumedWhenItIsCompleteItSaysSoAndRefusesOtherSettings) {
+    ASSERT_EQ(testing::run_grainfield(run()).code, 0);
+    const std::string before = testing::read_all(folder_ / "t.h5");
+    const Outcome again = testing::run_grainfield(run({"--resume"}));
+    EXPECT_EQ(again.code, 0) << again.err;
+    EXPECT_EQ(json::parse(again.out)["complete"], true);
+    const Outcome other = testing::run_grainfield(run({"--resume", "--memory", "7"}));
+    EXPECT_EQ(other.code, 3);
+    EXPECT_THAT(other.err, HasSubstr("memory: 2 there, 7 now"));
+    EXPECT_EQ(testing::read_all(folder_ / "t.h5"), before);
+}
+
 TEST_F(TrackResume, RefusesOtherPicturesUnderTheSameNames) {
     const Image white(testing::kPictureSize, testing::kPictureSize, 200);
     Image other = white;

@@ -41,7 +41,25 @@ TEST(Tune, ShowsWhatTrackFindsAndSuggestsSettingsThatTrackTakes) {
           "residual: image − model"}) {
         EXPECT_THAT(page, HasSubstr(part));
     }
+    const std::size_t data = page.find("\"alternatives\":{");
+    ASSERT_NE(data, std::string::npos);
+    // The last member of the object that the page holds.
+    const std::size_t end = page.find("}\n</script>", data);
+    ASSERT_NE(end, std::string::npos);
+    const json tried = json::parse(page.substr(data + 15, end - data - 15), nullptr, false);
+    ASSERT_TRUE(tried.is_object());
+    EXPECT_EQ(tried["tried"].size(), 2U * 7 * 4) << "polarities, diameters, thresholds";
+    const auto spheres = [&](std::size_t polarity, std::size_t diameter, std::size_t threshold) {
+        return tried["tried"][(7 * polarity + diameter) * 4 + threshold]["at"].size() / 2;
+    };
+    EXPECT_GT(spheres(0, 3, 1), 50U) << "the settings in use";
+    EXPECT_LE(spheres(0, 3, 3), spheres(0, 3, 0)) << "a higher threshold keeps fewer";
     EXPECT_THAT(page, Not(HasSubstr("Structure factor"))) << "nothing that was not measured";
+    EXPECT_LT(page.find("id=\"map\""), page.find("Suggested settings")) << "the picture first";
+    EXPECT_LT(page.find("Suggested settings"), page.find("Bias to the pixel grid"));
+    const std::size_t block = page.find("<pre", page.find("Suggested settings"));
+    EXPECT_THAT(page.substr(block, 400), HasSubstr("polarity = &quot;dark&quot;"));
+    EXPECT_THAT(page, HasSubstr("px; residual 0.0"));
 
     // The same spheres, without any calibration of polarity, D and w.
     std::vector<std::string> plain{"track", "--json", "-o", folder / "a.h5"};

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -67,20 +68,32 @@ TEST(Case21, AFitThatDoesNotConvergeIsRejectedAndCountedAndNeverWritten) {
     testing::write_png(
         picture,
         testing::camera_frame(testing::crystal_in_liquid(640, 640, 12, 0.7, patch, 1), {}, 1));
-    const Outcome outcome =
-        run_grainfield({"track", picture, "-o", folder / "t.h5", "--json", "--disc-diameter", "4.6",
-                        "--edge-width", "0.4", "--max-sweeps", "1", "--tolerance", "1e-6",
-                        "--region", "0,0,400,400"});
-    ASSERT_EQ(outcome.code, 0) << outcome.err;
-    const json summary = json::parse(outcome.out);
-    EXPECT_GT(summary["unsettled"], 50);
-    EXPECT_GT(summary["rejected"], 0);
-    ASSERT_EQ(run_grainfield({"export", folder / "t.h5", "-o", folder / "t.csv"}).code, 0);
-    const auto points = columns(testing::read_all(folder / "t.csv"), "x", "y");
-    EXPECT_EQ(points.size(), summary["particles_mean"]) << "those rejected are not counted";
-    for (const Vec2 p : points) {
-        EXPECT_TRUE(p.x > -0.5 && p.x < 399.5 && p.y > -0.5 && p.y < 399.5) << p.x << " " << p.y;
+    // Of discs far too small and sharp several crowd each sphere. Few are still on their way after
+    // one sweep a round, and not with each size.
+    std::int64_t unsettled = 0;
+    std::int64_t rejected = 0;
+    for (const auto& [diameter, edge] : {std::pair{"4.4", "0.25"}, std::pair{"4.6", "0.3"},
+                                         std::pair{"4.8", "0.3"}, std::pair{"5.2", "0.25"}}) {
+        SCOPED_TRACE(diameter);
+        const Outcome outcome =
+            run_grainfield({"track", picture, "-o", folder / "t.h5", "--force", "--json",
+                            "--disc-diameter", diameter, "--edge-width", edge, "--max-sweeps", "1",
+                            "--tolerance", "1e-6", "--region", "0,0,400,400"});
+        ASSERT_EQ(outcome.code, 0) << outcome.err;
+        const json summary = json::parse(outcome.out);
+        unsettled += summary["unsettled"].get<std::int64_t>();
+        rejected += summary["rejected"].get<std::int64_t>();
+        ASSERT_EQ(
+            run_grainfield({"export", folder / "t.h5", "-o", folder / "t.csv", "--force"}).code, 0);
+        const auto points = columns(testing::read_all(folder / "t.csv"), "x", "y");
+        EXPECT_EQ(points.size(), summary["particles_mean"]) << "those rejected are not counted";
+        for (const Vec2 p : points) {
+            EXPECT_TRUE(p.x > -0.5 && p.x < 399.5 && p.y > -0.5 && p.y < 399.5)
+                << p.x << " " << p.y;
+        }
     }
+    EXPECT_GT(unsettled, 100);
+    EXPECT_GT(rejected, 0);
 }
 
 // S(k) of so few points has no pre-peak that the fit could end before.

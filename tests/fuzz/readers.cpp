@@ -7,6 +7,8 @@ namespace grainfield::fuzz {
 std::span<const Reader> readers() {
     static constexpr std::array list{Reader{"images", read_images, 2000},
                                      Reader{"videos", read_videos, 500},
+                                     Reader{"photron", read_photron, 1000},
+                                     Reader{"streams", read_streams, 300},
                                      Reader{"trajectories", read_trajectories, 500},
                                      Reader{"results", read_results, 500},
                                      Reader{"fields", read_fields, 500},

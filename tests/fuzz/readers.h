@@ -13,6 +13,8 @@ namespace grainfield::fuzz {
 /// exception passes. Not thread-safe.
 bool read_images(std::string_view bytes);
 bool read_videos(std::string_view bytes);
+bool read_photron(std::string_view bytes);  ///< header and pixels, which are two files
+bool read_streams(std::string_view bytes);  ///< of live sources
 bool read_trajectories(std::string_view bytes);
 bool read_results(std::string_view bytes);
 bool read_fields(std::string_view bytes);

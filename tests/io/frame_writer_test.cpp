@@ -81,6 +81,48 @@ TEST(FrameWriter, PicturesGiveBackEveryCountAndKeepTheirNumbers) {
     }
 }
 
+TEST(FrameWriter, AFolderKnowsWhichPicturesAreThereAndWhole) {
+    for (const char* name : {"TIFF", "PNG"}) {
+        for (const int bits : {8, 12}) {
+            const testing::ScratchFolder folder;
+            FrameWriterOptions options{.format = find_image_format_named(name),
+                                       .width = 67,
+                                       .height = 45,
+                                       .bit_depth = bits,
+                                       .fps = {}};
+            const auto writer = make_frame_writer(folder / "f", options, Overwrite::refuse);
+            for (const int i : {0, 1, 3}) writer->write(frame_of(i, bits));
+            const std::string cut =
+                folder / ("f/frame-000001." + std::string(options.format->extension));
+            std::filesystem::resize_file(cut, std::filesystem::file_size(cut) / 2);
+            EXPECT_TRUE(writer->holds(0)) << name << bits;
+            EXPECT_FALSE(writer->holds(1)) << "cut";
+            EXPECT_FALSE(writer->holds(2)) << "never written";
+            EXPECT_TRUE(writer->holds(3));
+            options.width = 66;
+            EXPECT_FALSE(make_frame_writer(folder / "f", options, Overwrite::force)->holds(0))
+                << "of another size";
+        }
+    }
+    const testing::ScratchFolder folder;
+    const auto video =
+        make_frame_writer(folder / "x.avi", {.width = 67, .height = 45, .bit_depth = 8, .fps = 30},
+                          Overwrite::refuse);
+    video->write(frame_of(0, 8));
+    EXPECT_FALSE(video->holds(0));
+}
+
+TEST(FrameWriter, CountsGiveBackTheImage) {
+    for (const int bits : {8, 12, 16}) {
+        const FrameWriterOptions options{.width = 67, .height = 45, .bit_depth = bits, .fps = {}};
+        const Frame frame = frame_of(1, bits);
+        std::vector<std::uint8_t> counts = counts_of(frame, options);
+        EXPECT_EQ(image_of(counts, options), frame.image) << bits;
+        counts.pop_back();
+        EXPECT_THROW(image_of(counts, options), InputError);
+    }
+}
+
 TEST(FrameWriter, SameFramesGiveTheSameBytes) {
     const testing::ScratchFolder folder;
     for (const char* name : {"a.avi", "b.avi"}) {

@@ -51,6 +51,7 @@ struct TiffStyle {
     const char* mode = "w";  ///< "wb": big-endian
     int tile = 0;
     std::uint16_t photometric = PHOTOMETRIC_MINISBLACK;
+    std::string description{};  ///< of the first page
 };
 
 inline void write_page(TIFF* tiff, int width, int height, const TiffStyle& style, int page) {
@@ -63,6 +64,9 @@ inline void write_page(TIFF* tiff, int width, int height, const TiffStyle& style
                  style.samples >= 3 ? PHOTOMETRIC_RGB : style.photometric);
     TIFFSetField(tiff, TIFFTAG_COMPRESSION, style.compression);
     TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, style.planar);
+    if (page == 0 && !style.description.empty()) {
+        TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION, style.description.c_str());
+    }
     if (style.tile > 0) {
         TIFFSetField(tiff, TIFFTAG_TILEWIDTH, side(style.tile));
         TIFFSetField(tiff, TIFFTAG_TILELENGTH, side(style.tile));

@@ -12,6 +12,7 @@
 #include "core/errors.h"
 #include "core/version.h"
 #include "io/h5/checkpoint_file.h"
+#include "io/h5/trajectory_file.h"
 #include "tests/support/scratch_folder.h"
 
 namespace grainfield::pipelines {
@@ -79,6 +80,65 @@ TEST_F(ResumableJob, GoesOnWithTheStateAndTheRecordsThatTheCheckpointVouchesFor)
     EXPECT_EQ(run.log().read(2), (std::vector<double>{2, 20}));
     run.finish();
     EXPECT_EQ(folder_.entries(), 0U);
+}
+
+/// A job whose output, a trajectory, is complete.
+class CompleteJob : public ResumableJob {
+ protected:
+    CompleteJob() {
+        job_.command = "simulate md";
+        job_.configuration = {{"model.nu", "0.01"}, {"run.periods", "40"}};
+        io::TrajectoryWriter writer(output_, {}, Overwrite::refuse);
+        Snapshot snapshot;
+        snapshot.position = {{1, 2}};
+        snapshot.box.length = {4, 4};
+        writer.write(snapshot);
+        writer.finish(job_.record());
+    }
+    Resumable::Identity complete() const {
+        Resumable::Identity wanted = identity();
+        wanted.record = output_;
+        return wanted;
+    }
+
+    Job job_;
+};
+
+TEST_F(CompleteJob, SaysThatThereIsNothingToDo) {
+    try {
+        const Resumable run(job_, complete(), kResume);
+        FAIL() << "taken for an unfinished one";
+    } catch (const AlreadyComplete& done) {
+        EXPECT_THAT(done.what(), HasSubstr("out.h5: complete already, nothing to do"));
+    }
+    EXPECT_NO_THROW(Resumable(job_, complete(), kAnew)) << "not asked to resume";
+    EXPECT_NO_THROW(Resumable(job_, identity(), kResume)) << "no output says who made it";
+    job_.overwrite = Overwrite::force;
+    EXPECT_NO_THROW(Resumable(job_, complete(), kResume)) << "begins anew";
+}
+
+TEST_F(CompleteJob, IsRefusedWithTheDifferenceIfItWasMadeOtherwise) {
+    const auto refusal = [&] {
+        try {
+            const Resumable run(job_, complete(), kResume);
+        } catch (const InputError& error) {
+            return std::string(error.what());
+        }
+        return std::string("accepted");
+    };
+    job_.configuration[1].second = "80";
+    EXPECT_THAT(refusal(),
+                AllOf(HasSubstr("run.periods: 40 there, 80 now"), Not(HasSubstr("model.nu"))));
+    job_.configuration[1].second = "40";
+    job_.seed = 5;
+    EXPECT_THAT(refusal(), HasSubstr("seed: 1 there, 5 now"));
+    job_.seed = 1;
+    job_.command = "track";
+    EXPECT_THAT(refusal(), HasSubstr("command: simulate md there, track now"));
+    job_.command = "simulate md";
+    std::ofstream(folder_ / "input.txt") << "other";
+    job_.inputs = {folder_ / "input.txt"};
+    EXPECT_THAT(refusal(), HasSubstr("the content of its inputs"));
 }
 
 TEST_F(ResumableJob, VouchesForFewerRecordsIfAsked) {

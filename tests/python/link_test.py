@@ -80,6 +80,18 @@ def test_a_table_without_the_columns_is_refused():
         gf.link(pd.DataFrame({"x": [np.nan], "y": [2.0], "frame": [0]}), 3)
 
 
+def test_times_that_are_no_whole_numbers_order_the_frames_and_are_kept():
+    table = walkers()
+    fine = table.assign(frame=0.25 * table["frame"])
+    linked, expected = gf.link(fine, 3), gf.link(table, 3)
+    np.testing.assert_array_equal(linked["particle"], expected["particle"])
+    np.testing.assert_array_equal(linked["frame"], 0.25 * expected["frame"])
+    with pytest.raises(gf.InputError, match="whole numbers of frames"):
+        gf.Trajectory.from_positions(fine)
+    with pytest.raises(gf.InputError, match="does not number frames: it holds nan"):
+        gf.link(table.assign(frame=np.nan), 3)
+
+
 def test_drift_is_found_and_taken_off():
     linked = gf.link(walkers(), 3)
     drift = gf.compute_drift(linked)

@@ -74,8 +74,8 @@ def test_what_was_found_is_scored_against_the_truth():
     spheres, missed, false = numbers(rf"{NUMBER} spheres: {NUMBER} missed, {NUMBER} false", text)
     assert spheres > 7000 and missed < 0.003 * spheres and false < 0.003 * spheres
     (rmse,) = numbers(rf"RMS error {NUMBER} px", text)
-    (scatter,) = numbers(rf"scatter of the pulls {NUMBER}", text)
-    assert rmse < 0.2 and 0.7 < scatter < 2
+    pulls, within = numbers(rf"RMS of the pulls {NUMBER}, within two standard errors {NUMBER}", text)
+    assert rmse < 0.2 and 0.75 < pulls < 1.2 and 0.93 < within < 0.98
     tracked, true = numbers(rf"Q4\|: {NUMBER} tracked, {NUMBER} true", text)
     assert tracked == pytest.approx(true, abs=0.01)
 

@@ -14,7 +14,7 @@ class FloorCells {
  public:
     explicit FloorCells(const SlitScene& scene)
         : columns_(static_cast<int>(scene.side) + 1),
-          members_(static_cast<std::size_t>(columns_ * columns_)) {
+          members_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(columns_)) {
         for (std::uint32_t i = 0; i < scene.position.size(); ++i) {
             members_[index(scene.position[i])].push_back(i);
         }
@@ -26,9 +26,7 @@ class FloorCells {
         const int r = place(p.y);
         for (int y = std::max(0, r - 1); y <= std::min(columns_ - 1, r + 1); ++y) {
             for (int x = std::max(0, c - 1); x <= std::min(columns_ - 1, c + 1); ++x) {
-                for (const auto j : members_[static_cast<std::size_t>(y * columns_ + x)]) {
-                    action(j);
-                }
+                for (const auto j : members_[index(x, y)]) action(j);
             }
         }
     }
@@ -41,9 +39,11 @@ class FloorCells {
 
  private:
     int place(double x) const { return std::clamp(static_cast<int>(x), 0, columns_ - 1); }
-    std::size_t index(Vec2 p) const {
-        return static_cast<std::size_t>(place(p.y) * columns_ + place(p.x));
+    std::size_t index(int x, int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) +
+               static_cast<std::size_t>(x);
     }
+    std::size_t index(Vec2 p) const { return index(place(p.x), place(p.y)); }
 
     int columns_;
     std::vector<std::vector<std::uint32_t>> members_;
@@ -52,6 +52,22 @@ class FloorCells {
 double squared_distance(Vec2 p, double z, Vec2 q, double zq) {
     return squared_norm(p - q) + (z - zq) * (z - zq);
 }
+
+/// Checkerboard sites whose place passes `wanted`.
+template <class Wanted>
+void add_sites(SlitScene& scene, double spacing, Wanted&& wanted) {
+    const int count = static_cast<int>((scene.side - 1) / spacing) + 1;
+    for (int row = 0; row < count; ++row) {
+        for (int column = 0; column < count; ++column) {
+            const Vec2 p{0.5 + spacing * column, 0.5 + spacing * row};
+            if (!wanted(p)) continue;
+            scene.position.push_back(p);
+            scene.z.push_back((row + column) % 2 == 0 ? 0 : scene.height - 1);
+        }
+    }
+}
+
+}  // namespace
 
 void shake(SlitScene& scene, double step, int sweeps, std::uint64_t seed) {
     RandomStream random(seed, "slit spheres");
@@ -78,22 +94,6 @@ void shake(SlitScene& scene, double step, int sweeps, std::uint64_t seed) {
         }
     }
 }
-
-/// Checkerboard sites whose place passes `wanted`.
-template <class Wanted>
-void add_sites(SlitScene& scene, double spacing, Wanted&& wanted) {
-    const int count = static_cast<int>((scene.side - 1) / spacing) + 1;
-    for (int row = 0; row < count; ++row) {
-        for (int column = 0; column < count; ++column) {
-            const Vec2 p{0.5 + spacing * column, 0.5 + spacing * row};
-            if (!wanted(p)) continue;
-            scene.position.push_back(p);
-            scene.z.push_back((row + column) % 2 == 0 ? 0 : scene.height - 1);
-        }
-    }
-}
-
-}  // namespace
 
 SlitScene shaken_bilayer(double side, double height, double spacing, double step, int sweeps,
                          std::uint64_t seed) {

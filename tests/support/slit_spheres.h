@@ -23,6 +23,9 @@ struct SlitScene {
 SlitScene shaken_bilayer(double side, double height, double spacing, double step, int sweeps,
                          std::uint64_t seed);
 
+/// Some more of these moves; `seed` names their random numbers.
+void shake(SlitScene& scene, double step, int sweeps, std::uint64_t seed);
+
 /// A bilayer crystal of radius `patch_radius` and spacing `patch_spacing` in the middle of a
 /// bilayer liquid whose sites have spacing `liquid_spacing`, shaken likewise.
 SlitScene patch_in_liquid(double side, double height, double patch_radius, double patch_spacing,

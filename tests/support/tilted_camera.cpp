@@ -144,7 +144,8 @@ Image TiltedCamera::discs(const std::vector<Vec2>& place, double diameter, const
             .push_back(p);
     }
     return rendered(*this, pose, noise, seed, [&](Vec2 p, Vec2 right, Vec2 down) {
-        const double edge = 0.6 * (norm(right) + norm(down));  // 1.2 px
+        const double off = defocus * (2 * p.x - low_x - high_x) / (high_x - low_x);
+        const double edge = 0.6 * (norm(right) + norm(down)) * std::sqrt(1 + off * off);  // 1.2 px
         double clear = 1;
         for (int j = row(p) - 1; j <= row(p) + 1; ++j) {
             for (int i = column(p) - 1; i <= column(p) + 1; ++i) {
@@ -157,6 +158,24 @@ Image TiltedCamera::discs(const std::vector<Vec2>& place, double diameter, const
             }
         }
         return 30 + 180 * clear;
+    });
+}
+
+Image TiltedCamera::cell(double width_of_cell, double height_of_cell, double wall,
+                         const std::vector<Vec2>& place, const Pose& pose, double noise,
+                         std::uint64_t seed) const {
+    constexpr double blur = 0.8;
+    return rendered(*this, pose, noise, seed, [&](Vec2 p, Vec2 right, Vec2 down) {
+        const double du = std::sqrt(2.0) * blur * std::hypot(right.x, down.x);
+        const double dv = std::sqrt(2.0) * blur * std::hypot(right.y, down.y);
+        const auto within = [&](double u, double low, double high, double s) {
+            return 0.25 * (1 + std::erf((u - low) / s)) * (1 + std::erf((high - u) / s));
+        };
+        double light = within(p.x, 0, width_of_cell, du) * within(p.y, 0, height_of_cell, dv);
+        const double beside = 1 - within(p.x, -wall, width_of_cell + wall, du) *
+                                      within(p.y, -wall, height_of_cell + wall, dv);
+        for (const Vec2 q : place) light *= 1 - darkness(norm(p - q), 0.5, du);
+        return 40 + 150 * light + 90 * beside;
     });
 }
 

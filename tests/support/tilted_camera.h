@@ -22,6 +22,9 @@ struct TiltedCamera {
     double focal = 1200;      ///< [px]
     Vec2 centre{325.5, 236};  ///< [px]
     double k1 = -0.25, k2 = 0.1, p1 = 0.001, p2 = -0.0015;
+    /// Edges of discs widen from the middle of the layer to its left and right ends, there by
+    /// √(1 + defocus²).
+    double defocus = 0;
 
     /// Where a point of the plane z = 0 is seen [px].
     Vec2 seen(Vec2 place, const Pose& pose) const;
@@ -36,6 +39,11 @@ struct TiltedCamera {
     /// wide); each is the picture of a disc in the plane.
     Image discs(const std::vector<Vec2>& place, double diameter, const Pose& pose, double noise,
                 std::uint64_t seed) const;
+    /// A bright cell of these sides, first corner at the origin, between dark walls as thick as
+    /// `wall`, dark discs of diameter 1 in it; edges blurred by a Gaussian of 0.8 px.
+    Image cell(double width_of_cell, double height_of_cell, double wall,
+               const std::vector<Vec2>& place, const Pose& pose, double noise,
+               std::uint64_t seed) const;
 };
 
 /// A board that is turned so, its middle seen straight ahead at that distance.

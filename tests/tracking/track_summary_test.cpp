@@ -69,6 +69,15 @@ TEST(TrackSummary, OfNoFramesIsFinite) {
     EXPECT_EQ(summary.step_rms, 0);
 }
 
+TEST(TrackSummary, CountsContradictionsBesideAllThatHaveNoLayer) {
+    TrackSummary summary;
+    summary.layers = {.spheres = 100, .labelled = 40, .top = 18, .contradictory = 3};
+    RunPlan plan;
+    warn_of(summary, plan);
+    EXPECT_TRUE(says(plan, "overlaps of 3 positions contradict"));
+    EXPECT_TRUE(says(plan, "60 of 100 in all"));
+}
+
 TEST(TrackSummary, WarnsOfLightThatVariesByMoreThanATwentieth) {
     TrackSummary summary;
     summary.dimmest = 0.96;

@@ -437,15 +437,6 @@ TEST(Tracker, LayersOfACrystalAreThoseOfTheTruthUpToOneFlipAndStay) {
     }
 }
 
-TEST(Tracker, TheHeightOfTheCellNeedsTheTrueDiameter) {
-    const Movie m = movie(1);
-    MemoryFrames source(numbered(m.frames));
-    RunPlan plan;
-    TrackOptions options;
-    options.layers.height = 1.94;
-    EXPECT_THROW(Tracker(source, options, plan), OptionError);
-}
-
 TEST(Tracker, SameBytesForAnyNumberOfThreads) {
     const Movie m = movie(4);  // one alone, two side by side, one of two
     std::vector<std::vector<Snapshot>> snapshots;

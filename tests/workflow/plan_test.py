@@ -29,6 +29,7 @@ class TheScales(unittest.TestCase):
         self.assertLessEqual(hours[0], 20 / 60)
         self.assertLess(hours[0], hours[1] / 5)
         self.assertLess(hours[1], hours[2] / 5)
+        self.assertLess(hours[2], hours[3] / 2)
         self.assertLessEqual(hours[1], 12, "a night")
 
     def test_full_has_the_sizes_of_the_paper(self):
@@ -42,12 +43,44 @@ class TheScales(unittest.TestCase):
         self.assertIn("--nx=512", full.field_options("plane-b4-0.001"))
         self.assertIn("--nx=4096", full.field_options("line-b2-0.001"))
 
+    def test_decide_has_3000_snapshots_of_nine_accelerations_and_films_two(self):
+        decide = plan.Plan("decide")
+        self.assertEqual(len(decide.gammas()), 9)
+        self.assertEqual((decide.gammas()[0], decide.gammas()[-1]), ("2.5", "6"))
+        self.assertEqual(decide.film_frames("long"), 3000)
+        options = decide.film_options("4.7", "long")
+        self.assertEqual(option(options, "snapshot-every"), "8")
+        self.assertEqual(int(option(options, "periods")) - int(option(options, "discard")), 8 * 2999)
+        filmed = [gamma for gamma, film in decide.runs() if film == "slow1"]
+        self.assertEqual(filmed, ["3.5", "4.7"])
+        self.assertEqual(decide.film_frames("slow1"), 600)
+        self.assertEqual([rule for _, rule, words in decide.jobs() if words.get("film") == "long" and
+                          rule in ("film", "track")], [])
+
+    def test_decide_has_layers_of_two_sizes_and_two_readings_of_the_friction(self):
+        decide = plan.Plan("decide")
+        self.assertEqual(decide.layer_grains("2.2"), 88875)
+        self.assertEqual(decide.layer_grains("2.2-large"), 355500)
+        self.assertEqual([name for name in decide.layers() if name.endswith("-large")], ["1.9-large", "2.2-large"])
+        self.assertEqual(option(decide.layer_options("2.2-literal"), "grain-static-friction"), "0.03")
+        self.assertFalse([o for o in decide.layer_options("2.2-large") if "friction" in o])
+        self.assertEqual(float(option(decide.layer_options("2.2-literal"), "amplitude")), 0.088)
+
+    def test_decide_has_one_nu_at_three_sizes(self):
+        decide = plan.Plan("decide")
+        sizes = [option(decide.field_options(name), "nx") for name in decide.fields()
+                 if name.startswith("plane-b4-0.001")]
+        self.assertEqual(sizes, ["512", "256", "1024"])
+        quarter, whole = (decide.job("field", name=name).seconds for name in ("plane-b4-0.001-n256", "plane-b4-0.001"))
+        self.assertAlmostEqual(whole / quarter, 4)
+
     def test_fast_films_last_at_least_the_averaging_time_of_the_phases(self):
         for scale in plan.SCALES:
-            self.assertGreaterEqual(plan.Plan(scale).film_frames("fast") / 500, 0.4)
+            if "fast" in plan.Plan(scale).films():
+                self.assertGreaterEqual(plan.Plan(scale).film_frames("fast") / 500, 0.4)
 
     def test_an_unknown_scale_is_refused_by_name(self):
-        with self.assertRaisesRegex(ValueError, "unknown scale 'huge'; there are small, medium, full"):
+        with self.assertRaisesRegex(ValueError, "unknown scale 'huge'; there are small, medium, decide, full"):
             plan.Plan("huge")
 
 
@@ -78,6 +111,12 @@ class TheRuns(unittest.TestCase):
                 own = any(o.startswith("--fit-k-max=") for o in options)
                 self.assertEqual(own, scale != "full")
 
+    def test_long_runs_are_fitted_with_plane_waves_and_with_the_modes_between_walls(self):
+        decide = plan.Plan("decide")
+        self.assertEqual(decide.kinds("long"), ("true", "box"))
+        self.assertIn("--modes=plane-waves", decide.particle_fit_options("experiment", "true"))
+        self.assertNotIn("--modes=plane-waves", decide.particle_fit_options("experiment", "box"))
+
     def test_only_films_are_fitted_with_plane_waves_between_walls(self):
         full = plan.Plan("full")
         self.assertEqual(full.particle_fit_options("experiment"), ["--modes=plane-waves"])
@@ -86,7 +125,7 @@ class TheRuns(unittest.TestCase):
     def test_all_names_differ(self):
         for scale in plan.SCALES:
             p = plan.Plan(scale)
-            for names in (p.gammas(), p.layer_gammas(), p.fields()):
+            for names in (p.gammas(), p.layers(), p.fields()):
                 self.assertEqual(len(names), len(set(names)), scale)
 
 
@@ -97,7 +136,7 @@ def reproduce(*words, **environment):
 
 class TheScript(unittest.TestCase):
     def test_says_what_is_wrong_with_its_words(self):
-        for words, text in [((), "--scale small, medium or full"), (("--scale", "huge"), "'huge'"),
+        for words, text in [((), "--scale small, medium, decide or full"), (("--scale", "huge"), "'huge'"),
                             (("--scale",), "needs a value"), (("--sale", "small"), "'--sale'"),
                             (("--scale", "small", "--cores", "two"), "'two'")]:
             outcome = reproduce(*words)
@@ -113,10 +152,11 @@ class TheScript(unittest.TestCase):
             self.assertEqual(outcome.returncode, 0, outcome.stderr)
             self.assertIn("expected on 2 cores", outcome.stdout)
             text = outcome.stdout + outcome.stderr
-            films = len(p.gammas()) * len(p.films())
-            for rule, count in [("cell", films), ("film", films), ("track", films),
-                                ("analyze_film", 2 * films), ("layer", len(p.layer_gammas())),
-                                ("analyze_layer", len(p.layer_gammas())), ("field", len(p.fields())),
+            cells = len(p.runs())
+            films = sum(film != "long" for _, film in p.runs())
+            for rule, count in [("cell", cells), ("film", films), ("track", films),
+                                ("analyze_film", 2 * cells), ("layer", len(p.layers())),
+                                ("analyze_layer", len(p.layers())), ("field", len(p.fields())),
                                 ("analyze_field", len(p.fields())), ("critical", 6), ("report", 1)]:
                 self.assertRegex(text, rf"(?m)^{rule}\s+{count}\b", scale)
 

@@ -37,6 +37,8 @@ constexpr double kMostLeft = 0.16;
 /// (0.03 at most, of 13 frames with noise of 0.18 to 0.32), half as large ones 0.077 and 0.105. The
 /// misfit of steel spheres is 0.06 [contrast].
 constexpr double kMostMisfit = 0.07;
+/// A model describes the frame where this share of the residual's variance is not noise.
+constexpr double kLittleMisfit = 0.2;
 constexpr int kRounds = 4;
 constexpr int kFrameRounds = 2;
 constexpr int kImageRounds = 6;
@@ -118,6 +120,64 @@ struct Fitter {
         fit_image(model, counts);
         return std::abs(model.disc.diameter - before.diameter) < 0.03 &&
                std::abs(model.disc.edge_width - before.edge_width) < 0.03;
+    }
+
+    /// Searches with the chosen model for every sphere, and refits the image on them; the disc that
+    /// leaves less of the frame stays. Most spheres are enough where the model leaves little but
+    /// noise. Whether it did.
+    bool complete(ImageModel& model, const Image& counts, RunPlan& plan) {
+        const char* const saved = "one search of one frame";
+        const double left = std::pow(model.noise / std::max(model.residual_rms, 1e-9), 2);
+        if (options.diameter && options.edge_width) {
+            plan.skip("diameter and edge width of all spheres", "given", saved);
+            return false;
+        }
+        if (1 - left < kLittleMisfit) {
+            plan.skip("diameter and edge width of all spheres",
+                      fmt::format("{:.0f} % of the residual is noise", 100 * std::min(1.0, left)),
+                      saved);
+            return false;
+        }
+        DetectionOptions whole = detection;
+        whole.cores = CoreSearch::this_frame;
+        Locator locator(counts.width(), counts.height(),
+                        {model.disc, *model.overlap, model.correction}, threads);
+        locator.set_visible(visible);
+        locator.expect_misfit(model.residual_rms);
+        const std::size_t before = positions.size();
+        const ImageModel chosen = model;
+        Located scene = locator.locate(model.darkness(counts), whole, refinement, positions);
+        positions = std::move(scene.fitted);
+        model.residual_rms = scene.residual_rms;
+        fit_image(model, counts);
+        Locator again(counts.width(), counts.height(),
+                      {model.disc, *model.overlap, model.correction}, threads);
+        again.set_visible(visible);
+        again.expect_misfit(model.residual_rms);
+        whole.cores = CoreSearch::never;
+        Located refitted = again.locate(model.darkness(counts), whole, refinement, positions);
+        const auto contrast = [&](const ImageModel& m) {
+            return m.background(counts.width() / 2.0, counts.height() / 2.0) - m.dark_level;
+        };
+        const bool is_better =
+            refitted.residual_rms * contrast(model) < scene.residual_rms * contrast(chosen);
+        plan.run(
+            "diameter and edge width of all spheres",
+            fmt::format("{} spheres after {}: D = {:.2f} px, w = {:.2f} px leave {:.4f} of the "
+                        "contrast, D = {:.2f} px, w = {:.2f} px {:.4f}",
+                        positions.size(), before, model.disc.diameter, model.disc.edge_width,
+                        refitted.residual_rms, chosen.disc.diameter, chosen.disc.edge_width,
+                        scene.residual_rms));
+        if (is_better) {
+            model.residual_rms = refitted.residual_rms;
+            model.noise = refitted.noise;
+            positions = std::move(refitted.fitted);
+        } else {
+            model = chosen;
+            model.residual_rms = scene.residual_rms;
+            model.noise = scene.noise;
+        }
+        return true;
     }
 
     /// Disc, dark level and background in turn, positions fixed.
@@ -358,12 +418,13 @@ std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptio
     }
     choose_model(work, fitter.positions, options, detection, refinement, threads, visible, model,
                  plan);
+    const bool is_complete = fitter.complete(model, work, plan);
     if (bright) {
         model.background = model.background.negated();
         model.dark_level = -model.dark_level;
         model.polarity = Polarity::bright;
     }
-    return Calibration{std::move(model), std::move(fitter.positions)};
+    return Calibration{std::move(model), std::move(fitter.positions), is_complete};
 }
 
 }  // namespace grainfield::tracking

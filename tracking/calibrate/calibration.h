@@ -21,13 +21,15 @@ std::string blank_reason(const Image& counts, const VisiblePixels& visible = {})
 struct Calibration {
     ImageModel model;
     std::vector<Vec2> positions;  ///< rough positions in the frame used, to start from [px]
+    bool is_complete = false;     ///< every sphere was looked for, by its core too
 };
 
 /// Estimates the image model from one frame: polarity and rough size from the shape of the
 /// thresholded image, background from the upper envelope, D, w and the dark level on the exposed
 /// edges of the most dilute patch, then the background on the clear pixels of the whole frame, then
-/// how edges meet and whether a learned profile is better (choose_model). What was estimated, given
-/// or skipped goes into the plan.
+/// how edges meet and whether a learned profile is better (choose_model). Where that leaves a
+/// misfit, all spheres are searched for and D and w read once more: a missed sphere widens the
+/// discs beside it. What was estimated, given or skipped goes into the plan.
 ///
 /// The shape allows several guesses (first_guesses). They are tried on the patch until one explains
 /// 95 % of the variance of the darkness, white noise subtracted, with discs that the image

@@ -8,6 +8,7 @@
 #include "tracking/camera/camera.h"
 #include "tracking/model/image_model.h"
 #include "tracking/model/visible_pixels.h"
+#include "tracking/synthesis/bias_correction.h"
 
 namespace grainfield::tracking {
 
@@ -26,6 +27,7 @@ struct KeptCalibration {
     int width = 0, height = 0;          ///< of the frames it was made on [px]
     CalibrationCheck check;             ///< of the frame it was made on
     std::optional<Camera> camera = {};  ///< lens and tilt, of whole frames; empty: not corrected
+    std::optional<BiasCorrection> bias = {};  ///< of the discs; empty: not corrected
 
     /// Throws InputError, with both sizes, for frames of another size.
     void require_size(int other_width, int other_height, const std::string& film) const;

@@ -16,9 +16,10 @@ namespace grainfield::tracking {
 namespace {
 
 constexpr std::size_t kViewsForCentre = 3;
-constexpr double kCentreError = 0.01;   // of the width
-constexpr double kOutlier = 5;          // times the median distance
-constexpr double kLeastOutlier = 0.05;  // px
+constexpr double kCentreError = 0.01;     // of the width
+constexpr double kFarthestCentre = 0.15;  // of the width
+constexpr double kOutlier = 5;            // times the median distance
+constexpr double kLeastOutlier = 0.05;    // px
 constexpr int kRounds = 5;
 constexpr int kFlags =
     cv::CALIB_USE_INTRINSIC_GUESS | cv::CALIB_FIX_ASPECT_RATIO | cv::CALIB_FIX_K3;
@@ -199,6 +200,18 @@ void require_possible(const Camera& camera) {
     }
 }
 
+/// Whether a centre of its own lowers the squares by more than chance: each of its two numbers
+/// must be worth ten of the squares that noise leaves. Few views do not tell it well, but the map
+/// as a whole is better for it.
+bool is_better(const LensFit& own, const LensFit& middle, const Points& points, cv::Size size) {
+    double numbers = 0;
+    for (const auto& view : points.pixel) numbers += 2 * static_cast<double>(view.size());
+    const Vec2 off = own.lens.centre - middle_of(size.width, size.height);
+    if (!(norm(off) < kFarthestCentre * size.width)) return false;
+    constexpr double worth = 20;
+    return 2 * numbers * std::log(middle.rms / own.rms) > worth;
+}
+
 /// The lens of all views that have points, and what is left over.
 struct FittedViews {
     LensFit lens;
@@ -217,13 +230,13 @@ FittedViews fit_lens(const std::vector<BoardView>& views, std::size_t cell_view,
     }
     const Points points = points_of(used);
     FittedViews fit;
-    if (used.size() >= kViewsForCentre) {
-        fit.lens = best_lens(points, size, kFlags);
-        const double largest = std::max(fit.lens.centre_error.x, fit.lens.centre_error.y);
-        fit.is_centre_fitted = largest < kCentreError * size.width;
-    }
+    fit.lens = best_lens(points, size, kFlags);
+    const double largest = std::max(fit.lens.centre_error.x, fit.lens.centre_error.y);
+    fit.is_centre_fitted = used.size() >= kViewsForCentre && largest < kCentreError * size.width;
     if (!fit.is_centre_fitted) {
-        fit.lens = best_lens(points, size, kFlags | cv::CALIB_FIX_PRINCIPAL_POINT);
+        LensFit middle = best_lens(points, size, kFlags | cv::CALIB_FIX_PRINCIPAL_POINT);
+        fit.is_centre_fitted = is_better(fit.lens, middle, points, size);
+        if (!fit.is_centre_fitted) fit.lens = std::move(middle);
     }
     for (std::size_t v = 0; v < used.size(); ++v) {
         const std::vector<Vec2> seen = seen_by(fit.lens, points, v);

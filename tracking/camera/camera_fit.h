@@ -33,7 +33,8 @@ struct CameraFit {
 /// Lens: focal length (square pixels), centre, k1, k2, p1 and p2 of all views together, by least
 /// squared distances in the picture (OpenCV calibrateCamera, Levenberg–Marquardt to a change of
 /// 1e-12 or 300 iterations, best of three starts). The centre is that of the frame unless three
-/// views or more tell it to within 1 % of the frame's width. Tilt: the homography of view
+/// views or more tell it to within 1 % of the frame's width, or one of its own within 15 % of the
+/// width of the middle lowers the squares by far more than chance. Tilt: the homography of view
 /// `cell_view`, whose board lies in the plane of the cell, to the undistorted points (OpenCV
 /// findHomography). Views whose median distance is more than 2.5 times that of all are left out,
 /// then points at more than five times the median, and all is fitted again.

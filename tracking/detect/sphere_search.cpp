@@ -210,6 +210,7 @@ std::int64_t SphereSearch::remove_unfounded() {
     if (summary_.steps == judged_at_) return 0;
     const Remainder left = remainder(fit_.darkness(), fit_.transmission());
     summary_.noise = left.noise;
+    summary_.misfit = std::sqrt(left.misfit);
     const double isolated = correlation_.full_gain();
     const double most = options_.evidence.value_or(kMostEvidence) * isolated;
     const double area = std::numbers::pi * disc_.reach() * disc_.reach();
@@ -352,11 +353,15 @@ bool SphereSearch::look_again(const RefinementOptions& refinement, const Residua
 
 void SphereSearch::finish(const RefinementOptions& refinement, Drawing drawing) {
     for (int round = 0; round < kLastRounds; ++round) {
-        const auto begin = Clock::now();
-        summary_.steps += fit_.refine(refinement, drawing).steps;
-        summary_.refine_seconds += seconds_since(begin);
+        sweep(refinement, drawing);
         if (remove_unfounded() == 0) break;
     }
+}
+
+void SphereSearch::sweep(const RefinementOptions& refinement, Drawing drawing) {
+    const auto begin = Clock::now();
+    summary_.steps += fit_.refine(refinement, drawing).steps;
+    summary_.refine_seconds += seconds_since(begin);
 }
 
 }  // namespace grainfield::tracking

@@ -76,6 +76,8 @@ class SphereSearch {
     /// Sweeps until nothing moves. Two discs that come together then are one: the weaker one goes
     /// and its neighbours settle.
     void finish(const RefinementOptions& refinement, Drawing drawing);
+    /// Sweeps, and judges no sphere.
+    void sweep(const RefinementOptions& refinement, Drawing drawing);
 
     /// The image or the positions are not those that were judged last.
     void forget_judgement() { judged_at_ = -1; }
@@ -90,6 +92,7 @@ class SphereSearch {
         bool settled_detection = true;  ///< the last pass changed nothing
         double evidence = 0;            ///< share of an isolated one's misfit that all explain
         double noise = 0;               ///< robust RMS where the model is flat [contrast]
+        double misfit = 0;  ///< RMS where there are spheres, without what is missing [contrast]
         double detect_seconds = 0, refine_seconds = 0;
     };
     const Summary& summary() const { return summary_; }

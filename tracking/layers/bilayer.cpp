@@ -142,14 +142,22 @@ void Bilayer::label(Snapshot& snapshot) {
     summary_.spheres += static_cast<std::int64_t>(snapshot.size());
     summary_.labelled += std::count_if(labels.layer.begin(), labels.layer.end(),
                                        [](Layer layer) { return layer != Layer::unknown; });
+    summary_.top += std::ranges::count(labels.layer, Layer::top);
     summary_.contradictory += labels.contradictory;
     snapshot.layer = std::move(labels.layer);
 }
 
 void transfer(NumberArchive& archive, Bilayer::Summary& summary) {
-    auto& [rejected_pairs, rejected_triples, spheres, labelled, contradictory, is_exact] = summary;
-    archive.members<Bilayer::Summary>(rejected_pairs, rejected_triples, spheres, labelled,
+    auto& [rejected_pairs, rejected_triples, spheres, labelled, top, contradictory, is_exact] =
+        summary;
+    archive.members<Bilayer::Summary>(rejected_pairs, rejected_triples, spheres, labelled, top,
                                       contradictory, is_exact);
+}
+
+std::string in_words(const Bilayer::Summary& summary) {
+    return fmt::format("{} bottom, {} top, {} unknown (no overlap forces them)",
+                       summary.labelled - summary.top, summary.top,
+                       summary.spheres - summary.labelled);
 }
 
 void Bilayer::transfer(NumberArchive& archive) {

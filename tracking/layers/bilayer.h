@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <unordered_map>
 #include <vector>
 
@@ -60,6 +61,7 @@ class Bilayer {
         std::int64_t rejected_pairs = 0, rejected_triples = 0;
         std::int64_t spheres = 0;        ///< kept, all frames
         std::int64_t labelled = 0;       ///< of those
+        std::int64_t top = 0;            ///< of the labelled
         std::int64_t contradictory = 0;  ///< in rings that no heights fit
         bool is_exact = true;            ///< what is kept is proven to be the likeliest
     };
@@ -78,5 +80,8 @@ class Bilayer {
 
 /// Saves or restores it.
 void transfer(NumberArchive& archive, Bilayer::Summary& summary);
+
+/// How many positions are in which layer, and in none that is known.
+std::string in_words(const Bilayer::Summary& summary);
 
 }  // namespace grainfield::tracking

@@ -8,8 +8,8 @@
 
 #include "core/frame.h"
 #include "core/vec2.h"
+#include "tracking/model/band_sums.h"
 #include "tracking/model/kernel_profile.h"
-#include "tracking/model/padded_image.h"
 
 namespace grainfield::tracking {
 
@@ -22,7 +22,7 @@ struct DiscPixel {
 struct DiscBand {
     int first, last;
     const std::vector<Vec2>& positions;
-    const PaddedImage& transmission;  ///< Π_j t_j of the whole image
+    const BandSums& sums;  ///< of all of them, T = Π_j t_j among them
     const DiscProfile& disc;
     const KernelProfile& profile;
 
@@ -87,7 +87,7 @@ inline std::string OverlapRule::words() const {
 template <class Action>
 void DiscBand::each_pixel(float inner, Action&& action) const {
     const auto outer = static_cast<float>(disc.reach());
-    const int width = transmission.width();
+    const int width = sums.width();
     for (const Vec2 p : positions) {
         const auto cx = static_cast<float>(p.x);
         const auto cy = static_cast<float>(p.y);

@@ -78,9 +78,14 @@ class PaddedImage {
     }
 
     Image inner() const {
-        Image image(width_, height_);
-        for (int y = 0; y < height_; ++y) std::copy_n(row(y), width_, image.row(y));
+        Image image;
+        copy_to(image);
         return image;
+    }
+    /// Without the margin, into an image whose memory is kept if it has that size.
+    void copy_to(Image& image) const {
+        if (image.width() != width_ || image.height() != height_) image = Image(width_, height_);
+        for (int y = 0; y < height_; ++y) std::copy_n(row(y), width_, image.row(y));
     }
 
  private:

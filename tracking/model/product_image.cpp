@@ -9,12 +9,19 @@
 
 namespace grainfield::tracking {
 
-Image product_image(const Image& darkness, const PaddedImage& transmission,
-                    const std::vector<Vec2>& positions, const DiscModel& model, int threads) {
+Image product_image(const Image& darkness, const std::vector<Vec2>& positions,
+                    const DiscModel& model, int threads) {
+    Image result;
+    product_image(darkness, positions, model, threads, result);
+    return result;
+}
+
+void product_image(const Image& darkness, const std::vector<Vec2>& positions,
+                   const DiscModel& model, int threads, Image& result) {
     constexpr int kBand = 64;
     const double reach = model.disc.reach();
     const KernelProfile profile(model.disc);
-    Image result = darkness;
+    result = darkness;
     const int bands = (darkness.height() + kBand - 1) / kBand;
     // In order of index within each band: sums do not depend on the number of threads.
     std::vector<std::vector<Vec2>> members(static_cast<std::size_t>(bands));
@@ -27,16 +34,19 @@ Image product_image(const Image& darkness, const PaddedImage& transmission,
     }
     parallel_for(bands, threads, [&](std::int64_t band) {
         const int first = static_cast<int>(band) * kBand;
+        const int last = std::min(darkness.height(), first + kBand);
+        const std::vector<Vec2>& reaching = members[static_cast<std::size_t>(band)];
+        thread_local BandSums sums;
+        sums.assign(darkness.width(), first, last, reaching, profile);
         const DiscBand discs{.first = first,
-                             .last = std::min(darkness.height(), first + kBand),
-                             .positions = members[static_cast<std::size_t>(band)],
-                             .transmission = transmission,
+                             .last = last,
+                             .positions = reaching,
+                             .sums = sums,
                              .disc = model.disc,
                              .profile = profile};
         model.overlap->add_to(discs, result);
         if (!model.correction.is_zero()) model.correction.add_to(discs, result);
     });
-    return result;
 }
 
 }  // namespace grainfield::tracking

@@ -9,7 +9,7 @@ void RadialCorrection::add_to(const DiscBand& discs, Image& darkness) const {
     });
     for (int y = discs.first; y < discs.last; ++y) {
         const float* lit = light.row(y - discs.first);
-        const float* transmission = discs.transmission.row(y);
+        const float* transmission = discs.sums.transmission(y);
         float* out = darkness.row(y);
         for (int x = 0; x < darkness.width(); ++x) out[x] += lit[x] - transmission[x];
     }

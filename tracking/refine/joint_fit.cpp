@@ -31,10 +31,12 @@ void JointFit::restart(const WriteRow& write_row) {
     discs_.motion.clear();
     discs_.some_pending = false;
     ++discs_.revision;
+    ++arrangement_;
 }
 
 void JointFit::add(Vec2 position) {
     ++discs_.revision;
+    ++arrangement_;
     discs_.append(position, {}, {});
     discs_.scene.draw(discs_.size() - 1, Drawing::exactly);
 }
@@ -57,6 +59,7 @@ std::uint32_t append_all(FittedDiscs& discs, const std::vector<Vec2>& positions,
 void JointFit::add_all(const std::vector<Vec2>& positions, const std::vector<double>& explained,
                        std::optional<double> left) {
     ++discs_.revision;
+    ++arrangement_;
     std::vector<std::uint32_t> added(positions.size());
     std::iota(added.begin(), added.end(), append_all(discs_, positions, explained, left));
     discs_.in_tiles(added, [&](const std::vector<std::uint32_t>& tile) {
@@ -72,6 +75,7 @@ void JointFit::add_all(const std::vector<Vec2>& positions, const std::vector<dou
         throw std::logic_error("JointFit::add_all with visits: not an empty fit");
     }
     ++discs_.revision;
+    ++arrangement_;
     append_all(discs_, positions, explained, left);
     scene().drawing_order().draw_and_visit(
         discs_.threads, transmission(), darkness(),
@@ -81,6 +85,7 @@ void JointFit::add_all(const std::vector<Vec2>& positions, const std::vector<dou
 
 void JointFit::move(std::size_t j, Vec2 to) {
     ++discs_.revision;
+    ++arrangement_;
     const Vec2 place = discs_.scene.inside(to);
     discs_.scene.move_to(j, place);
     discs_.position[j] = place;
@@ -90,6 +95,7 @@ void JointFit::move(std::size_t j, Vec2 to) {
 
 void JointFit::keep_only(const std::vector<char>& keep) {
     ++discs_.revision;
+    ++arrangement_;
     // Discs beside a gap have to move again: they count as fresh.
     const ImageCells cells(scene().width(), scene().height(), 2 * disc().reach());
     const std::vector<char> beside_gap =

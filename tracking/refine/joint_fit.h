@@ -47,6 +47,8 @@ class JointFit {
     const DiscProfile& disc() const { return scene().disc(); }
     /// Goes up with everything that is drawn.
     std::uint64_t revision() const { return discs_.revision; }
+    /// Goes up when discs come, go, or are put elsewhere.
+    std::uint64_t arrangement() const { return arrangement_; }
 
     void add(Vec2 position);
     /// Many at once, in parallel, each at the nearest template. `explained`: what each disc is
@@ -118,6 +120,7 @@ class JointFit {
 
  private:
     FittedDiscs discs_;
+    std::uint64_t arrangement_ = 0;
     std::vector<double> explained_;
 };
 

@@ -44,7 +44,8 @@ class JointSolver {
 
  private:
     JointInformation information_;
-    std::int64_t went_far_ = 0;
+    std::uint64_t arrangement_ = 0;               ///< of the fit that it is about
+    std::int64_t went_far_ = 0, far_before_ = 0;  ///< in the last step, in the one before
     /// Of the discs as placed, and the revision of the fit then.
     std::optional<JointInformation> placed_;
     std::uint64_t placed_revision_ = 0;

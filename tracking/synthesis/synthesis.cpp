@@ -16,12 +16,7 @@ namespace {
 
 // A tanh edge of width w has the slope of a Gaussian blur of w/1.25; mirror rims widen it.
 constexpr double kBlurOfEdge = 0.7;  // [w]
-// Rays along a diameter: while heights are chosen, and of the last image.
-constexpr double kFewRays = 12;
-constexpr double kManyRays = 40;
-constexpr int kFirstSweeps = 2;
-constexpr int kSweepsBetween = 2;
-constexpr double kShareOfWay = 0.7;  // neighbours move as well
+constexpr double kManyRays = 40;     // along a diameter, of the last image
 constexpr int kRoundsBetween = 2;
 constexpr int kLastRounds = 2;
 constexpr double kUnusual = 3;       // medians of the residual: a sphere is in doubt
@@ -85,19 +80,14 @@ Synthesis synthesise(const Image& counts, const ImageModel& model, double diamet
         if (!start.are_optics_known) fit.fit_optics();
     };
     {
-        SynthesisFit rough(brightness, ceiling, diameter, threads, kFewRays);
+        SynthesisFit rough(brightness, ceiling, diameter, threads, kHeightRays);
         rough.start(spheres, optics);
         result.residual_before = rough.rms();
         if (start.z.empty()) {  // else they are those of the frame before
-            for (int sweep = 0; sweep < kFirstSweeps; ++sweep) {
-                rough.choose_heights(limits, kShareOfWay);
-            }
-            for (int sweep = 0; sweep < kSweepsBetween; ++sweep) {
-                refine(rough, 1);
-                rough.choose_heights(limits, kShareOfWay);
-            }
+            result.rounds += rough.find_heights(limits);
+        } else {
+            refine(rough, 1);
         }
-        refine(rough, 1);
         fit.start(rough.spheres(), optics);
     }
     if (!start.are_optics_known) fit.fit_optics();

@@ -339,6 +339,20 @@ int SynthesisFit::choose_heights(const SynthesisLimits& limits, double share) {
     return moved;
 }
 
+int SynthesisFit::find_heights(SynthesisLimits limits) {
+    constexpr int kFirstSweeps = 2;
+    constexpr int kSweepsBetween = 2;
+    constexpr double kShareOfWay = 0.7;  // neighbours move as well
+    limits.most_rounds = 1;
+    int rounds = 0;
+    for (int sweep = 0; sweep < kFirstSweeps; ++sweep) choose_heights(limits, kShareOfWay);
+    for (int sweep = 0; sweep < kSweepsBetween; ++sweep) {
+        rounds += refine(limits);
+        choose_heights(limits, kShareOfWay);
+    }
+    return rounds + refine(limits);
+}
+
 int SynthesisFit::refine(const SynthesisLimits& limits) {
     double damping = kFirstDamping;
     const auto top = static_cast<float>(limits.height - 1);

@@ -12,6 +12,9 @@
 
 namespace grainfield::tracking {
 
+/// Rays along a diameter while heights are chosen.
+inline constexpr double kHeightRays = 12;
+
 struct SynthesisLimits {
     double height = 1.94;       ///< of the cell [a]: centres lie within height − 1
     int most_rounds = 8;        ///< Gauss–Newton rounds
@@ -47,6 +50,9 @@ class SynthesisFit {
     /// Takes the heights that suit the image best one by one, all others where they are: moves each
     /// sphere by `share` of the way to the best of a few. How many moved.
     int choose_heights(const SynthesisLimits& limits, double share);
+    /// Heights from none: each sphere to the best of a few, twice, then in turns with rounds of
+    /// Gauss–Newton, the last of them a round. How many rounds. Meant for kHeightRays.
+    int find_heights(SynthesisLimits limits);
     /// From here on residuals are those of an image of `rays` along a diameter; derivatives stay
     /// what they are.
     void sharpen(double rays);

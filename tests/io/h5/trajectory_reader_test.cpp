@@ -12,6 +12,7 @@
 #include "io/h5/detail/h5_group.h"
 #include "io/h5/trajectory_file.h"
 #include "tests/io/file_samples.h"
+#include "tests/io/h5/cut_column.h"
 #include "tests/support/program.h"
 
 namespace grainfield::io {
@@ -92,6 +93,34 @@ TEST(TrajectoryReader, OfLabScriptsOpensOurFiles) {
         for (std::size_t k = 0; k < expected.size(); ++k) {
             EXPECT_NEAR(number(frame["box"][k]), expected[k], 2 * single);
         }
+    }
+}
+
+/// What kill -9 leaves of a run of five frames.
+void write_killed(const testing::ScratchFolder& folder, const std::string& path) {
+    TrajectoryWriter writer(folder / "t.h5", sample_info(), Overwrite::refuse);
+    for (int i = 0; i < 5; ++i) writer.write(full_snapshot(i, 50));
+    std::filesystem::copy_file(folder / "t.h5.partial", path);
+}
+
+TEST(TrajectoryReader, SaysHowManyFramesOfAKilledRunItLeavesOut) {
+    for (const auto& [column, kept] : {std::pair{"/particles/trajectory/id/value", 4},
+                                       {"/particles/trajectory/position/time", 2},
+                                       {"/particles/trajectory/position/value", 3},
+                                       {"/parameters/grainfield/box_height", 0}}) {
+        const testing::ScratchFolder folder;
+        write_killed(folder, folder / "left.h5");
+        EXPECT_EQ(TrajectoryFile(folder / "left.h5").frames_left_out(), 0);
+        EXPECT_TRUE(TrajectoryFile(folder / "left.h5").record().warnings.empty());
+        cut_column(folder / "left.h5", column, static_cast<hsize_t>(kept));
+        const TrajectoryFile file(folder / "left.h5");
+        EXPECT_EQ(file.count(), kept) << column;
+        EXPECT_EQ(file.frames_left_out(), 5 - kept) << column;
+        ASSERT_EQ(file.record().warnings.size(), 1U) << column;
+        EXPECT_EQ(file.record().warnings[0].code, WarningCode::incomplete);
+        EXPECT_THAT(
+            file.record().warnings[0].text,
+            AllOf(HasSubstr("left.h5"), HasSubstr(std::to_string(5 - kept) + " of its 5 frames")));
     }
 }
 

@@ -33,7 +33,7 @@ TEST(ImageFormats, ThatCanBeWrittenHaveAnExtension) {
 }
 
 TEST(ImageFormats, AreNamedInMessages) {
-    EXPECT_EQ(names_of(image_formats()), "PNG, TIFF, JPEG, BMP, PNM or Norpix seq");
+    EXPECT_EQ(names_of(image_formats()), "PNG, TIFF, JPEG, BMP, PNM, Norpix seq or Phantom cine");
     EXPECT_EQ(names_of(image_formats().first(1)), "PNG");
     EXPECT_EQ(names_of({}), "");
 }

@@ -8,6 +8,7 @@
 #include "core/errors.h"
 #include "io/h5/results_file.h"
 #include "io/h5/trajectory_file.h"
+#include "tests/io/h5/cut_column.h"
 #include "tests/support/scratch_folder.h"
 
 namespace grainfield::pipelines {
@@ -99,6 +100,32 @@ TEST(AnalyzeJob, RepeatsTheWarningsOfATrackThatStillHold) {
     EXPECT_THAT(warnings_with(std::nullopt), ::testing::Contains(apparent));
     EXPECT_THAT(warnings_with(9.0), ::testing::Not(::testing::Contains(apparent)));
     EXPECT_THAT(warnings_with(std::nullopt), ::testing::Not(::testing::Contains(corrupt)));
+}
+
+TEST(AnalyzeJob, WarnsOfTheFramesThatAKilledRunDidNotFinish) {
+    const testing::ScratchFolder folder;
+    {
+        io::TrajectoryWriter writer(folder / "t.h5", TrajectoryInfo{}, Overwrite::force);
+        Snapshot snapshot;
+        snapshot.box.length = {100, 100};
+        snapshot.position = {{10, 10}, {30, 40}};
+        for (snapshot.frame = 0; snapshot.frame < 4; ++snapshot.frame) {
+            snapshot.time = static_cast<double>(snapshot.frame);
+            writer.write(snapshot);
+        }
+        std::filesystem::copy_file(folder / "t.h5.partial", folder / "left.h5");
+    }
+    io::cut_column(folder / "left.h5", "/particles/trajectory/position/time", 1);
+    Job job;
+    job.inputs = {folder / "left.h5"};
+    AnalyzeJobOptions options;
+    options.output = folder / "r.h5";
+    plan_analysis(options, job);
+    EXPECT_THAT(job.plan.warnings(),
+                ::testing::Contains(::testing::AllOf(
+                    ::testing::Field(&Warning::code, WarningCode::incomplete),
+                    ::testing::Field(&Warning::text,
+                                     ::testing::HasSubstr("3 of its 4 frames are left out")))));
 }
 
 }  // namespace

@@ -235,9 +235,10 @@ TEST_F(TiltedFilm, HasNoSystematicErrorAboveAFiftiethOfAPixel) {
         // Noise of some 0.03 px leaves 0.003 px to the mean of a hundred.
         EXPECT_LT(norm((1 / count[b]) * sum[b]), 0.02) << "block " << b;
     }
-    // Discs grow and shrink over a tilted frame, which the errors know as misfit: they are too
-    // large, never too small.
-    EXPECT_GT(reported, squares);
+    // The size of the discs changes over a tilted frame, which may make errors too large.
+    const double pull = std::sqrt(squares / reported);
+    RecordProperty("rms_pull", std::to_string(pull));
+    EXPECT_LT(pull, 1);
     EXPECT_GT(all, 1000);
 }
 

@@ -76,6 +76,7 @@ TEST(MdJob, WritesTheSnapshotsThatItsPlanAnnouncesAndTheTimeSeries) {
     EXPECT_EQ(result.failure, "");
     io::TrajectoryFile file(options.output);
     EXPECT_EQ(file.count(), 19);
+    EXPECT_EQ(result.snapshots, 19);
     EXPECT_EQ(file.read(18).size(), 300U);
     ASSERT_EQ(file.curves().size(), 2U);
     EXPECT_EQ(file.curves()[0].name, "order");

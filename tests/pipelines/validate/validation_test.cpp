@@ -1,5 +1,6 @@
 #include "pipelines/validate/validation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -220,6 +221,62 @@ TEST(Validation, TheReportHoldsAllScores) {
                          plan, additions);
     EXPECT_TRUE(std::filesystem::exists(folder / "figures/scores.csv"));
     EXPECT_TRUE(std::filesystem::exists(folder / "figures/pixel_locking.csv"));
+}
+
+TEST(Validation, TruthsInWholePixelsAreRecognisedAndSaid) {
+    sample::Film film = sample::film(2);
+    {
+        RunPlan plan;
+        EXPECT_FALSE(validated(film, plan).truth_is_whole);
+    }
+    StoredTrajectory whole;
+    whole.set_info(film.truth.info());
+    for (std::int64_t i = 0; i < film.truth.count(); ++i) {
+        Snapshot snapshot = film.truth.read(i);
+        for (Vec2& p : snapshot.position) p = {std::round(p.x), std::round(p.y)};
+        whole.write(snapshot);
+    }
+    film.truth = std::move(whole);
+    RunPlan plan;
+    const ValidationOutcome outcome = validated(film, plan);
+    EXPECT_TRUE(outcome.truth_is_whole);
+    const auto additions = validation_report(outcome, {});
+    EXPECT_THAT(additions.verdict, ::testing::HasSubstr("whole-pixel truths may make 0.29 px"));
+    EXPECT_TRUE(std::ranges::any_of(plan.warnings(), [](const Warning& warning) {
+        return warning.text.starts_with("all true positions are whole pixels");
+    }));
+    // Uniform rounding has the variance 1/12 per axis; 600 positions know it to 3 %.
+    EXPECT_GT(outcome.scores.detection().find("all").rmse_per_axis(), 0.26);
+}
+
+TEST(Validation, ThePageBeginsWithWhatIsMissedAndFalseAndMarksIt) {
+    sample::Film film = sample::film(6);
+    RunPlan plan;
+    ValidationOutcome outcome = validated(film, plan);
+    ASSERT_FALSE(outcome.runs[1].previews.empty());
+    Snapshot& truth = outcome.runs[0].previews[0].snapshot;
+    Snapshot& found = outcome.runs[1].previews[0].snapshot;
+    // One that was found is not there, and another was not found.
+    found.position = truth.position;
+    found.quality.clear();
+    const Vec2 missed = truth.position[3];
+    const Vec2 wrong = truth.position[5];
+    found.position.erase(found.position.begin() + 3);
+    truth.position.erase(truth.position.begin() + 5);
+    outcome.runs[0].previews.resize(1);
+    outcome.runs[1].previews.resize(1);
+    ValidationThresholds thresholds;
+    thresholds.recall = 2;  // no scene can
+    const auto additions = validation_report(outcome, check(thresholds, outcome));
+    EXPECT_THAT(additions.verdict, ::testing::HasSubstr(" missed, "));
+    EXPECT_THAT(additions.verdict, ::testing::EndsWith("; 1 of 1 thresholds not met"));
+    ASSERT_EQ(additions.marked.size(), 2U);
+    EXPECT_EQ(additions.marked[0].words, "missed");
+    EXPECT_EQ(additions.marked[0].position, missed);
+    EXPECT_EQ(additions.marked[1].words, "false");
+    EXPECT_EQ(additions.marked[1].position, wrong);
+    EXPECT_EQ(additions.marked[1].run, 1U);
+    EXPECT_EQ(additions.marked[1].frame, found.frame);
 }
 
 TEST(ClassifyTruth, SortsByPlaceOrderAndLayer) {

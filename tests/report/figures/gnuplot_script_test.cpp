@@ -69,6 +69,42 @@ TEST(GnuplotScript, ForPrintNamesRunsOnceAndNoFitsAndHasNoSecondAxis) {
     EXPECT_EQ(outcome.message, "");
 }
 
+TEST(GnuplotScript, ForPrintHasLettersOfOneSizeAsPngAndAsSvg) {
+    Figure figure;
+    figure.runs = {"A"};
+    figure.kinds = {{"S", Mark::line, true}};
+    figure.series = {{0, 0, {1, 2}, {3, 4}, {}}};
+    const auto number = [](const std::string& script, const std::string& before) {
+        const auto at = script.find(before);
+        return at == std::string::npos ? 0 : std::stod(script.substr(at + before.size()));
+    };
+    const std::string svg = publication_script(figure, "x", PlotForm::svg);
+    const std::string png = publication_script(figure, "x", PlotForm::png);
+    const std::string font = "font 'sans-serif,";
+    const double zoom = number(png, " size ") / number(svg, " size ");
+    EXPECT_NEAR(zoom, 600.0 / 96, 0.01);
+    // Pixels in SVG; pngcairo has points, 72 an inch of 96 pixels.
+    const double letters = number(png, font) * 96 / 72 * number(png, "fontscale ");
+    EXPECT_NEAR(letters, zoom * number(svg, font), 0.02 * letters);
+    EXPECT_NEAR(number(png, "linewidth "), zoom, 0.02 * zoom);
+}
+
+TEST(GnuplotScript, ForPrintHasAtMostSevenLabelsOnALinearAxis) {
+    for (const double last : {0.159, 0.2, 1.0, 5.56, 60.0, 999.0}) {
+        Figure figure;
+        figure.runs = {"A"};
+        figure.kinds = {{"S", Mark::line, true}};
+        figure.series = {{0, 0, {0, last}, {0, 1}, {}}};
+        const std::string script = publication_script(figure, "x.pdf", PlotForm::pdf);
+        const std::string before = "set xtics ";
+        const auto at = script.rfind(before);
+        ASSERT_NE(at, std::string::npos);
+        const double step = std::stod(script.substr(at + before.size()));
+        EXPECT_LE(1.08 * last / step, 6) << last;
+        EXPECT_GE(1.08 * last / step, 2) << last;
+    }
+}
+
 TEST(GnuplotScript, NamesRunsAndKindsOnceEach) {
     Figure figure;
     figure.runs = {"A", "B"};

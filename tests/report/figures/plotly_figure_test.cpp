@@ -62,5 +62,15 @@ TEST(PlotlyFigure, DrawsHistogramsOverWholeBins) {
     EXPECT_EQ(trace["line"]["shape"], "hv");
 }
 
+TEST(PlotlyFigure, FillsTheGuidesThatAreToBeFilledAndNoOthersThatClose) {
+    Figure figure;
+    figure.kinds = {{"loop", Mark::guide, true}, {"band", Mark::guide, true, "", true}};
+    figure.series = {{0, 0, {1, 2, 2, 1}, {1, 1, 2, 1}, {}},
+                     {0, 1, {1, 2, 2, 1}, {1, 1, 2, 1}, {}}};
+    const json page = json::parse(plotly_json(figure));
+    EXPECT_FALSE(page["traces"][0].contains("fill"));
+    EXPECT_EQ(page["traces"][1]["fill"], "toself");
+}
+
 }  // namespace
 }  // namespace grainfield::report

@@ -47,6 +47,21 @@ TEST(EncodePng, IgnoresAPermilleOfOutliers) {
     EXPECT_EQ(decoded.grey[50 * 100], 0);
 }
 
+TEST(EncodePng, KeepsColours) {
+    std::vector<std::uint8_t> rgb;
+    for (int i = 0; i < 3 * 7 * 5; ++i) rgb.push_back(static_cast<std::uint8_t>(37 * i % 256));
+    const std::vector<std::uint8_t> bytes = encode_png(rgb, 7, 5);
+    png_image image{};
+    image.version = PNG_IMAGE_VERSION;
+    ASSERT_TRUE(png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()));
+    image.format = PNG_FORMAT_RGB;
+    EXPECT_EQ(image.width, 7U);
+    EXPECT_EQ(image.height, 5U);
+    std::vector<std::uint8_t> decoded(PNG_IMAGE_SIZE(image));
+    ASSERT_TRUE(png_image_finish_read(&image, nullptr, decoded.data(), 0, nullptr));
+    EXPECT_EQ(decoded, rgb);
+}
+
 TEST(EncodePng, AveragesSquares) {
     Image image(5, 4);
     for (int y = 0; y < 4; ++y) {

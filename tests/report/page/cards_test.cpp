@@ -109,6 +109,12 @@ TEST(Verdict, JudgesTheResidualAndCountsPlaces) {
     EXPECT_THAT(verdict(run, 1), HasSubstr("0.100, fair; 1 place to look at"));
     run.observables.back().measurements[1].value = 0.2;
     EXPECT_THAT(verdict(run, 1), HasSubstr("poor"));
+    run.previews.resize(1);
+    run.previews[0].snapshot.quality = {0.05, 0.06, 0.05};
+    EXPECT_THAT(verdict(run, 0), HasSubstr("poor; the misfit lies beside the spheres: --region or "
+                                           "--mask leaves it out"));
+    run.previews[0].snapshot.quality = {0.19, 0.2, 0.21};
+    EXPECT_THAT(verdict(run, 0), HasSubstr("poor; no place stands out"));
     run.observables.pop_back();
     EXPECT_EQ(verdict(run, 0), "10,274 spheres a frame") << "no camera, no residual";
 }

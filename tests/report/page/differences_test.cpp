@@ -91,7 +91,8 @@ TEST(Mismatches, NameVersionsUnitsDimensionsAndMissingErrors) {
     EXPECT_THAT(texts,
                 Contains(HasSubstr("versions of the program: 0.1.0 (A and 1 more), 0.2.0 (B)")));
     EXPECT_THAT(texts, Contains(HasSubstr("lengths in different units")));
-    EXPECT_THAT(texts, Contains(HasSubstr("times in different units")));
+    EXPECT_THAT(texts,
+                Contains(AllOf(HasSubstr("times in different units"), HasSubstr("--sphere-mm"))));
     EXPECT_THAT(texts, Contains(HasSubstr("1 dimension (C), 2 dimensions (A and 1 more)")));
     EXPECT_THAT(texts,
                 Contains(HasSubstr("without any error, so that differences cannot be judged: B")));

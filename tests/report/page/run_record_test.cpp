@@ -38,6 +38,25 @@ TEST(Remarks, AreEmptyWhenThereIsNothingToSay) {
     EXPECT_EQ(skipped_html({Results{}}, {"A"}, {}), "");
 }
 
+TEST(Warnings, OfManyRunsTakeOneLineAKindAndTheRestIsFolded) {
+    std::vector<Results> runs(6);
+    std::vector<std::string> labels;
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        labels.push_back("run " + std::to_string(r));
+        runs[r].record.warnings = {
+            {.text = "'film " + std::to_string(r) + "' moves 6.2" + std::to_string(r) + " px"}};
+    }
+    runs[2].record.warnings.push_back({.text = "the contrast varies"});
+    const std::string html = warnings_html(runs, labels, {});
+    EXPECT_THAT(html, HasSubstr("<summary>&#39;film 0&#39; moves 6.20 px <span class=\"who\">all "
+                                "runs</span></summary>"));
+    EXPECT_THAT(html, HasSubstr("<li>run 5: &#39;film 5&#39; moves 6.25 px</li>"));
+    EXPECT_THAT(html, HasSubstr("<li>the contrast varies <span class=\"who\">run 2</span></li>"));
+    runs.resize(4);
+    labels.resize(4);
+    EXPECT_THAT(warnings_html(runs, labels, {}), Not(HasSubstr("<summary>"))) << "each by itself";
+}
+
 TEST(Records, ShowInputsAndConfiguration) {
     const std::string html = records_html(two_runs(), {"A", "B"});
     EXPECT_THAT(html, HasSubstr("1,234,567 B"));

@@ -1,10 +1,15 @@
 #include "tracking/calibrate/calibration.h"
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 
 #include <gtest/gtest.h>
 
 #include "core/support/random.h"
+#include "io/frame_files.h"
+#include "io/frame_region.h"
+#include "tests/support/csv_rows.h"
 #include "tests/support/layer_frames.h"
 
 namespace grainfield::tracking {
@@ -47,6 +52,47 @@ TEST(Calibration, IsTheSameForBrightSpheresOnADarkBackground) {
     for (std::size_t i = 0; i < da.size(); i += 97) {
         EXPECT_NEAR(da.pixels()[i], db.pixels()[i], 2e-3);
     }
+}
+
+constexpr const char* kAllSpheres = "diameter and edge width of all spheres";
+
+bool runs(const RunPlan& plan, const std::string& name) {
+    return std::ranges::any_of(plan.stages(), [&](const PlannedStage& stage) {
+        return stage.stage == name && stage.runs;
+    });
+}
+
+TEST(Calibration, ReadsTheSizeOnAllSpheresWhereDiscsLeaveAMisfit) {
+    const auto frames = io::crop_frames(
+        io::open_frames({GRAINFIELD_SOURCE_DIR "/data-samples/traced-layer.png"}, {}),
+        {.x = 120, .y = 120, .width = 400, .height = 400});
+    RunPlan plan;
+    const auto result = calibrated(frames->read(0).image, plan);
+    ASSERT_TRUE(result);
+    EXPECT_TRUE(runs(plan, kAllSpheres));
+    EXPECT_TRUE(result->is_complete);
+    // Without the search for all of them two are missing.
+    std::int64_t inside = 0;
+    for (auto& row :
+         testing::csv_rows(GRAINFIELD_SOURCE_DIR "/data-samples/traced-layer-true.csv")) {
+        const double x = std::stod(row["x"]) - 120;
+        const double y = std::stod(row["y"]) - 120;
+        inside += x > 10 && y > 10 && x < 389 && y < 389 ? 1 : 0;
+    }
+    std::int64_t found = 0;
+    for (const Vec2 p : result->positions) {
+        found += p.x > 10 && p.y > 10 && p.x < 389 && p.y < 389 ? 1 : 0;
+    }
+    EXPECT_NEAR(static_cast<double>(found), static_cast<double>(inside), 1);
+}
+
+TEST(Calibration, IsContentWithMostSpheresWhereDiscsLeaveOnlyNoise) {
+    const auto scene = testing::hard_disc_liquid(500, 500, 16, 0.70, 1);
+    RunPlan plan;
+    const auto result = calibrated(testing::tanh_frame(scene, 16, 1.2, 0.02, 2), plan);
+    ASSERT_TRUE(result);
+    EXPECT_FALSE(runs(plan, kAllSpheres));
+    EXPECT_FALSE(result->is_complete);
 }
 
 // Few spheres leave wide gaps, which must not pass for the spheres.

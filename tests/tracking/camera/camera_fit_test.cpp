@@ -132,9 +132,32 @@ TEST(CameraFit, OnePictureOfABoardThatLiesStraightIsEnough) {
         truth.k1 = k1;
         const CameraFit fit = fit_camera({exact_view(truth, poses()[0])}, 0, truth.width,
                                          truth.height, PlaneScale{kPitch});
-        EXPECT_FALSE(fit.is_centre_fitted);
         EXPECT_LT(largest_error(fit.camera, truth, poses()[0]), kAccuracy);
     }
+}
+
+TEST(CameraFit, OneObliquePictureIsEnoughThoughTheCentreIsNotThatOfTheFrame) {
+    // 23° from straight; the lens is centred 7 px beside the middle of the frame.
+    const TiltedCamera truth;
+    const auto error_of = [&](const BoardView& view) {
+        const CameraFit fit = fit_camera({view}, 0, truth.width, truth.height, PlaneScale{kPitch});
+        EXPECT_TRUE(fit.is_centre_fitted);
+        return largest_error(fit.camera, truth, poses()[1]);
+    };
+    for (const std::uint64_t seed : {1U, 2U}) {
+        EXPECT_LT(error_of(find_chessboard(truth.chessboard(kColumns, kRows, poses()[1], 2, seed))),
+                  kAccuracy);
+    }
+    EXPECT_LT(error_of(find_dots(
+                  truth.discs(exact_view(truth, poses()[1]).place, 0.4, poses()[1], 2, 1), 1)),
+              kAccuracy);
+    // Where it is, nothing is won by looking for it elsewhere.
+    TiltedCamera centred = truth;
+    centred.centre = {319.5, 239.5};
+    const CameraFit fit =
+        fit_camera({find_chessboard(centred.chessboard(kColumns, kRows, poses()[1], 2, 1))}, 0,
+                   truth.width, truth.height, PlaneScale{kPitch});
+    EXPECT_FALSE(fit.is_centre_fitted);
 }
 
 TEST(CameraFit, TheScaleIsThatOfTheBoard) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -148,6 +149,11 @@ TEST(Bilayer, SidesOfACrystalStayFromFrameToFrame) {
     bilayer.admit(first, std::vector<double>(first.size(), 1));
     bilayer.label(first);
     ASSERT_GT(std::count(first.layer.begin(), first.layer.end(), Layer::top), 100);
+    const auto of = [&](Layer layer) { return std::ranges::count(first.layer, layer); };
+    EXPECT_EQ(in_words(bilayer.summary()), std::to_string(of(Layer::bottom)) + " bottom, " +
+                                               std::to_string(of(Layer::top)) + " top, " +
+                                               std::to_string(of(Layer::unknown)) +
+                                               " unknown (no overlap forces them)");
     // The same spheres in another order, without the first fifth: the naming convention alone
     // would go by index and majority.
     Snapshot next;

@@ -45,7 +45,7 @@ class DarkestDisc final : public OverlapRule {
         });
         for (int y = discs.first; y < discs.last; ++y) {
             for (int x = 0; x < darkness.width(); ++x) {
-                darkness(x, y) += least(x, y - discs.first) - discs.transmission(x, y);
+                darkness(x, y) += least(x, y - discs.first) - discs.sums.transmission(y)[x];
             }
         }
     }

@@ -66,7 +66,7 @@ TEST(ProductImage, OneDiscMeetsNothing) {
     PaddedImage transmission = clear_transmission(64, 64, kDisc);
     place_disc(transmission, one[0], kDisc);
     const Image darkness(64, 64, 0.25F);
-    const Image product = product_image(darkness, transmission, one, {kDisc, kBlurredUnion}, 1);
+    const Image product = product_image(darkness, one, {kDisc, kBlurredUnion}, 1);
     for (std::size_t i = 0; i < product.size(); ++i) {
         EXPECT_NEAR(product.pixels()[i], darkness.pixels()[i], 1e-6F);
     }
@@ -92,8 +92,7 @@ TEST(ProductImage, TakesTheLearnedProfileOutOfTheImage) {
             darkness(x, y) = static_cast<float>(1 - light);
         }
     }
-    const Image product =
-        product_image(darkness, transmission, pair, {kDisc, kProductRule, rim}, 1);
+    const Image product = product_image(darkness, pair, {kDisc, kProductRule, rim}, 1);
     for (int y = 0; y < 64; ++y) {
         for (int x = 0; x < 64; ++x) EXPECT_NEAR(product(x, y), 1 - transmission(x, y), 1e-5F);
     }
@@ -104,16 +103,12 @@ TEST(ProductImage, IsTheSameForAnyNumberOfThreads) {
     PaddedImage transmission = clear_transmission(300, 260, kDisc);
     for (const Vec2 p : scene.position) place_disc(transmission, p, kDisc);
     const Image darkness(300, 260, 0.5F);
-    const Image one =
-        product_image(darkness, transmission, scene.position, {kDisc, kBlurredUnion}, 1);
-    EXPECT_EQ(one,
-              product_image(darkness, transmission, scene.position, {kDisc, kBlurredUnion}, 2));
-    EXPECT_EQ(one,
-              product_image(darkness, transmission, scene.position, {kDisc, kBlurredUnion}, 8));
+    const Image one = product_image(darkness, scene.position, {kDisc, kBlurredUnion}, 1);
+    EXPECT_EQ(one, product_image(darkness, scene.position, {kDisc, kBlurredUnion}, 2));
+    EXPECT_EQ(one, product_image(darkness, scene.position, {kDisc, kBlurredUnion}, 8));
     const RadialCorrection rim{2, {0, 0.01F, -0.02F, -0.1F, -0.05F, 0.03F, 0}};
     const auto learned = [&](int threads) {
-        return product_image(darkness, transmission, scene.position, {kDisc, kBlurredUnion, rim},
-                             threads);
+        return product_image(darkness, scene.position, {kDisc, kBlurredUnion, rim}, threads);
     };
     EXPECT_NE(one, learned(1));
     EXPECT_EQ(learned(1), learned(2));

@@ -135,19 +135,21 @@ TEST_P(SharedTracedFrame, IsNearerToTheTruthWithSynthesis) {
     const std::string name = GetParam();
     const fs::path folder = fs::path(GRAINFIELD_SOURCE_DIR) / "../shared/data/traced";
     if (!fs::exists(folder / (name + ".png"))) GTEST_SKIP() << "no " << folder;
-    const double a = name == "far_panel" ? 16 : 14;
+    const bool is_far = name == "far_panel";
+    const double a = is_far ? 16 : 14;
+    // Of the far panel 34 spheres were too few: one that goes astray beside the border decides.
+    const io::FrameRegion part =
+        is_far ? io::FrameRegion{.x = 225, .y = 225, .width = 240, .height = 240}
+               : io::FrameRegion{.x = 250, .y = 250, .width = 150, .height = 150};
     const TracedFrame traced{(folder / (name + ".png")).string(),
-                             (folder / (name + "_true.csv")).string(),
-                             a,
-                             a,
-                             {.x = 250, .y = 250, .width = 150, .height = 150}};
+                             (folder / (name + "_true.csv")).string(), a, a, part};
     const Errors discs = errors_of(tracked(traced, false), traced);
     const Errors spheres = errors_of(tracked(traced, true), traced);
     report("discs", discs);
     report("synthesis", spheres);
     EXPECT_GT(spheres.spheres, 25);
-    // Measured, far: .0271 → .0091 RMS, .0102 → .0052 median, heights .072 median;
-    // near: .0196 → .0125, .0127 → .0037, .040.
+    // Measured, far: .0196 → .0051 RMS, .0088 → .0024 median, heights .032 median;
+    // near: .0196 → .0112, .0133 → .0032, .025.
     EXPECT_LE(spheres.missed, discs.missed);
     EXPECT_LT(spheres.rms, 0.8 * discs.rms);
     EXPECT_LT(spheres.median, 0.6 * discs.median);

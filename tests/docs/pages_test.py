@@ -1,6 +1,6 @@
-"""Runs the commands of a tutorial, in their order, and compares what they print.
+"""Runs the commands of a page of the manual, in their order, and compares what they print.
 
-    tutorials_test.py PAGE FOLDER_OF_PROGRAMS
+    pages_test.py PAGE FOLDER_OF_PROGRAMS
 
 Blocks marked sh are run by bash in an empty folder, with $SAMPLES the sample files. Each line of a block marked text must
 be in the output of the block before it, whatever its numbers are. A comment "in the test: s/OLD/NEW/" before a block

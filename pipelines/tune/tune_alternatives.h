@@ -1,0 +1,19 @@
+#pragma once
+
+#include "core/frame.h"
+#include "pipelines/job.h"
+#include "report/page/alternatives.h"
+#include "tracking/model/image_model.h"
+#include "tracking/tracker.h"
+
+namespace grainfield::pipelines {
+
+/// Tracks a part of the frame with other diameters, the other polarity and other thresholds
+/// (`detect.evidence`), each calibrated and searched afresh: what the sliders of the page show. The
+/// part is about 24 diameters wide, at the centre of the frame. `evidence`: the threshold in use.
+/// Takes a few seconds. Throws Interrupted.
+report::Alternatives tuned_alternatives(const Frame& frame, const tracking::ImageModel& model,
+                                        double evidence, const tracking::TrackOptions& options,
+                                        const Job& job);
+
+}  // namespace grainfield::pipelines

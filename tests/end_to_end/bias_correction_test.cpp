@@ -1,0 +1,132 @@
+// `grainfield track --correct-bias`: what it says, keeps, and gives again after an interruption.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <signal.h>
+
+#include "tests/support/image_files.h"
+#include "tests/support/program.h"
+#include "tests/tracking/synthesis/rendered_layer.h"
+
+namespace grainfield {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using ::testing::HasSubstr;
+using testing::Outcome;
+using testing::Process;
+using testing::program;
+using testing::run_grainfield;
+using testing::ScratchFolder;
+using testing::with;
+
+constexpr double kScale = 12;  // a [px]
+constexpr int kFrames = 24;
+
+/// Mirror spheres that tremble about their places, 12 diameters of a bilayer.
+const std::vector<std::string>& film() {
+    static const ScratchFolder folder;
+    static std::vector<std::string> paths;
+    if (!paths.empty()) return paths;
+    const testing::RenderedLayer layer = testing::rendered_layer(14, kScale, 0, 7);
+    const int side = layer.brightness.width();
+    tracking::MirrorImage image(side, side, kScale, 2);
+    for (int i = 0; i < kFrames; ++i) {
+        const auto seed = static_cast<std::uint64_t>(i);
+        image.render_only(
+            tracking::MirrorScene(testing::displaced(layer, 0.01, 0, seed), layer.optics));
+        Image counts = image.image();
+        RandomStream random(seed, "camera");
+        for (float& v : counts.pixels()) {
+            v = std::round(
+                std::clamp(30 + 180 * v + static_cast<float>(2 * random.normal()), 0.0F, 255.0F));
+        }
+        paths.push_back(folder / fmt::format("frame_{:03}.png", i));
+        testing::write_png(paths.back(), counts);
+    }
+    return paths;
+}
+
+class BiasCorrection : public ::testing::Test {
+ protected:
+    static std::vector<std::string> words(int frames, const std::vector<std::string>& more) {
+        const std::vector<std::string> paths(film().begin(), film().begin() + frames);
+        return with(with({"track", "--json", "--sphere-diameter", "12", "--threads", "2"}, more),
+                    paths);
+    }
+    static std::string data(const std::string& file) {
+        return json::parse(run_grainfield({"info", "--json", "--fingerprint", file}).out)
+            .at("fingerprint");
+    }
+
+    const ScratchFolder folder_;
+};
+
+TEST_F(BiasCorrection, IsSaidAndKeptWithTheCalibrationAndGivesTheSamePositionsFromThere) {
+    const std::string kept = folder_ / "cal.toml";
+    const Outcome first = run_grainfield(
+        words(3, {"-o", folder_ / "a.h5", "--correct-bias", "--save-calibration", kept}));
+    ASSERT_EQ(first.code, 0) << first.err;
+    const json learned = json::parse(first.out).at("bias");
+    ASSERT_TRUE(learned.is_object()) << first.err;
+    EXPECT_LT(learned.at("rms_after_a"), learned.at("rms_before_a"));
+
+    const Outcome again = run_grainfield(words(3, {"-o", folder_ / "b.h5", "--calibration", kept}));
+    ASSERT_EQ(again.code, 0) << again.err;
+    EXPECT_EQ(json::parse(again.out).at("bias"), learned);
+    EXPECT_EQ(data(folder_ / "b.h5"), data(folder_ / "a.h5"));
+
+    const Outcome plain = run_grainfield(words(3, {"-o", folder_ / "c.h5"}));
+    ASSERT_EQ(plain.code, 0) << plain.err;
+    EXPECT_TRUE(json::parse(plain.out).at("bias").is_null());
+    EXPECT_NE(data(folder_ / "c.h5"), data(folder_ / "a.h5"));
+
+    const std::string line = fmt::format(
+        "positions corrected: {:.4f} to {:.4f} a RMS on synthesised frames",
+        learned.at("rms_before_a").get<double>(), learned.at("rms_after_a").get<double>());
+    EXPECT_THAT(run_grainfield({"info", kept}).out, HasSubstr(line));
+    EXPECT_EQ(json::parse(run_grainfield({"info", "--json", kept}).out).at("bias"), learned);
+    std::vector<std::string> said =
+        words(3, {"-o", folder_ / "b.h5", "--force", "--calibration", kept});
+    std::erase(said, "--json");
+    EXPECT_THAT(run_grainfield(said).out, HasSubstr("  bias       " + line));
+}
+
+TEST_F(BiasCorrection, KilledAndTakenUpAgainGivesWhatOneRunGives) {
+    const std::string output = folder_ / "t.h5";
+    const auto run = [&](const std::vector<std::string>& more) {
+        return words(kFrames,
+                     with({"-o", output, "--correct-bias", "--checkpoint-every", "0"}, more));
+    };
+    const Outcome whole = run_grainfield(run({}));
+    ASSERT_EQ(whole.code, 0) << whole.err;
+    const std::string expected = data(output);
+    fs::remove(output);
+    {
+        const Process process(program(run({})));
+        for (int i = 0; i < 30000 && !fs::exists(output + ".checkpoint"); ++i) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        }
+        process.send(SIGKILL);
+        process.wait();
+    }
+    ASSERT_TRUE(fs::exists(output + ".checkpoint")) << "killed too early or too late";
+    const Outcome resumed = run_grainfield(run({"--resume"}));
+    ASSERT_EQ(resumed.code, 0) << resumed.err;
+    EXPECT_EQ(json::parse(resumed.out).at("frames"), kFrames);
+    EXPECT_EQ(json::parse(resumed.out).at("bias"), json::parse(whole.out).at("bias"));
+    EXPECT_EQ(data(output), expected);
+}
+
+}  // namespace
+}  // namespace grainfield

@@ -1,0 +1,100 @@
+#include "tracking/track_options.h"
+
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/errors.h"
+#include "core/memory_frames.h"
+#include "tracking/tracker.h"
+
+namespace grainfield::tracking {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// What is said where these options are refused; empty: they are not.
+std::string refusal(const TrackOptions& options) {
+    try {
+        require_consistent(options);
+    } catch (const OptionError& error) {
+        return error.what();
+    }
+    return "";
+}
+
+TrackOptions mirrors(bool synthesis, bool correct_bias) {
+    TrackOptions options;
+    options.sphere_diameter = 12;
+    options.synthesis = synthesis;
+    options.correct_bias = correct_bias;
+    return options;
+}
+
+Camera straight_camera() {
+    Camera camera;
+    camera.width = 64;
+    camera.height = 64;
+    return camera;
+}
+
+TEST(TrackOptions, OfTheDefaultAreConsistent) {
+    EXPECT_EQ(refusal({}), "");
+    EXPECT_EQ(refusal(mirrors(true, false)), "");
+    EXPECT_EQ(refusal(mirrors(false, true)), "");
+}
+
+TEST(TrackOptions, HeightsSynthesisAndBiasNeedTheTrueDiameter) {
+    TrackOptions height;
+    height.layers.height = 1.94;
+    EXPECT_THAT(refusal(height), HasSubstr("the height of the cell needs the true diameter"));
+    height.sphere_diameter = 12;
+    EXPECT_EQ(refusal(height), "");
+    for (const bool synthesis : {true, false}) {
+        TrackOptions options = mirrors(synthesis, !synthesis);
+        options.sphere_diameter.reset();
+        EXPECT_THAT(refusal(options), HasSubstr("track.sphere-diameter is not known"));
+    }
+}
+
+TEST(TrackOptions, SynthesisAndBiasExcludeEachOther) {
+    EXPECT_THAT(refusal(mirrors(true, true)), HasSubstr("synthesis is asked for, too"));
+}
+
+TEST(TrackOptions, SynthesisAndBiasNeedWholeFramesThroughAStraightLens) {
+    for (const bool synthesis : {true, false}) {
+        TrackOptions masked = mirrors(synthesis, !synthesis);
+        Image mask(64, 64, 1.0F);
+        mask(3, 3) = 0;
+        masked.visible = VisiblePixels(mask);
+        EXPECT_THAT(refusal(masked), HasSubstr("mask"));
+        TrackOptions tilted = mirrors(synthesis, !synthesis);
+        tilted.camera.emplace(straight_camera(), Vec2{0, 0});
+        EXPECT_THAT(refusal(tilted), HasSubstr("a camera is given"));
+    }
+}
+
+TEST(TrackOptions, AKeptCorrectionNeedsWhatOneThatIsLearnedNeeds) {
+    TrackOptions options;
+    options.kept.emplace().bias.emplace();
+    EXPECT_THAT(refusal(options), HasSubstr("track.sphere-diameter is not known"));
+    options.sphere_diameter = 12;
+    EXPECT_EQ(refusal(options), "");
+}
+
+TEST(TrackOptions, AKeptCalibrationGoesWithNoneThatEstimates) {
+    TrackOptions options;
+    options.kept.emplace();
+    options.calibration.diameter = 9;
+    EXPECT_THAT(refusal(options), HasSubstr("a kept calibration leaves nothing to estimate"));
+}
+
+TEST(TrackOptions, ThatContradictEachOtherAreRefusedBeforeAnyFrameIsRead) {
+    MemoryFrames frames({Image(64, 64, 1.0F)});
+    RunPlan plan;
+    EXPECT_THROW(Tracker(frames, mirrors(true, true), plan), OptionError);
+}
+
+}  // namespace
+}  // namespace grainfield::tracking

@@ -1,0 +1,98 @@
+#include "tracking/film_bias.h"
+
+#include <cmath>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "core/errors.h"
+#include "tracking/run_clock.h"
+#include "tracking/synthesis/bias_learning.h"
+
+namespace grainfield::tracking {
+namespace {
+
+constexpr double kSameSetting = 1e-3;  // relative: 0.1 % of a changes no correction by its error
+
+BiasSetting setting_of(const TrackOptions& options) {
+    return {.diameter = options.sphere_diameter.value_or(0),
+            .height = options.layers.height.value_or(options.synthesis_options.height),
+            .camera_distance = options.layers.camera_distance.value_or(0),
+            .detection = options.detection,
+            .refinement = options.refinement};
+}
+
+/// Why a kept correction is of no use in this run; empty: it is of use.
+std::string no_use_of_kept(const TrackOptions& options) {
+    if (options.synthesis) return "synthesis has no such bias";
+    if (options.camera) return "it holds for frames as a straight lens sees them";
+    if (!options.visible.are_all()) return "it holds for whole frames, and a mask hides a part";
+    return {};
+}
+
+/// Throws OptionError where the correction was learned for something else.
+void require_same(const BiasCorrection& kept, const TrackOptions& options) {
+    const BiasSetting now = setting_of(options);
+    const auto require = [](const char* what, const char* unit, double then, double given) {
+        if (std::abs(given - then) <= kSameSetting * then) return;
+        throw OptionError(
+            {.problem = "the kept correction of the bias does not hold here",
+             .actual = given > 0 ? fmt::format("{} of {:g} {}", what, given, unit)
+                                 : fmt::format("{} is not given", what),
+             .expected = fmt::format("{:g} {}, for which it was learned", then, unit),
+             .suggestion = "give that value, or calibrate again with track.correct-bias"});
+    };
+    require("track.sphere-diameter", "px", kept.diameter, now.diameter);
+    require("layers.height", "a", kept.height, now.height);
+    require("layers.camera-distance", "a", kept.camera_distance, now.camera_distance);
+}
+
+}  // namespace
+
+std::optional<BiasCorrection> bias_of_film(FrameSource& source, const TrackOptions& options,
+                                           const ImageModel& model, std::int64_t first, int threads,
+                                           RunPlan& plan) {
+    if (options.kept && options.kept->bias) {
+        const BiasCorrection& kept = *options.kept->bias;
+        const std::string no_use = no_use_of_kept(options);
+        if (!no_use.empty()) {
+            plan.skip("bias", no_use, "corrected positions");
+            return std::nullopt;
+        }
+        require_same(kept, options);
+        plan.run("bias", fmt::format("positions corrected as kept with the calibration: {:.4f} to "
+                                     "{:.4f} a RMS per axis on synthesised frames",
+                                     kept.before, kept.after));
+        return kept;
+    }
+    if (!options.correct_bias) return std::nullopt;
+    if (model.polarity != Polarity::dark) {
+        throw OptionError({.problem = "the bias of the discs cannot be corrected",
+                           .actual = "bright spheres on a dark background",
+                           .expected = "mirror-like spheres before a bright panel: dark discs",
+                           .suggestion = "leave out track.correct-bias"});
+    }
+    Frame frame;
+    for (std::int64_t at = first; at < source.count(); ++at) {
+        frame = source.read(at);
+        if (frame.status == FrameStatus::ok && blank_reason(frame.image, options.visible).empty())
+            break;
+    }
+    const BiasSetting setting = setting_of(options);
+    const auto begin = RunClock::now();
+    const BiasLearning learned = learn_bias(frame.image, model, setting, threads);
+    const double seconds = 1e-3 * milliseconds_since(begin);
+    if (!learned.refused.empty()) {
+        plan.skip("bias", learned.refused, "corrected positions");
+        plan.warn(fmt::format("the bias of positions is not corrected: {}", learned.refused));
+        return std::nullopt;
+    }
+    plan.run("bias",
+             fmt::format("positions corrected as learned from {} spheres of {} synthesised frames: "
+                         "{:.4f} to {:.4f} a RMS per axis on those left out ({:.0f} s)",
+                         learned.spheres, learned.frames, learned.correction.before,
+                         learned.correction.after, seconds));
+    return learned.correction;
+}
+
+}  // namespace grainfield::tracking

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/frame.h"
+#include "tracking/locate.h"
+
+namespace grainfield::tracking {
+
+/// What a film's own synthesised frames say of the bias of its fitted discs (learn_bias).
+struct BiasCorrection {
+    double diameter = 0;            ///< true diameter that it was learned for [px]
+    double height = 0;              ///< height of the cell, likewise [a]
+    double camera_distance = 0;     ///< likewise [a]; 0: telecentric
+    std::vector<double> weights;    ///< of BiasTerms; their sum is what a position lacks [a]
+    std::vector<double> quality;    ///< bounds of the classes by local residual [contrast]
+    std::vector<double> remaining;  ///< RMS error per axis, by overlap, then by residual [a]
+    double before = 0, after = 0;   ///< RMS error per axis on held-out frames [a]
+
+    bool operator==(const BiasCorrection&) const = default;
+};
+
+/// Bounds of the classes of overlap: distance of the nearest other disc [a].
+inline constexpr double kOverlapBounds[] = {0.6, 0.8, 0.95};
+inline constexpr int kOverlapClasses = 4;
+inline constexpr int kQualityClasses = 4;
+
+/// Class of a sphere whose nearest neighbour is that far away [a]; index of `remaining`.
+std::size_t class_of(const BiasCorrection& correction, double nearest, double residual);
+
+/// Corrects positions, and makes errors those of the scatter that remains. Spheres nearer than
+/// BiasTerms::kReach to the border stay as they are. `darkness` and `residual` are those of the fit
+/// that gave `found`. Same bits for any number of threads. About 5 µs a sphere.
+void correct_bias(const BiasCorrection& correction, const Image& darkness, const Image& residual,
+                  double diameter, Located& found, int threads);
+
+/// Standard errors of what was found, misfit included [px]. `harmless`: what of the squared misfit
+/// about each sphere displaces none [contrast²]; empty: nothing.
+std::vector<Vec2> standard_errors(const Located& found, const std::vector<double>& harmless = {});
+
+}  // namespace grainfield::tracking

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "core/frame.h"
+#include "core/vec2.h"
+#include "tracking/point_grid.h"
+
+namespace grainfield::tracking {
+
+/// What a frame shows about one sphere, as vectors that turn with the picture.
+///
+/// Moments of order m on a ring of radius ρ are h_m = ⟨f(ρ, θ) e^{imθ}⟩. f is the residual of the
+/// fit or the darkness. Terms are
+///
+///   Σ_j φ_k(d_j) û_j over neighbours, φ_k piecewise linear in their distance;
+///   h_1 of each ring;
+///   h_{m+1} h_m* of every two rings, m = 0 … 3.
+///
+/// A picture that is turned turns each of them, one that is mirrored mirrors them. So their factors
+/// in a vector, such as the error of a position, are real.
+class BiasTerms {
+ public:
+    /// `darkness`, `residual`: of the frame, of one size. `discs`: all that were fitted [px].
+    /// `diameter`: true diameter a [px]. They outlive this.
+    BiasTerms(const Image& darkness, const Image& residual, const std::vector<Vec2>& discs,
+              double diameter);
+
+    static constexpr int kDistances = 12;
+    static constexpr int kRings = 7;
+    static constexpr int kSources = 2 * kRings;  ///< rings in the residual and in the darkness
+    static constexpr int kOrders = 5;            ///< 0 … 4
+    static constexpr int kCount =
+        kDistances + kSources + (kOrders - 1) * kSources * kSources;  ///< terms
+    /// Spheres farther from the border have all of them [a].
+    static constexpr double kReach = 1.2;
+
+    struct Terms {
+        std::array<float, kCount> x, y;
+    };
+    /// Of a sphere at `place` [px], at least kReach from the border.
+    Terms of(Vec2 place) const;
+    /// Distance of the nearest disc but for the one at `place` [a].
+    double nearest(Vec2 place) const;
+
+ private:
+    const Image& darkness_;
+    const Image& residual_;
+    double diameter_;
+    std::optional<PointGrid> grid_;  ///< none without discs
+};
+
+}  // namespace grainfield::tracking

@@ -1,0 +1,97 @@
+#include "tracking/track_options.h"
+
+#include "core/errors.h"
+
+namespace grainfield::tracking {
+namespace {
+
+/// Throws OptionError where an option needs another one.
+void require_diameter(const TrackOptions& options) {
+    if (options.layers.height && !options.sphere_diameter) {
+        throw OptionError(
+            ErrorText{"the height of the cell needs the true diameter of the spheres",
+                      "track.sphere-diameter is not known", "a [px], the unit of layers.height",
+                      "the dark disc is smaller than the sphere; measure the sphere"});
+    }
+    if (options.synthesis && !options.sphere_diameter) {
+        throw OptionError(
+            ErrorText{"synthesis needs the true diameter of the spheres",
+                      "track.sphere-diameter is not known", "a [px]",
+                      "give track.sphere-diameter; the dark disc is smaller than the sphere"});
+    }
+    if (options.synthesis && options.camera) {
+        throw OptionError({.problem = "synthesis cannot be corrected for lens and tilt",
+                           .actual = "a camera is given",
+                           .expected = "no camera: it renders spheres as a straight lens sees them",
+                           .suggestion = "leave out the camera, or synthesis"});
+    }
+    if (options.synthesis && !options.visible.are_all()) {
+        throw OptionError(ErrorText{"synthesis renders whole frames", "a mask hides part of them",
+                                    "no mask", "choose a region without hidden pixels instead"});
+    }
+}
+
+[[noreturn]] void refuse_bias(const char* actual, const char* expected, const char* suggestion) {
+    throw OptionError(
+        ErrorText{"the bias of the discs cannot be corrected", actual, expected, suggestion});
+}
+
+/// Throws OptionError where the bias can neither be learned nor be corrected.
+void require_size_of_mirrors(const TrackOptions& options) {
+    if (options.sphere_diameter) return;
+    refuse_bias("track.sphere-diameter is not known", "a [px]",
+                "give track.sphere-diameter; the dark disc is smaller than the sphere");
+}
+
+/// Throws OptionError where a correction of the bias cannot be learned.
+void require_mirrors(const TrackOptions& options) {
+    require_size_of_mirrors(options);
+    if (options.synthesis) {
+        refuse_bias("synthesis is asked for, too", "either of them", "synthesis has no such bias");
+    }
+    if (options.camera) {
+        refuse_bias("a camera is given", "frames as a straight lens sees them",
+                    "leave out the camera");
+    }
+    if (!options.visible.are_all()) {
+        refuse_bias("a mask hides part of the frames", "no mask",
+                    "choose a region without hidden pixels instead");
+    }
+}
+
+}  // namespace
+
+std::vector<OptionTable> describe(TrackOptions& options) {
+    OptionTable track("track");
+    track.number("sphere-diameter", options.sphere_diameter, "px", {2, 2000},
+                 "true diameter a of a sphere, the unit of the analysis; auto: the apparent one");
+    track.flag("synthesis", options.synthesis,
+               "positions and heights of mirror-like spheres by rendering the frame");
+    track.flag("correct-bias", options.correct_bias,
+               "correct positions for mirror images of neighbours, as learned from frames that are "
+               "rendered with the optics of the film; kept with its calibration");
+    track.integer("stretch", options.stretch, "frames", {2, 1e9},
+                  "frames that start from one another; then the search begins afresh, so that "
+                  "parts of a film give what the whole film gives");
+    return {describe(options.calibration),
+            describe(options.detection),
+            describe(options.refinement),
+            describe(options.link),
+            describe(options.layers),
+            describe(options.synthesis_options),
+            track};
+}
+
+void require_consistent(const TrackOptions& options) {
+    require_diameter(options);
+    if (options.correct_bias) require_mirrors(options);
+    if (options.kept && options.kept->bias) require_size_of_mirrors(options);
+    if (options.kept && options.calibration != CalibrationOptions{}) {
+        throw OptionError({.problem = "a kept calibration leaves nothing to estimate",
+                           .actual = "options of the section calibrate are given as well",
+                           .expected = "either of them",
+                           .suggestion = "leave out the options, or calibrate again"});
+    }
+}
+
+}  // namespace grainfield::tracking

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/frame_source.h"
+#include "core/option_table.h"
+#include "tracking/calibrate/calibration.h"
+#include "tracking/calibrate/kept_calibration.h"
+#include "tracking/camera/camera.h"
+#include "tracking/layers/bilayer.h"
+#include "tracking/link/linker.h"
+#include "tracking/locate.h"
+#include "tracking/model/visible_pixels.h"
+#include "tracking/synthesis/film_synthesis.h"
+
+namespace grainfield::tracking {
+
+struct TrackOptions {
+    CalibrationOptions calibration;
+    DetectionOptions detection;
+    RefinementOptions refinement;
+    LinkOptions link;
+    LayerOptions layers;
+    std::optional<double> sphere_diameter;  ///< true diameter a [px]; empty: the apparent D
+    bool synthesis = false;                 ///< positions and heights from rendered images
+    SynthesisOptions synthesis_options;     ///< layers.height, where given, is the height
+    bool correct_bias = false;              ///< of discs, learned from synthesised frames
+    std::int64_t stretch = 200;             ///< [frames] that start from one another
+    std::optional<FrameSpan> part;          ///< measured, not linked; empty: all, and linked
+    VisiblePixels visible;                  ///< pixels that are looked at
+    std::optional<KeptCalibration> kept;    ///< instead of a calibration on this film
+    std::optional<CameraMap> camera;        ///< corrects positions; counts pixels of the source
+    bool keeps = false;  ///< start as films will that use the calibration: frame 0 knows nothing
+    int threads = 0;     ///< 0: all
+};
+
+/// Every option of tracking, one table a stage ("calibrate", "detect", "refine", "link", "layers",
+/// "synthesis", "track").
+std::vector<OptionTable> describe(TrackOptions& options);
+
+/// Throws OptionError if an option is given without one that it needs, or with one that excludes
+/// it: the height of the cell, synthesis or a correction of the bias without the true diameter of
+/// the spheres; either of the last two with a mask, a camera or the other; a kept calibration with
+/// options that estimate or give what it holds.
+void require_consistent(const TrackOptions& options);
+
+}  // namespace grainfield::tracking

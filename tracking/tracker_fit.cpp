@@ -1,0 +1,140 @@
+// How Tracker fits the frames that it has read.
+#include <algorithm>
+#include <cmath>
+
+#include "core/support/parallel.h"
+#include "core/support/team.h"
+#include "tracking/run_clock.h"
+#include "tracking/tracker.h"
+#include "tracking/warm_start.h"
+
+namespace grainfield::tracking {
+namespace {
+
+/// A frame whose light was misjudged by more is fitted again [contrast].
+constexpr double kLightAccuracy = 0.02;
+
+}  // namespace
+
+void Tracker::fit(std::vector<Job>& jobs) {
+    if (!is_calibrated()) return;
+    for (Job& job : jobs) {
+        if (job.frame.status == FrameStatus::ok) {
+            job.blank = blank_reason(job.frame.image, options_.visible);
+        }
+    }
+    const auto repeats = [&](const Job& job, std::int64_t position, const Image& counts) {
+        return job.is_usable() && position == job.position - 1 && counts == job.frame.image;
+    };
+    for (std::size_t k = 0; k < jobs.size(); ++k) {
+        jobs[k].is_repeated =
+            k == 0 ? repeats(jobs[k], previous_.position, previous_.counts)
+                   : jobs[k - 1].is_usable() &&
+                         repeats(jobs[k], jobs[k - 1].position, jobs[k - 1].frame.image);
+    }
+    std::vector<std::size_t> fitted;
+    for (std::size_t k = 0; k < jobs.size(); ++k) {
+        if (jobs[k].is_usable() && !jobs[k].is_repeated) fitted.push_back(k);
+    }
+    parallel_for(static_cast<std::int64_t>(fitted.size()), threads_, [&](std::int64_t i) {
+        const auto lane = static_cast<std::size_t>(i);
+        const int own = std::max(1, threads_ / static_cast<int>(fitted.size()));
+        lanes_[lane].locator.set_threads(own);
+        // One region for the whole frame, where a lane has threads of its own.
+        on_team(own, [&](Team&) { fit(jobs[fitted[lane]], lanes_[lane]); });
+    });
+    if (!fitted.empty()) light_ = lanes_[fitted.size() - 1].illumination.state();
+    if (!first_light_.has_reference) first_light_ = light_;
+    for (std::size_t k = 0; k < jobs.size(); ++k) {
+        if (jobs[k].is_repeated) jobs[k].found = k == 0 ? previous_.found : jobs[k - 1].found;
+    }
+    if (synthesis_) synthesise(jobs);
+}
+
+/// One after the other, each on all threads: a frame starts from the one before it.
+void Tracker::synthesise(std::vector<Job>& jobs) {
+    const SynthesisedFrame* earlier = previous_.synthesised ? &*previous_.synthesised : nullptr;
+    for (Job& job : jobs) {
+        if (!job.is_usable()) continue;
+        const auto begin = RunClock::now();
+        job.synthesised = job.is_repeated ? *earlier
+                                          : synthesis_->next(job.frame.image, job.found.fitted,
+                                                             earlier, threads_);
+        job.ms.synthesis += milliseconds_since(begin);
+        earlier = &*job.synthesised;
+        if (!first_optics_ && earlier->residual_rms > 0) {
+            first_optics_.emplace();
+            first_optics_->optics = earlier->optics;
+            first_optics_->residual_rms = earlier->residual_rms;
+        }
+    }
+}
+
+std::vector<Vec2> Tracker::start_for(const Job& job) const {
+    // The calibration has been there already.
+    if (job.frame.index == film_.frame) return film_.calibration->positions;
+    const std::int64_t frames = job.position - previous_.position;
+    if (frames > kSideBySide ||
+        static_cast<double>(frames) * previous_.step_rms > kWarmStep * model().disc.diameter) {
+        return {};
+    }
+    return previous_.found.fitted;
+}
+
+void Tracker::fit(Job& job, Lane& lane) const {
+    const Frame& frame = job.frame;
+    auto begin = RunClock::now();
+    lane.illumination.continue_from(light_);
+    Illumination light = lane.illumination.expected(frame.image);
+    job.ms.detect += milliseconds_since(begin);
+    std::vector<Vec2> places = start_for(job);
+    // Before the first step is known it is taken to be a large one.
+    double step = frame.index == film_.frame ? 0
+                  : previous_.step_rms > 0
+                      ? static_cast<double>(job.position - previous_.position) * previous_.step_rms
+                      : kWarmStep * model().disc.diameter;
+    DetectionOptions detection = options_.detection;
+    if (frame.index == film_.frame && !film_.calibration->is_complete) {
+        // The calibration looked for most spheres only.
+        detection.cores = CoreSearch::this_frame;
+    }
+    for (int attempt = 0; attempt < 2; ++attempt) {
+        begin = RunClock::now();
+        job.found = lane.locator.locate(
+            [&](int y, float* row) { model().darkness_row(frame.image, light, y, row); }, detection,
+            options_.refinement, places, step);
+        if (attempt == 0) job.is_warm = job.found.warm && frame.index != film_.frame;
+        // Drawing and what every frame needs besides count as refinement.
+        job.ms.detect += 1e3 * job.found.detect_seconds;
+        job.ms.refine += milliseconds_since(begin) - 1e3 * job.found.detect_seconds;
+        begin = RunClock::now();
+        const Illumination settled =
+            lane.illumination.settled(frame.image, light, lane.locator.transmission());
+        job.ms.detect += milliseconds_since(begin);
+        const bool holds = std::abs(settled.offset - light.offset) < kLightAccuracy &&
+                           std::abs(settled.span / light.span - 1) < kLightAccuracy;
+        light = settled;
+        if (holds) break;
+        places = job.found.fitted;
+        step = 0;
+        detection.cores = CoreSearch::never;
+    }
+    job.light = light;
+    if (!bias_) return;
+    begin = RunClock::now();
+    correct_bias(job, lane, job.found);
+    job.ms.refine += milliseconds_since(begin);
+}
+
+void Tracker::correct_bias(const Job& job, Lane& lane, Located& found) const {
+    const Image& counts = job.frame.image;
+    Image darkness(counts.width(), counts.height());
+    for (int y = 0; y < counts.height(); ++y) {
+        model().darkness_row(counts, job.light, y, darkness.row(y));
+    }
+    const int own = std::max(1, threads_ / static_cast<int>(lanes_.size()));
+    tracking::correct_bias(*bias_, darkness, lane.locator.residual(), *options_.sphere_diameter,
+                           found, own);
+}
+
+}  // namespace grainfield::tracking
