@@ -135,13 +135,19 @@ std::string LibavLog::take() {
 }
 
 std::string libav_error(int code) {
+    if (code == AVERROR(ENOMEM)) return "it declares a size that cannot be allocated";
     std::array<char, AV_ERROR_MAX_STRING_SIZE> text{};
     av_strerror(code, text.data(), text.size());
     return text.data();
 }
 
 int unless_out_of_memory(int code) {
-    if (code == AVERROR(ENOMEM)) throw std::bad_alloc();
+    if (code != AVERROR(ENOMEM)) return code;
+    // libav says the same of a damaged file that declares a block of many gigabytes.
+    constexpr std::size_t enough = std::size_t{1} << 28;
+    void* const block = ::operator new(enough, std::nothrow);
+    if (block == nullptr) throw std::bad_alloc();
+    ::operator delete(block);
     return code;
 }
 
