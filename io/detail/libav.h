@@ -40,8 +40,9 @@ class LibavLog {
 /// "Invalid data found when processing input"
 std::string libav_error(int code);
 
-/// `code` as libav returned it. Throws std::bad_alloc where memory ran out, that is where 256 MB are
-/// not to be had: no frame is damaged by that. Where they are, the file declares an absurd size.
+/// `code` as libav returned it. Throws std::bad_alloc where memory ran out, that is where 256 MB
+/// are not to be had: no frame is damaged by that. Where they are, the file declares an absurd
+/// size.
 int unless_out_of_memory(int code);
 
 /// A decoder for `parameters` that refuses pictures above `max_pixels`, checks what checksums there
