@@ -27,11 +27,11 @@ void require_diameter(const TrackOptions& options) {
                          "a tilt would be taken for heights",
              .suggestion = options.layers.height
                                ? "leave out track.synthesis: x, y and layers come from the discs, "
-                                 "corrected; or leave out the camera where it moves positions less "
-                                 "than they may err"
+                                 "corrected; or leave out the camera, where it moves positions by "
+                                 "less than they may err"
                                : "leave out track.synthesis: with layers.height the layers come "
-                                 "from the discs, corrected; or leave out the camera where it "
-                                 "moves positions less than they may err"});
+                                 "from the discs, corrected; or leave out the camera, where it "
+                                 "moves positions by less than they may err"});
     }
     if (options.synthesis && !options.visible.are_all()) {
         throw OptionError(ErrorText{"synthesis renders whole frames", "a mask hides part of them",

@@ -192,7 +192,7 @@ std::array<Vec2, 4> given_corners(const std::vector<double>& numbers) {
 
 /// "60,40: seen from 3° aside, corners off by 0.2 px"
 std::string in_words(double first, double second, const tracking::RectangleView& view) {
-    return fmt::format("{:g},{:g}: seen from {:.0f}° aside, corners off by {:.2g} px", first,
+    return fmt::format("{:g},{:g}: seen from {:.0f}° aside, corners off by {:.1f} px", first,
                        second, view.tilt, view.misfit);
 }
 
@@ -308,7 +308,8 @@ CameraJobResult of_boards(const CameraJobOptions& options, std::vector<Place> pl
                  .expected = "3 x 3 inner corners of a chessboard, or a square grid of dots",
                  .suggestion = "it is the picture of the cell's plane: choose another with "
                                "option 'cell-picture', or name the inner corners of the board "
-                               "with option 'inner-corners'"});
+                               "with option 'inner-corners'; without a board option 'walls' or "
+                               "option 'corners' tells the tilt"});
         }
         job.plan.warn(fmt::format("no board in {}: left out", places[i].name()));
     }

@@ -261,7 +261,7 @@ void describe(LiveJobOptions& options, OptionTable& table) {
                "the source waits where tracking is slower, and no frame is dropped");
     table.number(
         "live-silence", options.longest_silence, "s", {0, 1e6},
-        "in which nothing comes, from the start on, after which the source has failed; 0: "
+        "of silence, from the start on, after which the source has failed; 0: "
         "waits for ever; auto: so, with a warning where a camera or pipeline gives nothing "
         "for 30 s");
     table.affects(Effect::work);

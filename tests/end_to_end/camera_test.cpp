@@ -173,6 +173,14 @@ TEST_F(CameraFile, CorrectsPositionsToThoseOfThePlane) {
     EXPECT_LT(rms, 0.05);
 }
 
+TEST_F(CameraFile, WithSynthesisIsRefusedWithWhatToDo) {
+    const Outcome both = track({"-o", own_ / "t.h5", "--camera", *folder / "camera.toml",
+                                "--synthesis", "--sphere-diameter", "20"});
+    EXPECT_EQ(both.code, 2);
+    EXPECT_THAT(both.err, AllOf(HasSubstr("taken for heights"),
+                                HasSubstr("leave out --synthesis: with --height")));
+}
+
 TEST_F(CameraFile, OfAnotherResolutionIsRefusedWithBothSizes) {
     testing::write_png(own_ / "large.png", Image(500, 400, 100));
     const Outcome outcome = run_grainfield(
