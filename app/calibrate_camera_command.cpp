@@ -111,7 +111,7 @@ Command::Inputs CalibrateCameraCommand::inputs() const {
     return {.placeholder = "BOARD...",
             .meaning =
                 "pictures of a chessboard or a dot plate, the first in the plane of the cell; "
-                "with --corners a frame of the film",
+                "with --walls or --corners a frame of the film",
             .count = Count::many};
 }
 

@@ -20,10 +20,18 @@ void require_diameter(const TrackOptions& options) {
                       "give track.sphere-diameter; the dark disc is smaller than the sphere"});
     }
     if (options.synthesis && options.camera) {
-        throw OptionError({.problem = "synthesis cannot be corrected for lens and tilt",
-                           .actual = "a camera is given",
-                           .expected = "no camera: it renders spheres as a straight lens sees them",
-                           .suggestion = "leave out the camera, or synthesis"});
+        throw OptionError(
+            {.problem = "synthesis cannot be corrected for lens and tilt",
+             .actual = "a camera is given",
+             .expected = "no camera: equal spheres are rendered from straight above, and a lens or "
+                         "a tilt would be taken for heights",
+             .suggestion = options.layers.height
+                               ? "leave out track.synthesis: x, y and layers come from the discs, "
+                                 "corrected; or leave out the camera, where it moves positions by "
+                                 "less than they may err"
+                               : "leave out track.synthesis: with layers.height the layers come "
+                                 "from the discs, corrected; or leave out the camera, where it "
+                                 "moves positions by less than they may err"});
     }
     if (options.synthesis && !options.visible.are_all()) {
         throw OptionError(ErrorText{"synthesis renders whole frames", "a mask hides part of them",

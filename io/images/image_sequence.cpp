@@ -32,7 +32,7 @@ class ImageSequence : public FrameSource {
  public:
     ImageSequence(std::vector<std::filesystem::path> files, const FrameFileOptions& options,
                   std::span<const ImageFormat> formats)
-        : options_(options), formats_(formats) {
+        : options_(options), formats_(formats), rate_(options.fps) {
         for (const auto& file : files) require_input_file(file);
         given_ = files.size();
         NumberedFiles numbered = number_files(std::move(files));
@@ -48,7 +48,7 @@ class ImageSequence : public FrameSource {
     int width() const override { return shape_.width; }
     int height() const override { return shape_.height; }
     int bit_depth() const override { return shape_.bit_depth; }
-    std::optional<double> frame_rate() const override { return options_.fps; }
+    std::optional<double> frame_rate() const override { return rate_; }
     const std::vector<std::string>& warnings() const override { return warnings_; }
 
     std::string name() const override {
@@ -62,7 +62,7 @@ class ImageSequence : public FrameSource {
         const auto& file = files_[static_cast<std::size_t>(index)];
         Frame frame;
         frame.index = index;
-        frame.time = static_cast<double>(index) / options_.fps.value_or(1);
+        frame.time = static_cast<double>(index) / rate_.value_or(1);
         frame.bit_depth = shape_.bit_depth;
         if (file.empty()) {
             frame.status = FrameStatus::missing;
@@ -114,6 +114,7 @@ class ImageSequence : public FrameSource {
             try {
                 const Picture picture = read_image(file, options_.max_pixels, formats_);
                 shape_ = picture.shape();
+                if (!rate_) rate_ = picture.frame_rate;
                 if (picture.filter != ColourFilter::none && !options_.knows_filter) {
                     warnings_.push_back(mosaic_warning(name(), picture.filter));
                 }
@@ -127,6 +128,7 @@ class ImageSequence : public FrameSource {
 
     FrameFileOptions options_;
     std::span<const ImageFormat> formats_;
+    std::optional<double> rate_;  ///< [1/s]
     std::size_t given_ = 0;
     std::vector<std::filesystem::path> files_;
     std::vector<std::filesystem::path> missing_names_;

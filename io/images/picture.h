@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "core/errors.h"
@@ -26,6 +27,7 @@ struct Picture {
     Image image;
     int bit_depth = 8;
     ColourFilter filter = ColourFilter::none;  ///< as the file says
+    std::optional<double> frame_rate = {};     ///< of the film it is of, as the file says [1/s]
 
     PictureShape shape() const { return {image.width(), image.height(), bit_depth}; }
 };

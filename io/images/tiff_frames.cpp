@@ -8,6 +8,7 @@
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -79,6 +80,7 @@ struct Layout {
     std::uint16_t format = SAMPLEFORMAT_UINT;
     std::uint16_t compression = COMPRESSION_NONE;
     ColourFilter filter = ColourFilter::none;
+    bool is_of_sensor = false;         ///< of DNG
     std::vector<std::uint16_t> table;  ///< of DNG: counts in proportion to light, by stored value
 
     /// Values beyond the end of the table take its last entry.
@@ -96,6 +98,7 @@ struct Layout {
 };
 
 constexpr std::uint16_t photometric_linear_raw = 34892;  // of DNG: counts of the sensor
+constexpr std::uint32_t frame_rate_tag = 51044;          // of CinemaDNG; libtiff does not know it
 
 class TiffFile {
  public:
@@ -119,6 +122,8 @@ class TiffFile {
     const std::filesystem::path& path() const { return path_; }
     const std::vector<Page>& pages() const { return pages_; }
     const TiffDescription& description() const { return description_; }
+    /// Of CinemaDNG [1/s].
+    const std::optional<double>& frame_rate() const { return frame_rate_; }
     /// Why the list of pages broke off; empty if it came to its end.
     const std::string& cut_message() const { return cut_message_; }
 
@@ -132,7 +137,7 @@ class TiffFile {
         require_supported(page, layout);
         const std::vector<std::uint8_t> raw = read_raw(page, layout);
         Picture picture{Image(static_cast<int>(page.width), static_cast<int>(page.height)),
-                        layout.bit_depth(page.bits), layout.filter};
+                        layout.bit_depth(page.bits), layout.filter, frame_rate_};
         if (page.bits == 8) {
             convert<std::uint8_t>(raw, layout, picture.image);
         } else if (page.bits == 16) {
@@ -175,10 +180,24 @@ class TiffFile {
     // In DNG the counts of the sensor often stand below a page with a small picture of them.
     void note_raw_pages() {
         if (numbers_of<std::uint8_t>(TIFFTAG_DNGVERSION).empty()) return;
+        if (!frame_rate_) frame_rate_ = read_frame_rate();
         std::uint16_t count = 0;
         const std::uint64_t* offsets = nullptr;
         if (TIFFGetField(tiff_.get(), TIFFTAG_SUBIFD, &count, &offsets) == 0) return;
         raw_pages_.insert(raw_pages_.end(), offsets, offsets + count);
+    }
+
+    /// A field that libtiff makes up has the type of the file.
+    std::optional<double> read_frame_rate() {
+        const TIFFField* field = TIFFFindField(tiff_.get(), frame_rate_tag, TIFF_ANY);
+        if (field == nullptr || TIFFFieldPassCount(field) == 0) return std::nullopt;
+        const TIFFDataType type = TIFFFieldDataType(field);
+        if (type != TIFF_SRATIONAL && type != TIFF_RATIONAL) return std::nullopt;
+        if (TIFFFieldSetGetSize(field) != sizeof(float)) return std::nullopt;
+        const std::vector<float> rate = numbers_of<float>(frame_rate_tag);
+        constexpr float most = 1e9F;  // such as a camera can have
+        if (rate.size() != 1 || !(rate[0] >= 1 / most && rate[0] <= most)) return std::nullopt;
+        return static_cast<double>(rate[0]);
     }
 
     void find_raw_pages() {
@@ -223,6 +242,7 @@ class TiffFile {
             layout.photometric = PHOTOMETRIC_RGB;
         }
         if (layout.photometric == photometric_linear_raw || layout.photometric == PHOTOMETRIC_CFA) {
+            layout.is_of_sensor = true;
             layout.table = read_table();
         }
         if (layout.photometric == photometric_linear_raw) {
@@ -289,14 +309,21 @@ class TiffFile {
         const bool palette = layout.photometric == PHOTOMETRIC_PALETTE && page.bits == 8;
         const bool is_packed = page.bits > 8 && page.bits < 16 && layout.samples == 1;
         const bool depth = page.bits == 8 || page.bits == 16 || (is_packed && grey);
-        if (layout.filter != ColourFilter::none && layout.compression == COMPRESSION_JPEG) {
-            refuse("counts of the sensor in JPEG", "a DNG that is not compressed");
+        const bool is_known = TIFFIsCODECConfigured(layout.compression) != 0;
+        // libtiff reads JPEG as pictures have it, not the lossless one of DNG.
+        if (layout.is_of_sensor && (layout.compression == COMPRESSION_JPEG || !is_known)) {
+            refuse(layout.compression == COMPRESSION_JPEG
+                       ? std::string("counts of the sensor in JPEG (compression 7)")
+                       : fmt::format("counts of the sensor in compression {}", layout.compression),
+                   "a DNG that is not compressed",
+                   "make 16-bit TIFF of it, the counts as they are, with 'dcraw -D -4 -T FILE', or "
+                   "save it uncompressed with Adobe's DNG Converter");
         }
         if (depth && layout.format == SAMPLEFORMAT_UINT && layout.samples >= 1 &&
             layout.samples <= 16 && (grey || colour || palette)) {
             return;
         }
-        if (!TIFFIsCODECConfigured(layout.compression)) {
+        if (!is_known) {
             refuse(fmt::format("compression {}", layout.compression), "a compression of libtiff");
         }
         refuse(fmt::format("{} bit, {} samples per pixel, sample format {}, photometric {}",
@@ -304,11 +331,13 @@ class TiffFile {
                "8 to 16 bit unsigned grey, or RGB or palette of 8 or 16 bit");
     }
 
-    [[noreturn]] void refuse(std::string actual, std::string expected) const {
+    [[noreturn]] void refuse(
+        std::string actual, std::string expected,
+        std::string suggestion = "save it as 16-bit grey, not compressed") const {
         throw InputError({.problem = fmt::format("cannot use the TIFF '{}'", path_.string()),
                           .actual = std::move(actual),
                           .expected = std::move(expected),
-                          .suggestion = "save it as 16-bit grey, not compressed"});
+                          .suggestion = std::move(suggestion)});
     }
 
     /// All samples as stored, plane after plane, row after row.
@@ -449,6 +478,7 @@ class TiffFile {
     std::vector<std::uint64_t> raw_pages_;  ///< below other pages
     std::string cut_message_;
     TiffDescription description_;
+    std::optional<double> frame_rate_;
 };
 
 class TiffFrames : public FrameSource, public FrameScale {
@@ -469,7 +499,7 @@ class TiffFrames : public FrameSource, public FrameScale {
                     name(), *said.frame_rate, said.channels * said.depths));
             }
         } else if (!fps_) {
-            fps_ = said.frame_rate;
+            fps_ = said.frame_rate ? said.frame_rate : file_.frame_rate();
         }
         if (filter_ != ColourFilter::none && !options.knows_filter) {
             warnings_.push_back(mosaic_warning(name(), filter_));

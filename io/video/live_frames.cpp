@@ -81,10 +81,9 @@ bool is_camera(const std::string& source) {
 std::unique_ptr<RawStream> open_stream(const LiveOptions& options) {
     const auto is_stopped = [] { return caught_signal() != 0; };
     if (!is_camera(options.source)) {
-        auto stream = std::make_unique<RawStream>(options.source, given_format(options),
-                                                  options.max_pixels, is_stopped);
-        stream->limit_silence({.longest = options.longest_silence.value_or(0)});
-        return stream;
+        return std::make_unique<RawStream>(
+            options.source, given_format(options), options.max_pixels, is_stopped,
+            SilenceLimit{.longest = options.longest_silence.value_or(0)});
     }
     if (!options.size.empty()) {
         throw OptionError({.problem = "option 'live-size' is for frames without a header",
@@ -343,11 +342,14 @@ std::unique_ptr<LiveFrames> open_live(const LiveOptions& options) {
     const bool is_there = opened.wait_for(1);
     throw_if_interrupted("tracking");
     if (!is_there) {
-        const std::string damage = frames->counts().damage;
+        const LiveCounts counts = frames->counts();
         throw InputError({.problem = fmt::format("no frame came from '{}'", frames->name()),
-                          .actual = damage.empty() ? "it ended" : damage,
+                          .actual = counts.damage.empty() ? "it ended" : counts.damage,
                           .expected = "frames",
-                          .suggestion = {}});
+                          .suggestion = counts.is_silent
+                                            ? "start what sends them, or wait longer with option "
+                                              "'live-silence'"
+                                            : ""});
     }
     const auto enough = std::min<std::int64_t>(opening, opened.wanted.count);
     opened.wait_for(enough, Clock::now() + longest_opening);

@@ -21,8 +21,9 @@ struct LiveOptions {
     std::string frames = "::";   ///< FIRST:END:STEP, of those that come
     std::int64_t queue = 64;     ///< frames that may wait, at least 10
     bool waits = false;          ///< full: the source waits; else the oldest frame is dropped
-    /// [s] without a frame, then it has failed; 0: for ever; empty: for ever, and cameras and
-    /// pipelines, which cannot tell that they ended, are noted after `noted_silence`.
+    /// [s] in which nothing comes, from the start on, then it has failed; 0: for ever; empty: for
+    /// ever, and cameras and pipelines, which cannot tell that they ended, are noted after
+    /// `noted_silence`.
     std::optional<double> longest_silence{};
     double noted_silence = 30;         ///< [s]
     std::function<void()> on_silence;  ///< called then, once, maybe in another thread

@@ -128,8 +128,8 @@ RawFormat yuv4mpeg_format(const std::string& line, const std::string& source) {
 }
 
 RawStream::RawStream(const std::string& source, const std::optional<RawFormat>& given,
-                     std::int64_t max_pixels, const IsStopped& is_stopped)
-    : name_(source == "-" ? "standard input" : source) {
+                     std::int64_t max_pixels, const IsStopped& is_stopped, SilenceLimit silence)
+    : name_(source == "-" ? "standard input" : source), limit_(std::move(silence)) {
     if (given) require_size(*given, max_pixels, name_);
     if (source == "-") {
         descriptor_ = ::dup(STDIN_FILENO);
@@ -214,7 +214,12 @@ void RawStream::begin(const std::optional<RawFormat>& given, std::int64_t max_pi
     const bool is_whole = read_line(line, is_stopped);
     if (was_stopped_) throw_if_interrupted("tracking");
     if (line.starts_with("ERROR ")) refuse(name_, line.substr(6), {});
-    if (is_silent_) refuse(name_, silence(), "frames", "look at the camera and its pipeline");
+    if (is_silent_) {
+        refuse(name_, silence(), "frames",
+               program_ > 0 ? "look at the camera and its pipeline"
+                            : "start the program that writes them, or wait longer with option "
+                              "'live-silence'");
+    }
     if (!is_whole && line.empty()) {
         const std::string failure = was_stopped_ ? "" : failure_at_end();
         refuse(name_, failure.empty() ? "nothing came" : failure, "frames");
@@ -238,13 +243,11 @@ std::size_t RawStream::read_some(std::uint8_t* to, std::size_t count, const IsSt
             break;
         }
         const std::chrono::duration<double> silent = Clock::now() - last;
-        // Somebody may come to write to a FIFO much later.
-        const bool has_begun = offset_ + done > 0 || program_ > 0;
-        if (limit_.longest > 0 && has_begun && silent.count() > limit_.longest) {
+        if (limit_.longest > 0 && silent.count() > limit_.longest) {
             is_silent_ = true;
             break;
         }
-        if (limit_.noted > 0 && has_begun && !is_noted_ && silent.count() > limit_.noted) {
+        if (limit_.noted > 0 && !is_noted_ && silent.count() > limit_.noted) {
             is_noted_ = true;
             if (limit_.note) limit_.note();
         }

@@ -54,13 +54,13 @@ class RawStream {
 
     /// `source`: "-" or the path of a FIFO. Waits for the header where no format is given. Throws
     /// InputError if the source is neither, or what it says of itself is no such format, or a frame
-    /// would have more than `max_pixels`; Interrupted if it is stopped.
+    /// would have more than `max_pixels`, or the header does not come in time; Interrupted if it is
+    /// stopped. `silence` counts from now: a FIFO that nobody opens is silent.
     RawStream(const std::string& source, const std::optional<RawFormat>& given,
-              std::int64_t max_pixels, const IsStopped& is_stopped);
+              std::int64_t max_pixels, const IsStopped& is_stopped, SilenceLimit silence = {});
     /// From the standard output of a program, by its words; `source` is its name in messages. A
     /// line "ERROR text" in the place of the header becomes an InputError, in the place of a frame
     /// damage; so does the end of a program that failed. Signals of the terminal do not reach it.
-    /// `silence`: as limit_silence, from the beginning.
     RawStream(const std::vector<std::string>& program, const std::string& source,
               std::int64_t max_pixels, const IsStopped& is_stopped, SilenceLimit silence = {});
     /// Ends the program.
@@ -68,8 +68,6 @@ class RawStream {
     RawStream(const RawStream&) = delete;
     RawStream& operator=(const RawStream&) = delete;
 
-    /// From now on; at first a stream waits for ever and says nothing.
-    void limit_silence(SilenceLimit limit) { limit_ = std::move(limit); }
     bool is_silent() const { return is_silent_; }
 
     const RawFormat& format() const { return format_; }

@@ -15,6 +15,7 @@
 #include "pipelines/camera/camera_file.h"
 #include "pipelines/camera/residual_picture.h"
 #include "tracking/camera/board_points.h"
+#include "tracking/camera/rectangle_view.h"
 
 namespace grainfield::pipelines {
 
@@ -48,16 +49,20 @@ std::vector<Place> places_of(const Job& job) {
     return places;
 }
 
+/// The number of the picture of the cell's plane. Throws OptionError where there is none.
+std::size_t cell_picture(const std::vector<Place>& places, const CameraJobOptions& options) {
+    const auto count = static_cast<std::int64_t>(places.size());
+    if (options.cell_picture < count) return static_cast<std::size_t>(options.cell_picture);
+    throw OptionError({.problem = "option 'cell-picture' names none of the pictures",
+                       .actual = fmt::format("{} of {}", options.cell_picture, count),
+                       .expected = fmt::format("0 to {}", count - 1),
+                       .suggestion = {}});
+}
+
 /// As many as wanted, spread evenly; the one of the cell's plane among them. Gives its new number.
 std::size_t thin_out(std::vector<Place>& places, const CameraJobOptions& options) {
     const auto count = static_cast<std::int64_t>(places.size());
-    const std::int64_t cell = options.cell_picture;
-    if (cell >= count) {
-        throw OptionError({.problem = "option 'cell-picture' names none of the pictures",
-                           .actual = fmt::format("{} of {}", cell, count),
-                           .expected = fmt::format("0 to {}", count - 1),
-                           .suggestion = {}});
-    }
+    const auto cell = static_cast<std::int64_t>(cell_picture(places, options));
     if (count <= options.pictures) return static_cast<std::size_t>(cell);
     std::vector<Place> kept;
     std::size_t number = 0;
@@ -117,6 +122,23 @@ const char* name_of(BoardKind kind) {
     return "a chessboard or dots";
 }
 
+/// Throws OptionError for what only boards have.
+void refuse_board_options(const CameraJobOptions& options) {
+    const char* name = options.pitch                           ? "pitch"
+                       : !options.inner_corners.empty()        ? "inner-corners"
+                       : options.board != BoardKind::automatic ? "board"
+                                                               : nullptr;
+    if (name == nullptr) return;
+    throw OptionError(
+        {.problem = fmt::format("option '{}' is for pictures of a board", name),
+         .actual = fmt::format("the plane is that of a rectangle (option '{}'), "
+                               "whose sides say the scale",
+                               options.walls ? "walls" : "corners"),
+         .expected = "a board or a rectangle",
+         .suggestion = fmt::format("leave out option '{}', or option '{}' and option 'sides'", name,
+                                   options.walls ? "walls" : "corners")});
+}
+
 bool is_of_corners(const CameraJobOptions& options) {
     if (options.corners && options.walls) {
         throw OptionError({.problem = "corners are given, and walls are to be looked for",
@@ -124,13 +146,26 @@ bool is_of_corners(const CameraJobOptions& options) {
                            .expected = "option 'corners' or option 'walls'",
                            .suggestion = {}});
     }
-    if ((options.corners || options.walls) && options.sides) return true;
-    if (!options.corners && !options.walls && !options.sides) return false;
-    throw OptionError({.problem = "a rectangle needs its corners and its sides",
-                       .actual = options.sides ? "neither option 'corners' nor 'walls' is given"
-                                               : "option 'sides' is not given",
-                       .expected = "corners x,y,x,y,x,y,x,y [px], or walls, and sides w,h",
-                       .suggestion = {}});
+    const bool is_rectangle = options.corners || options.walls;
+    if (is_rectangle && !options.sides) {
+        throw OptionError(
+            {.problem = "how long the sides of the rectangle are is not known",
+             .actual = "option 'sides' is not given",
+             .expected = options.walls ? "the level and the upright side of the cell, as W,H in "
+                                         "'unit'"
+                                       : "the lengths from the first corner to the second, and "
+                                         "from there to the third, as W,H in 'unit'",
+             .suggestion = "measure the cell; 60,40 is 60 mm wide and 40 mm high"});
+    }
+    if (!is_rectangle && options.sides) {
+        throw OptionError({.problem = "sides are given without a rectangle",
+                           .actual = "neither option 'corners' nor option 'walls' is given",
+                           .expected = "option 'walls', which looks for the cell, or option "
+                                       "'corners' as X,Y,X,Y,X,Y,X,Y [px]",
+                           .suggestion = "of a board give option 'pitch' instead"});
+    }
+    if (is_rectangle) refuse_board_options(options);
+    return is_rectangle;
 }
 
 double largest_shift(const tracking::Camera& camera) {
@@ -155,6 +190,45 @@ std::array<Vec2, 4> given_corners(const std::vector<double>& numbers) {
     return corners;
 }
 
+/// "60,40: seen from 3° aside, corners off by 0.2 px"
+std::string in_words(double first, double second, const tracking::RectangleView& view) {
+    return fmt::format("{:g},{:g}: seen from {:.0f}° aside, corners off by {:.1f} px", first,
+                       second, view.tilt, view.misfit);
+}
+
+/// Throws OptionError for sides that only the other order explains; warns where it is likelier, or
+/// where no usual camera sees such a rectangle.
+void require_order(const std::array<Vec2, 4>& corners, double first, double second,
+                   const Image& image, RunPlan& plan) {
+    constexpr double refused = 9;  // of doubt, that is three usual deviations
+    constexpr double noted = 2;
+    const auto view = [&](double a, double b) {
+        return tracking::rectangle_view(corners, a, b, image.width(), image.height());
+    };
+    const tracking::RectangleView given = view(first, second);
+    const tracking::RectangleView swapped = view(second, first);
+    const double worse = given.doubt - swapped.doubt;
+    const std::string readings =
+        fmt::format("{}; {}", in_words(first, second, given), in_words(second, first, swapped));
+    if (worse > refused && swapped.is_likely) {
+        throw OptionError(
+            {.problem = "the two lengths of option 'sides' are in the wrong order",
+             .actual = readings,
+             .expected = "level side, upright side (walls), or the side from the "
+                         "first corner to the second, then the next (corners)",
+             .suggestion = fmt::format("give option 'sides' as {:g},{:g}", second, first)});
+    }
+    if (worse > noted) {
+        plan.warn(
+            fmt::format("the lengths of option 'sides' may be in the wrong order: {}", readings));
+    } else if (given.doubt > refused) {
+        plan.warn(fmt::format(
+            "the lengths of option 'sides' do not suit the picture: {}; are they those of the "
+            "rectangle that was found, and are pixels square?",
+            in_words(first, second, given)));
+    }
+}
+
 CameraJobResult of_rectangle(const CameraJobOptions& options, const Place& place, RunPlan& plan) {
     const Image image = image_of(place);
     CameraJobResult result;
@@ -173,6 +247,7 @@ CameraJobResult of_rectangle(const CameraJobOptions& options, const Place& place
     result.fit.camera =
         tracking::camera_of_rectangle(corners, options.sides->front(), options.sides->back(),
                                       options.unit, image.width(), image.height());
+    require_order(corners, options.sides->front(), options.sides->back(), image, plan);
     if (result.walls) result.fit.camera.residual_rms = result.walls->residual_rms;
     return result;
 }
@@ -233,7 +308,8 @@ CameraJobResult of_boards(const CameraJobOptions& options, std::vector<Place> pl
                  .expected = "3 x 3 inner corners of a chessboard, or a square grid of dots",
                  .suggestion = "it is the picture of the cell's plane: choose another with "
                                "option 'cell-picture', or name the inner corners of the board "
-                               "with option 'inner-corners'"});
+                               "with option 'inner-corners'; without a board option 'walls' or "
+                               "option 'corners' tells the tilt"});
         }
         job.plan.warn(fmt::format("no board in {}: left out", places[i].name()));
     }
@@ -270,7 +346,8 @@ void describe(CameraJobOptions& options, OptionTable& table) {
     table.choice("unit", options.unit, {{"mm", PlaneUnit::mm}, {"a", PlaneUnit::diameter}},
                  "of pitch and sides: mm, or diameters a of the spheres");
     table.integer("cell-picture", options.cell_picture, "-", {0, 1e9},
-                  "picture whose board lies in the plane of the cell, from 0 in the order given");
+                  "picture whose board lies in the plane of the cell, or that shows the rectangle; "
+                  "from 0 in the order given");
     table.integer("pictures", options.pictures, "-", {1, 10000},
                   "looked at, spread over those that are given");
     table.numbers("corners", options.corners, "px", {-1e6, 1e6},
@@ -290,7 +367,10 @@ void plan_camera(const CameraJobOptions& options, Job& job) {
     if (is_of_corners(options)) {
         job.plan.skip("lens", options.walls ? "walls tell no lens" : "corners are given",
                       "pictures of a board");
-        job.plan.run("tilt", "the plane of the rectangle; its sides are the walls of the cell");
+        const std::vector<Place> places = places_of(job);
+        job.plan.run("tilt", fmt::format("the plane of the rectangle in {}; its sides are the "
+                                         "walls of the cell",
+                                         places[cell_picture(places, options)].name()));
         return;
     }
     std::vector<Place> places = places_of(job);
@@ -307,7 +387,8 @@ CameraJobResult calibrate_camera(const CameraJobOptions& options, Job& job) {
     require_free(options.output, job);
     if (is_of_corners(options)) {
         plan_camera(options, job);
-        result = of_rectangle(options, {job.inputs.front(), 0, 1}, job.plan);
+        const std::vector<Place> places = places_of(job);
+        result = of_rectangle(options, places[cell_picture(places, options)], job.plan);
     } else {
         require_free(picture, job);
         result = of_boards(options, places_of(job), job);

@@ -259,9 +259,11 @@ void describe(LiveJobOptions& options, OptionTable& table) {
     table.affects(Effect::work);
     table.flag("live-wait", options.waits,
                "the source waits where tracking is slower, and no frame is dropped");
-    table.number("live-silence", options.longest_silence, "s", {0, 1e6},
-                 "without a frame after which the source has failed; 0: waits for ever; auto: so, "
-                 "with a warning where a camera or pipeline gives nothing for 30 s");
+    table.number(
+        "live-silence", options.longest_silence, "s", {0, 1e6},
+        "of silence, from the start on, after which the source has failed; 0: "
+        "waits for ever; auto: so, with a warning where a camera or pipeline gives nothing "
+        "for 30 s");
     table.affects(Effect::work);
     table.text("preview", options.preview,
                "with live: FILE.png or FILE.jpg with the newest frame and what was found, renewed "

@@ -1,6 +1,7 @@
 // `grainfield calibrate-camera`, and tracks that are corrected with its camera file.
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -18,6 +19,7 @@
 namespace grainfield {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using testing::held;
 using testing::Outcome;
@@ -171,6 +173,14 @@ TEST_F(CameraFile, CorrectsPositionsToThoseOfThePlane) {
     EXPECT_LT(rms, 0.05);
 }
 
+TEST_F(CameraFile, WithSynthesisIsRefusedWithWhatToDo) {
+    const Outcome both = track({"-o", own_ / "t.h5", "--camera", *folder / "camera.toml",
+                                "--synthesis", "--sphere-diameter", "20"});
+    EXPECT_EQ(both.code, 2);
+    EXPECT_THAT(both.err, AllOf(HasSubstr("taken for heights"),
+                                HasSubstr("leave out --synthesis: with --height")));
+}
+
 TEST_F(CameraFile, OfAnotherResolutionIsRefusedWithBothSizes) {
     testing::write_png(own_ / "large.png", Image(500, 400, 100));
     const Outcome outcome = run_grainfield(
@@ -242,6 +252,43 @@ TEST_F(CameraFile, OfARectangleMakesItTheBox) {
         {"calibrate-camera", frames[0], "-o", own_ / "no.toml", "--corners", corners});
     EXPECT_EQ(half.code, 2);
     EXPECT_THAT(half.err, HasSubstr("--sides is not given"));
+    // Width for height.
+    const Outcome swapped = run_grainfield({"calibrate-camera", frames[0], "-o", own_ / "no.toml",
+                                            "--corners", corners, "--sides", "40,50"});
+    EXPECT_EQ(swapped.code, 2);
+    EXPECT_THAT(swapped.err,
+                AllOf(HasSubstr("wrong order: 40,50: seen from"), HasSubstr("; 50,40: seen from"),
+                      HasSubstr("give --sides as 50,40")));
+    EXPECT_FALSE(std::filesystem::exists(own_ / "no.toml"));
+}
+
+TEST_F(CameraFile, OfWallsWantsTheirSidesInOrderAndNoBoard) {
+    TiltedCamera camera;
+    camera.k1 = camera.k2 = camera.p1 = camera.p2 = 0;
+    testing::write_png(own_ / "cell.png",
+                       camera.cell(40, 30, 1.5, {}, held({0.07, -0.05, 0.02}, {20, 15}, 85), 2, 1));
+    const auto calibrate = [&](std::vector<std::string> words) {
+        words.insert(words.begin(), {"calibrate-camera", own_ / "cell.png", "-o",
+                                     own_ / "walls.toml", "--unit", "a"});
+        return run_grainfield(words);
+    };
+    const auto refused = [&](std::vector<std::string> words, const std::string& text) {
+        const Outcome outcome = calibrate(std::move(words));
+        EXPECT_EQ(outcome.code, 2) << outcome.out << outcome.err;
+        EXPECT_THAT(outcome.err, HasSubstr(text));
+        EXPECT_FALSE(std::filesystem::exists(own_ / "walls.toml"));
+    };
+    refused({"--walls"}, "--sides is not given");
+    refused({"--sides", "40,30"}, "neither --corners nor --walls is given");
+    refused({"--walls", "--sides", "30,40"}, "give --sides as 40,30");
+    refused({"--walls", "--sides", "40,30", "--pitch", "5"}, "--pitch is for pictures of a board");
+    refused({"--walls", "--sides", "40,30", "--inner-corners", "7,7"}, "--inner-corners is for");
+    refused({"--walls", "--sides", "40,30", "--cell-picture", "1"}, "1 of 1");
+    const Outcome made = calibrate({"--walls", "--sides", "40,30"});
+    EXPECT_EQ(made.code, 0) << made.err;
+    EXPECT_EQ(made.err.find("warning"), std::string::npos) << made.err;
+    const std::string help = run_grainfield({"calibrate-camera", "--help"}).out;
+    EXPECT_THAT(help, HasSubstr("--walls or --corners"));
 }
 
 TEST_F(CameraFile, NeedsABoardInThePictureOfTheCell) {

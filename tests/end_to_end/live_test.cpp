@@ -329,11 +329,11 @@ TEST_F(Live, ASourceThatFallsSilentEndsWithWhatCame) {
         fifo.close();
     });
     const Outcome live = run_grainfield(
-        {"track", "--live", fifo.path(), "--live-silence", "1.5", "-o", out_ / "live.h5"});
+        {"track", "--live", fifo.path(), "--live-silence", "3", "-o", out_ / "live.h5"});
     is_over = true;
     writer.join();
     EXPECT_EQ(live.code, 3) << live.err;
-    EXPECT_THAT(live.err, AllOf(HasSubstr("fell silent"), HasSubstr("nothing came for 1.5 s"),
+    EXPECT_THAT(live.err, AllOf(HasSubstr("fell silent"), HasSubstr("nothing came for 3 s"),
                                 HasSubstr("the frames before are kept")));
     points("live.h5");
     EXPECT_EQ(testing::csv_rows(out_ / "t.csv").back().at("frame"), "14");
@@ -450,6 +450,8 @@ TEST_F(Live, WhatIsNoLiveSourceIsRefused) {
     refused({"--live", "-"}, 3, "nothing came");
     refused({"--live", out_.path().string()}, 3, "no FIFO");
     refused({"--live", "no-such-element ! x"}, 3, "opens it");
+    const Fifo fifo(out_ / "nobody");
+    refused({"--live", fifo.path(), "--live-silence", "0.3"}, 3, "nothing came for 0.3 s");
     const Outcome plan = run_grainfield({"track", "--live", "-", "-o", out_ / "t.h5", "--explain"});
     EXPECT_EQ(plan.code, 0) << plan.err;
     EXPECT_THAT(plan.out, HasSubstr("at most 64 of them waiting"));

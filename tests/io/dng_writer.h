@@ -23,6 +23,7 @@ struct DngWriter {
     unsigned pattern_columns = 2;
     int frame = 0;
     std::vector<std::uint16_t> table{};  ///< of linear counts; empty: none
+    int rate = 0, rate_of = 1;           ///< FrameRate of CinemaDNG, a fraction [1/s]; 0: none
 
     std::string text() const {
         std::string out = is_big_endian ? "MM" : "II";
@@ -31,6 +32,7 @@ struct DngWriter {
         const std::string pixels = packed_rows();
         std::vector<Tag> first{{254, 4, 1, number(is_below ? 1 : 0, 4)},
                                {50706, 1, 4, std::string("\1\4\0\0", 4)}};
+        if (rate != 0) first.push_back({51044, 10, 1, "rate"});
         if (!is_below) add_counts(first, pixels.size());
         if (is_below) {
             for (const auto& [tag, value] : {std::pair{256U, 2U},
@@ -46,15 +48,19 @@ struct DngWriter {
             first.push_back({279, 4, 1, number(2, 4)});
             const std::size_t below = 8 + 2 + 12 * (first.size() + 1) + 4;
             first.push_back({330, 4, 1, number(static_cast<unsigned>(below), 4)});
-            append_folder(out, first);
             std::vector<Tag> counts{{254, 4, 1, number(0, 4)}};
             add_counts(counts, pixels.size());
-            append_folder(out, counts);
+            append_folder(out, first, 2 + 12 * counts.size() + 4);
+            append_folder(out, counts, 0);
         } else {
-            append_folder(out, first);
+            append_folder(out, first, 0);
         }
         out += pixels;
         for (const unsigned count : table) append(out, count, 2);
+        if (rate != 0) {
+            append(out, static_cast<unsigned>(rate), 4);
+            append(out, static_cast<unsigned>(rate_of), 4);
+        }
         return out;
     }
 
@@ -96,10 +102,12 @@ struct DngWriter {
             out += static_cast<char>(value >> shift & 255U);
         }
     }
-    /// The pixels stand behind the last folder, the table behind them.
-    void append_folder(std::string& out, std::vector<Tag> tags) const {
+    /// The pixels stand behind the last folder, the table behind them, then the rate. `more`: bytes
+    /// of the folders that follow.
+    void append_folder(std::string& out, std::vector<Tag> tags, std::size_t more) const {
         std::ranges::sort(tags, {}, &Tag::tag);
-        const std::size_t end = out.size() + 2 + 12 * tags.size() + 4;
+        const std::size_t end = out.size() + 2 + 12 * tags.size() + 4 + more;
+        const std::size_t of_table = end + packed_rows().size();
         append(out, static_cast<unsigned>(tags.size()), 2);
         for (const Tag& tag : tags) {
             append(out, tag.tag, 2);
@@ -107,8 +115,9 @@ struct DngWriter {
             append(out, tag.count, 4);
             std::string value = tag.value;
             if (value == "here") value = number(static_cast<unsigned>(end), 4);
-            if (value == "table") {
-                value = number(static_cast<unsigned>(end + packed_rows().size()), 4);
+            if (value == "table") value = number(static_cast<unsigned>(of_table), 4);
+            if (value == "rate") {
+                value = number(static_cast<unsigned>(of_table + 2 * table.size()), 4);
             }
             value.resize(4);
             out += value;

@@ -22,9 +22,12 @@ constexpr double kLeastSegment = 0.02;  // of the shorter side of the frame
 constexpr double kLeastCovered = 0.25;  // of the side of the frame
 constexpr double kOnLine = 1.5;         // px
 constexpr double kSteepest = 0.57735;   // tan 30°
-constexpr double kStep = 2;             // px between edge points
+constexpr int kStep = 2;                // px between edge points
 constexpr double kNearCorner = 0.04;    // of a side, without edge points
 constexpr int kAcross = 4;              // px to both sides of an edge
+constexpr double kWindow = 1.5;         // px, of the weights about it
+constexpr int kSteps = 6;               // to its middle
+constexpr double kStepFactor = 1.3;     // the weights shorten a step
 constexpr double kLeastRise = 0.975;    // of the whole step at a wall
 constexpr double kMostUneven = 0.04;    // likewise, beside it
 constexpr std::size_t kLeastPoints = 20;
@@ -165,60 +168,75 @@ std::array<Vec2, 4> corners_of(const std::array<Line, 4>& line) {
             crossing(line[right], line[bottom]), crossing(line[left], line[bottom])};
 }
 
-/// Linear interpolation; empty outside of the image.
-std::optional<double> value_at(const Image& image, double x, double y) {
-    const double fx = std::floor(x);
-    const double fy = std::floor(y);
-    const int ix = static_cast<int>(fx);
-    const int iy = static_cast<int>(fy);
-    if (ix < 0 || iy < 0 || ix + 1 >= image.width() || iy + 1 >= image.height()) {
+/// The counts across a line, kAcross pixels to both sides of the one it is in, mean of three along
+/// it. Pixels as they are: linear interpolation between them would shift edges by a sixtieth of
+/// one.
+struct Profile {
+    int middle = 0;
+    std::array<double, 2 * kAcross + 1> count{};
+};
+
+/// Empty outside of the image.
+std::optional<Profile> profile_at(const Image& image, bool upright, int along, double across) {
+    Profile profile;
+    profile.middle = static_cast<int>(std::lround(across));
+    const int width = upright ? image.width() : image.height();
+    const int height = upright ? image.height() : image.width();
+    if (profile.middle < kAcross || profile.middle + kAcross >= width || along < 1 ||
+        along + 1 >= height) {
         return std::nullopt;
     }
-    const auto count = [&](int dx, int dy) { return static_cast<double>(image(ix + dx, iy + dy)); };
-    const double u = x - fx;
-    const double v = y - fy;
-    return (1 - v) * ((1 - u) * count(0, 0) + u * count(1, 0)) +
-           v * ((1 - u) * count(0, 1) + u * count(1, 1));
+    for (std::size_t k = 0; k < profile.count.size(); ++k) {
+        const int c = profile.middle + static_cast<int>(k) - kAcross;
+        for (int a = along - 1; a <= along + 1; ++a) {
+            profile.count[k] += static_cast<double>(upright ? image(c, a) : image(a, c)) / 3;
+        }
+    }
+    return profile;
 }
 
-/// First moment of the slope of the profile across the line; empty where there is no edge of the
-/// wanted sign.
+/// Mean distance of the slope from `across`, weighted by a Gaussian of that width about it.
+double middle_of_slope(const Profile& profile, double across, double window) {
+    double sum = 0;
+    double moment = 0;
+    for (std::size_t k = 0; k + 1 < profile.count.size(); ++k) {
+        const double place = profile.middle + static_cast<double>(k) - kAcross + 0.5 - across;
+        const double weight = std::exp(-0.5 * place * place / (window * window));
+        const double slope = weight * (profile.count[k + 1] - profile.count[k]);
+        sum += slope;
+        moment += slope * place;
+    }
+    return moment / sum;
+}
+
 struct EdgePoint {
     double along = 0, across = 0;
     double rise = 0;    ///< from the low to the high end of the profile [counts]
     double uneven = 0;  ///< largest change within the last two pixels at either end
 };
-std::optional<EdgePoint> edge_at(const Image& image, bool upright, double along, double across) {
-    std::array<double, 2 * kAcross + 1> profile{};
-    for (std::size_t k = 0; k < profile.size(); ++k) {
-        double sum = 0;
-        for (int n = -1; n <= 1; ++n) {
-            const double a = along + n;
-            const double c = across + static_cast<double>(k) - kAcross;
-            const auto value = upright ? value_at(image, c, a) : value_at(image, a, c);
-            if (!value) return std::nullopt;
-            sum += *value;
+
+/// The middle of the edge by the line: the first moment of the slope across, then that about which
+/// the weighted slope is balanced. The weights keep out the noise of the ends and spheres beside
+/// the wall. Empty where there is none.
+std::optional<EdgePoint> edge_at(const Image& image, bool upright, int along, double across) {
+    constexpr double whole = 1e3;  // px: no weights
+    EdgePoint point{.along = static_cast<double>(along), .across = across};
+    std::optional<Profile> profile;
+    for (int step = 0; step <= kSteps; ++step) {
+        profile = profile_at(image, upright, along, point.across);
+        if (!profile) return std::nullopt;
+        point.across += step == 0 ? middle_of_slope(*profile, point.across, whole)
+                                  : kStepFactor * middle_of_slope(*profile, point.across, kWindow);
+        if (!std::isfinite(point.across) || std::abs(point.across - across) > kAcross) {
+            return std::nullopt;
         }
-        profile[k] = sum / 3;
     }
-    EdgePoint point;
-    point.along = along;
-    point.rise = profile.back() - profile.front();
-    const auto change = [&](std::size_t a, std::size_t b) {
-        return std::abs(profile[a] - profile[b]);
-    };
+    const auto& count = profile->count;
+    const auto change = [&](std::size_t a, std::size_t b) { return std::abs(count[a] - count[b]); };
     constexpr std::size_t last = 2 * kAcross;
+    point.rise = count.back() - count.front();
     point.uneven = std::max({change(0, 1), change(0, 2), change(last, last - 1)});
     point.uneven = std::max(point.uneven, change(last, last - 2));
-    double moment = 0;
-    for (std::size_t k = 0; k + 1 < profile.size(); ++k) {
-        const double place = static_cast<double>(k) - kAcross + 0.5;
-        moment += (profile[k + 1] - profile[k]) * place;
-    }
-    point.across = across + moment / point.rise;
-    if (!std::isfinite(point.across) || std::abs(point.across - across) > kAcross) {
-        return std::nullopt;
-    }
     return point;
 }
 
@@ -234,9 +252,9 @@ std::vector<EdgePoint> points_on(const Image& image, bool upright, const Line& l
     const double margin = kNearCorner * (to - from);
     std::vector<EdgePoint> points;
     std::vector<double> rises;
-    for (double along = from + margin; along < to - margin; along += kStep) {
-        auto point = edge_at(image, upright, along, line.at(along));
-        if (point) point = edge_at(image, upright, along, point->across);  // in its middle
+    const int end = static_cast<int>(std::ceil(to - margin));
+    for (int along = static_cast<int>(std::ceil(from + margin)); along < end; along += kStep) {
+        const auto point = edge_at(image, upright, along, line.at(along));
         if (!point) continue;
         points.push_back(*point);
         rises.push_back(point->rise);

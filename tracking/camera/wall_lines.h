@@ -20,10 +20,10 @@ struct CellWalls {
 /// Segments of OpenCV's LineSegmentDetector that lie on one line make a candidate; they must cover
 /// a quarter of the frame. Of several the innermost is taken whose edge points are within 0.5 px
 /// (RMS) of a straight line, which those of a row of spheres are not. Along it every second pixel
-/// gives one point: the first moment of the slope of the profile across, ±4 px wide. Lines are
-/// fitted to the points by least squares, those off by more than three median deviations left out,
-/// five times over. Throws InputError, naming the walls that are not seen, for a frame without all
-/// four.
+/// gives one point: the middle of the slope of the profile across, ±4 px wide, weighted by a
+/// Gaussian of 1.5 px about that middle. Lines are fitted to the points by least squares, those off
+/// by more than three median deviations left out, five times over. Throws InputError, naming the
+/// walls that are not seen, for a frame without all four.
 CellWalls find_walls(const Image& image);
 
 }  // namespace grainfield::tracking

@@ -7,8 +7,10 @@
 #include <functional>
 #include <thread>
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "core/errors.h"
 #include "core/support/interrupt.h"
@@ -258,11 +260,30 @@ TEST_F(LiveFramesTest, AFifoIsWaitedForInSilenceUnlessALimitIsGiven) {
 
 TEST_F(LiveFramesTest, AGivenLimitEndsASilentSource) {
     options_.longest_silence = 0.3;
-    write(pause_before_the_last);
+    // All that will ever come is in the FIFO before it is read.
+    const int end = ::open(fifo_.path().c_str(), O_RDWR | O_CLOEXEC);
+    std::string bytes = testing::yuv4mpeg_header(kWidth, kHeight, "mono12");
+    for (int i = 0; i < 11; ++i) bytes += "FRAME\n" + testing::raw_bytes(counts_of(i), 12);
+    ASSERT_EQ(::write(end, bytes.data(), bytes.size()), std::ssize(bytes));
     const auto frames = open_live(options_);
     EXPECT_EQ(frames->read(10).status, FrameStatus::ok);
     EXPECT_THROW(frames->read(11), OptionError) << "eleven came";
     EXPECT_TRUE(frames->counts().is_silent);
+    ::close(end);
+}
+
+TEST_F(LiveFramesTest, ASourceThatNeverBeginsIsSilentFromTheStart) {
+    options_.longest_silence = 0.3;
+    for (const bool has_header : {true, false}) {
+        if (!has_header) options_.size = {kWidth, kHeight};
+        try {
+            open_live(options_);
+            ADD_FAILURE();
+        } catch (const InputError& error) {
+            EXPECT_THAT(error.what(), HasSubstr("nothing came for 0.3 s"));
+            EXPECT_THAT(error.what(), HasSubstr("'live-silence'"));
+        }
+    }
 }
 
 TEST_F(LiveFramesTest, WhatIsNoLiveSourceIsRefused) {

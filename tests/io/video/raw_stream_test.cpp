@@ -17,6 +17,7 @@
 namespace grainfield::io {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 const RawStream::IsStopped go_on = [] { return false; };
@@ -169,6 +170,49 @@ TEST(RawStream, ASilenceLongerThanTheLongestIsDamage) {
     EXPECT_EQ(stream.next(counts, go_on), RawRead::damaged);
     EXPECT_TRUE(stream.is_silent());
     EXPECT_THAT(stream.damage(), HasSubstr("nothing came for 0.3 s"));
+}
+
+std::string refusal_of_silent(const std::string& fifo) {
+    try {
+        RawStream(fifo, std::nullopt, 1000, go_on, {.longest = 0.2});
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    return {};
+}
+
+TEST(RawStream, AFifoThatNobodyOpensIsSilentFromTheStart) {
+    const testing::ScratchFolder folder;
+    const testing::Fifo fifo(folder / "f");
+    EXPECT_THAT(refusal_of_silent(fifo.path()),
+                AllOf(HasSubstr("nothing came for 0.2 s"), HasSubstr("'live-silence'")));
+    RawStream stream(fifo.path(), RawFormat{.width = 2, .height = 2, .fps = {}}, 1000, go_on,
+                     {.longest = 0.2});
+    std::vector<std::uint8_t> counts;
+    EXPECT_EQ(stream.next(counts, go_on), RawRead::damaged);
+    EXPECT_TRUE(stream.is_silent());
+}
+
+TEST(RawStream, AFifoThatIsOpenedButNotWrittenIsSilent) {
+    const testing::ScratchFolder folder;
+    const testing::Fifo fifo(folder / "f");
+    const int writer = ::open(fifo.path().c_str(), O_RDWR | O_CLOEXEC);
+    EXPECT_THAT(refusal_of_silent(fifo.path()), HasSubstr("nothing came for 0.2 s"));
+    ::close(writer);
+}
+
+TEST(RawStream, AWriterThatComesWithinTheLimitIsRead) {
+    const testing::ScratchFolder folder;
+    testing::Fifo fifo(folder / "f");
+    std::thread writer([&] {
+        fifo.write(testing::yuv4mpeg_header(2, 1, "mono") + "FRAME\nab");
+        fifo.close();
+    });
+    RawStream stream(fifo.path(), std::nullopt, 1000, go_on, {.longest = 60});
+    std::vector<std::uint8_t> counts;
+    EXPECT_EQ(stream.next(counts, go_on), RawRead::frame);
+    EXPECT_EQ(counts, (std::vector<std::uint8_t>{'a', 'b'}));
+    writer.join();
 }
 
 }  // namespace
