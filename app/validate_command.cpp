@@ -25,6 +25,8 @@ std::vector<OptionTable> ValidateCommand::options() {
     own.flag("figures", job_.report.figures, "write every plot and table as SVG and CSV beside it");
     own.text("trajectory", job_.scene.trajectory, "render this trajectory instead of running MD");
     own.text("truth", job_.scene.truth, "true positions in px of the frames given as input");
+    own.text("calibration", job_.calibration,
+             "use the calibration that another run kept in this file");
     own.integer("previews", job_.previews, "-", {0, 100},
                 "frames shown in the report; of random optics the worst scenes");
     std::vector<OptionTable> tables{own};
