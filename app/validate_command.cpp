@@ -2,9 +2,12 @@
 
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "app/optics_summary.h"
 #include "app/random_summary.h"
 #include "app/validation_summary.h"
+#include "core/errors.h"
 
 namespace grainfield::app {
 
@@ -52,6 +55,12 @@ std::string ValidateCommand::default_output(
 
 Summary ValidateCommand::run(Session& session) {
     const bool is_random = pipelines::is_random(job_);
+    if (is_random && !job_.calibration.empty()) {
+        throw OptionError({.problem = "a kept calibration is given for cameras drawn at random",
+                           .actual = fmt::format("'{}'", job_.calibration),
+                           .expected = "one camera, or no calibration",
+                           .suggestion = "leave out option 'calibration' or optics random"});
+    }
     if (session.common.explain) {
         if (is_random) {
             pipelines::plan_random_validation(job_, session);

@@ -125,7 +125,7 @@ TEST_F(GivenFrames, AreScoredWithACalibrationThatWasKept) {
     EXPECT_EQ(json::parse(kept.out)["recall"], 1);
     EXPECT_THAT(kept.out, HasSubstr("kept from another run"));
     const Outcome twice =
-        validate("kept.html", {"--calibration", *folder_ / "kept.toml", "--diameter", "9"});
+        validate("twice.html", {"--calibration", *folder_ / "kept.toml", "--diameter", "9"});
     EXPECT_EQ(twice.code, 2) << "one of them";
 }
 

@@ -310,7 +310,13 @@ void weigh_unprompted(const Image& counts, Fitter fitter, const SizeCandidate& g
     fitter.options.edge_width.reset();
     fitter.options.polarity = PolarityChoice::automatic;
     const Weighing all = weigh(counts, fitter);
-    weighed.insert(weighed.end(), all.candidates.begin(), all.candidates.end());
+    for (const SizeCandidate& found : all.candidates) {
+        // What was given may have been guessed already.
+        const bool is_known = std::ranges::any_of(weighed, [&](const SizeCandidate& known) {
+            return known.polarity == found.polarity && known.diameter == found.diameter;
+        });
+        if (!is_known) weighed.push_back(found);
+    }
     if (const std::optional<SizeCandidate> better = better_than(given, weighed)) {
         plan.warn(advice_on_size(given, *better));
     }

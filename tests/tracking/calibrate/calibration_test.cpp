@@ -228,6 +228,11 @@ TEST(Calibration, AGivenPolarityThatExplainsLittleIsAnsweredWithTheOtherOne) {
     std::vector<SizeCandidate> weighed;
     calibrate(frame, options, {}, {}, 2, plan, {}, &weighed);
     EXPECT_EQ(weighed[choose_size(weighed).best.value()].polarity, Polarity::dark);
+    for (std::size_t i = 1; i < weighed.size(); ++i) {
+        EXPECT_FALSE(weighed[i].polarity == weighed[0].polarity &&
+                     weighed[i].diameter == weighed[0].diameter)
+            << "named once";
+    }
     ASSERT_FALSE(plan.warnings().empty());
     EXPECT_NE(plan.warnings()[0].text.find("calibrate.polarity dark"), std::string::npos)
         << plan.warnings()[0].text;
