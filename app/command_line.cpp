@@ -74,8 +74,8 @@ class BoundCommand {
         parser_->allow_extras();  // refused below, with a suggestion
         const Command::Inputs inputs = command_->inputs();
         if (inputs.count != Command::Count::none) {
-            parser_->add_option("inputs", inputs_)
-                ->expected(inputs.count == Command::Count::one ? 1 : -1);  // see require_inputs
+            // require_inputs counts them, after unknown options are told.
+            parser_->add_option("inputs", inputs_)->expected(-1);
         }
         parser_->add_option("-c,--config", config_);
         for (const OptionSet::Entry& entry : options_.entries()) add(entry);
@@ -122,10 +122,20 @@ class BoundCommand {
 
     void name_output() {
         for (const OptionSet::Entry& entry : options_.entries()) {
-            if (entry.option.name != "output" || !to_text(entry.option.get()).empty()) continue;
+            if (entry.option.name != "output") continue;
+            const std::string given = to_text(entry.option.get());
+            if (given.size() > 1 && given[0] == '-') refuse_option_as_output(given);
+            if (!given.empty()) continue;
             const std::string name = command_->default_output({inputs_.begin(), inputs_.end()});
             if (!name.empty()) entry.option.set_from_text(name);
         }
+    }
+
+    [[noreturn]] static void refuse_option_as_output(const std::string& given) {
+        throw OptionError({.problem = fmt::format("output '{}' looks like an option", given),
+                           .actual = {},
+                           .expected = "a name after -o",
+                           .suggestion = fmt::format("if that is its name give -o ./{}", given)});
     }
 
     void add(const OptionSet::Entry& entry) {
@@ -145,6 +155,13 @@ class BoundCommand {
 
     void require_inputs() const {
         const Command::Inputs wanted = command_->inputs();
+        if (wanted.count == Command::Count::one && inputs_.size() > 1) {
+            throw OptionError({.problem = fmt::format("'{}' takes one input", command_->name()),
+                               .actual = fmt::format("{}: '{}', '{}'{}", inputs_.size(), inputs_[0],
+                                                     inputs_[1], inputs_.size() > 2 ? ", …" : ""),
+                               .expected = wanted.placeholder,
+                               .suggestion = {}});
+        }
         if (wanted.count == Command::Count::none || wanted.count == Command::Count::any ||
             !inputs_.empty()) {
             return;

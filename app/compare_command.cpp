@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -15,6 +14,7 @@
 #include "core/support/output_file.h"
 #include "io/h5/results_file.h"
 #include "pipelines/interrupt_deadline.h"
+#include "pipelines/page/committed_runs.h"
 #include "pipelines/page/report_page.h"
 
 namespace grainfield::app {
@@ -30,17 +30,20 @@ constexpr std::array<std::pair<const char*, Form>, 3> forms{
 // What cannot be read is left out with a warning that names it; nothing at all is an error.
 std::vector<Results> read_inputs(Session& session) {
     std::vector<Results> results;
-    std::optional<InputError> first;
+    std::vector<InputError> unread;
     for (const fs::path& input : session.inputs) {
         throw_if_interrupted("comparison");
         try {
             results.push_back(io::read_results(input));
         } catch (const InputError& error) {
-            if (!first) first = error;
-            session.plan.warn(fmt::format("left out: {}", error.what()));
+            unread.push_back(error);
         }
     }
-    if (results.empty() && first) throw InputError(*first);
+    // Where nothing is left the first one is the error.
+    for (std::size_t i = results.empty() ? 1 : 0; i < unread.size(); ++i) {
+        session.plan.warn(fmt::format("left out: {}", unread[i].what()));
+    }
+    if (results.empty() && !unread.empty()) throw InputError(unread.front());
     return results;
 }
 
@@ -68,6 +71,9 @@ std::vector<OptionTable> CompareCommand::options() {
                "true diameter of the spheres, for lengths in mm besides");
     own.also_called("diameter-mm");
     own.flag("figures", report_.figures, "write every plot as SVG, PDF and CSV beside the page");
+    own.text(
+        "committed", committed_,
+        "of --paper: folder of kept results (bench/results/paper) for panels without any of ours");
     own.flag("paper", report_.paper, "begin with the values of the paper and how ours compare");
     return {own};
 }
@@ -130,7 +136,15 @@ Summary CompareCommand::work(Session& session) const {
         return explanation(session.plan);
     }
     const std::vector<Results> results = read_inputs(session);
-    pipelines::ReportPage page(output_, report_, session);
+    report::ReportOptions drawn = report_;
+    if (!committed_.empty() && !drawn.paper) {
+        throw OptionError({.problem = "option 'committed' is given without 'paper'",
+                           .actual = {},
+                           .expected = "both, or none",
+                           .suggestion = "add option 'paper' for the panels of the paper"});
+    }
+    if (!committed_.empty()) drawn.committed = pipelines::committed_runs(committed_);
+    pipelines::ReportPage page(output_, drawn, session);
     page.draw(results, session);
     page.commit(session);
 

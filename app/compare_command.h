@@ -25,6 +25,7 @@ class CompareCommand : public Command {
 
     std::string output_;
     std::string figure_;
+    std::string committed_;
     report::ReportOptions report_;
 };
 

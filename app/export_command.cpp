@@ -55,6 +55,18 @@ Form form_for(const fs::path& input, io::FileKind kind, const fs::path& output) 
                            : std::string()});
 }
 
+void require_form(Form named, Printed wanted, const std::string& output) {
+    const bool fits = wanted == Printed::as_named ||
+                      (wanted == Printed::csv && named == Form::csv) ||
+                      (wanted == Printed::xyz && named == Form::xyz);
+    if (fits) return;
+    const char* const ending = wanted == Printed::csv ? ".csv" : ".xyz";
+    throw OptionError({.problem = fmt::format("output '{}' is not of the format asked for", output),
+                       .actual = {},
+                       .expected = fmt::format("a name that ends in {}", ending),
+                       .suggestion = "leave option 'format' out: the name says it"});
+}
+
 // "layer.csv" of layer.h5, "layer-results-curves" of results; other tables keep their name free.
 std::string exported_name(const std::vector<fs::path>& inputs) {
     if (inputs.empty()) return {};
@@ -135,6 +147,9 @@ std::vector<OptionTable> ExportCommand::options() {
     own.text(
         "output", output_,
         "FILE.csv or FILE.xyz for trajectories, a folder for curves; - prints CSV, of curves JSON");
+    own.choice("format", printed_,
+               {{"auto", Printed::as_named}, {"csv", Printed::csv}, {"xyz", Printed::xyz}},
+               "of particles; auto: as the name of the output says, CSV on standard output");
     own.flag("header", form_.header,
              "units, diameter, rate and box as comments in the CSV; else in FILE.csv.meta");
     own.choice("digits", form_.digits,
@@ -159,7 +174,10 @@ std::vector<OptionTable> ExportCommand::options() {
 }
 
 std::string ExportCommand::default_output(const std::vector<std::filesystem::path>& inputs) const {
-    return overlay_output_.empty() ? exported_name(inputs) : std::string();
+    if (!overlay_output_.empty()) return {};
+    fs::path name = exported_name(inputs);
+    if (printed_ == Printed::as_named || name.extension().empty()) return name.string();
+    return name.replace_extension(printed_ == Printed::xyz ? ".xyz" : ".csv").string();
 }
 
 Summary ExportCommand::run(Session& session) {
@@ -211,10 +229,16 @@ Summary ExportCommand::print(Session& session) const {
         summary.text = curves_json(io::read_results(input));
         return summary;
     }
-    form_for(input, kind, "table.csv");
-    const StandardOutputFile table("table.csv");
+    const bool is_xyz = printed_ == Printed::xyz;
+    const char* const name = is_xyz ? "table.xyz" : "table.csv";
+    form_for(input, kind, name);
+    const StandardOutputFile table(name);
     const auto snapshots = open_to_export(input, session.plan);
-    io::export_csv(*snapshots, table.path(), Overwrite::refuse, form_);
+    if (is_xyz) {
+        io::export_xyz(*snapshots, table.path(), Overwrite::refuse, form_.digits);
+    } else {
+        io::export_csv(*snapshots, table.path(), Overwrite::refuse, form_);
+    }
     summary.text = table.text();
     return summary;
 }
@@ -225,6 +249,7 @@ Summary ExportCommand::work(Session& session) const {
     const auto overwrite = session.overwrite;
     const fs::path& input = session.inputs.front();
     const Form form = form_for(input, io::identify(input), output_);
+    require_form(form, printed_, output_);
     session.plan.run("export", fmt::format("'{}' to '{}'", input.string(), output_));
     if (session.common.explain) return explanation(session.plan);
 

@@ -10,6 +10,9 @@
 
 namespace grainfield::app {
 
+/// How particles are written: as the name of the output says, or as asked for.
+enum class Printed { as_named, csv, xyz };
+
 /// `grainfield export`: trajectories and results to plain text files, or to a video.
 class ExportCommand : public Command {
  public:
@@ -27,6 +30,7 @@ class ExportCommand : public Command {
 
     std::string output_;
     io::PointsForm form_;
+    Printed printed_ = Printed::as_named;
     std::string overlay_output_;
     std::string film_;
     pipelines::OverlayJobOptions overlay_;

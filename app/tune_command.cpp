@@ -99,15 +99,17 @@ Summary TuneCommand::work(Session& session) {
 
     summary.text = fmt::format(
         "{}: {} looked at, {} spheres a frame, residual {:.4f} of the contrast\n"
-        "  settings   {}\n  try        {}\n",
+        "  settings   {}{}\n  try        {}\n",
         output_, counted(result.frames, "frame"), mean_text(result.particles_mean),
-        result.residual_rms, result.settings_file.string(), command_line);
+        result.residual_rms, result.settings_file.string(),
+        result.advice.empty() ? "" : " (those that fit better, see the warning)", command_line);
     summary.facts["frames"] = result.frames;
     summary.facts["particles_mean"] = result.particles_mean;
     summary.facts["residual_rms"] = result.residual_rms;
     summary.facts["diameter_px"] = result.diameter;
     summary.facts["edge_width_px"] = result.edge_width;
     summary.facts["command_line"] = command_line;
+    if (!result.advice.empty()) summary.facts["advice"] = result.advice;
     summary.facts["settings"] = nlohmann::ordered_json::object();
     for (const pipelines::Setting& setting : result.settings) {
         summary.facts["settings"][setting.section + "." + setting.name] = setting.value;

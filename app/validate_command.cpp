@@ -2,9 +2,12 @@
 
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "app/optics_summary.h"
 #include "app/random_summary.h"
 #include "app/validation_summary.h"
+#include "core/errors.h"
 
 namespace grainfield::app {
 
@@ -25,6 +28,8 @@ std::vector<OptionTable> ValidateCommand::options() {
     own.flag("figures", job_.report.figures, "write every plot and table as SVG and CSV beside it");
     own.text("trajectory", job_.scene.trajectory, "render this trajectory instead of running MD");
     own.text("truth", job_.scene.truth, "true positions in px of the frames given as input");
+    own.text("calibration", job_.calibration,
+             "use the calibration that another run kept in this file");
     own.integer("previews", job_.previews, "-", {0, 100},
                 "frames shown in the report; of random optics the worst scenes");
     std::vector<OptionTable> tables{own};
@@ -50,6 +55,12 @@ std::string ValidateCommand::default_output(
 
 Summary ValidateCommand::run(Session& session) {
     const bool is_random = pipelines::is_random(job_);
+    if (is_random && !job_.calibration.empty()) {
+        throw OptionError({.problem = "a kept calibration is given for cameras drawn at random",
+                           .actual = fmt::format("'{}'", job_.calibration),
+                           .expected = "one camera, or no calibration",
+                           .suggestion = "leave out option 'calibration' or optics random"});
+    }
     if (session.common.explain) {
         if (is_random) {
             pipelines::plan_random_validation(job_, session);

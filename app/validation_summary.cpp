@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "app/session.h"
+
 namespace grainfield::app {
 
 using pipelines::DownstreamEffect;
@@ -92,9 +94,9 @@ ordered_json summary_facts(const ValidationOutcome& outcome, const tracking::Tra
 std::string summary_text(const std::string& output, const ValidationOutcome& outcome,
                          const std::vector<ThresholdCheck>& checks) {
     const auto& detection = outcome.scores.detection();
-    std::string text =
-        fmt::format("{}: {} frames\n  {:<10}{:>10}{:>9}{:>10}{:>10}{:>8}\n", output,
-                    detection.frames(), "", "true", "recall", "precision", "RMSE/px", "/bound");
+    std::string text = fmt::format("{}: {}\n  {:<10}{:>10}{:>9}{:>10}{:>10}{:>8}\n", output,
+                                   counted(detection.frames(), "frame"), "", "true", "recall",
+                                   "precision", "RMSE/px", "/bound");
     for (std::size_t c = 0; c < kTruthClasses; ++c) {
         const ClassScore& s = detection.classes()[c];
         if (s.matched + s.missed == 0) continue;
@@ -102,10 +104,12 @@ std::string summary_text(const std::string& output, const ValidationOutcome& out
                             s.matched + s.missed, s.recall(), s.precision(), s.rmse_per_axis(),
                             s.bound_ratio());
     }
-    const auto& t = outcome.tracks;
-    text +=
-        fmt::format("  tracks    α {:.4f}, β {:.4f}, JSC {:.4f}, JSCθ {:.4f}, links {:.5f}\n",
-                    t.alpha, t.beta, t.jaccard_points, t.jaccard_tracks, t.correct_link_fraction());
+    if (detection.frames() > 1) {
+        const auto& t = outcome.tracks;
+        text += fmt::format(
+            "  tracks    α {:.4f}, β {:.4f}, JSC {:.4f}, JSCθ {:.4f}, links {:.5f}\n", t.alpha,
+            t.beta, t.jaccard_points, t.jaccard_tracks, t.correct_link_fraction());
+    }
     for (const ThresholdCheck& c : checks) {
         text += fmt::format("  {:<10}{}\n", c.met() ? "met" : "MISSED", c.text());
     }

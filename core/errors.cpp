@@ -7,7 +7,7 @@ std::string ErrorText::message() const {
     if (!actual.empty()) text += ": " + actual;
     if (!expected.empty()) text += "; expected " + expected;
     if (!suggestion.empty()) text += "; " + suggestion;
-    if (!text.empty() && text.back() != '.') text += '.';
+    if (!text.empty() && text.back() != '.' && text.back() != '?') text += '.';
     return text;
 }
 

@@ -19,6 +19,10 @@ std::string quantity_title(const std::vector<ObservableTitles>& titles,
         if (known.name != observable) continue;
         const auto found = std::ranges::find(known.quantities, measurement, &QuantityTitle::name);
         if (found != known.quantities.end()) return found->title;
+        for (const QuantityFamily& family : known.families) {
+            if (!measurement.starts_with(family.prefix)) continue;
+            return family.before + measurement.substr(family.prefix.size()) + family.after;
+        }
     }
     return with_spaces(measurement);
 }

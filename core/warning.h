@@ -11,7 +11,8 @@ enum class WarningCode : std::uint8_t {
     other,
     apparent_diameter,  ///< lengths are in apparent diameters D, as the true a was not given
     incomplete,         ///< the run failed on its way: what is there was sampled before
-    doubtful_heights    ///< image and rendering still differ where some spheres are
+    doubtful_heights,   ///< image and rendering still differ where some spheres are
+    interrupted         ///< a signal ended the run: it may be gone on with
 };
 
 /// Something to know about a result: a text for people, a code for programs.

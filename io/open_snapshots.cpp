@@ -25,12 +25,12 @@ namespace {
 
 std::unique_ptr<SnapshotSource> open_snapshots(const std::filesystem::path& path,
                                                const std::optional<Box>& box,
-                                               const TrajectoryInfo& hints) {
+                                               const TrajectoryInfo& hints, FrameColumn frames) {
     switch (identify(path)) {
         case FileKind::trajectory:
             return std::make_unique<TrajectoryFile>(path);
         case FileKind::points:
-            return open_points(path, box, hints);
+            return open_points(path, box, hints, frames);
         case FileKind::results:
             refuse(path, "it holds results of an analysis");
         case FileKind::field:
@@ -39,7 +39,7 @@ std::unique_ptr<SnapshotSource> open_snapshots(const std::filesystem::path& path
             break;
     }
     // Named as a table, it is told what is missing in it.
-    if (path.extension() == ".csv") return open_points(path, box, hints);
+    if (path.extension() == ".csv") return open_points(path, box, hints, frames);
     refuse(path, "neither of the two");
 }
 

@@ -154,7 +154,7 @@ void Resumable::look_for_complete_output() const {
     const std::optional<RunRecord> made = record_of(identity_.record);
     if (!made || made->command.empty()) return;  // not one of ours: it exists, as any file
     const bool is_cut_short = std::ranges::any_of(made->warnings, [](const Warning& warning) {
-        return warning.code == WarningCode::incomplete || warning.text.starts_with("interrupted");
+        return warning.code == WarningCode::incomplete || warning.code == WarningCode::interrupted;
     });
     if (is_cut_short) return;
     const std::string differences = differences_of(*made, job_);
@@ -200,7 +200,8 @@ void Resumable::require_free() const {
                                 checkpoint_path().string(), identity_.output.string()),
          .actual = {},
          .expected = {},
-         .suggestion = "option 'resume' goes on with it, option 'force' starts anew"});
+         .suggestion =
+             fmt::format("{} goes on with it, option 'force' starts anew", options_.how)});
 }
 
 Overwrite Resumable::overwrite() const {
@@ -241,14 +242,16 @@ void Resumable::save(Checkpoint state, std::optional<std::int64_t> records) {
     saved_ = Clock::now();
 }
 
-std::string Resumable::interrupted(double done, double all, const std::string& units,
-                                   const std::string& kept) const {
-    return fmt::format("interrupted after {:.10g} of {:.10g} {}{}{}", done, all, units, kept,
-                       done >= all ? std::string() : advice());
+Warning Resumable::interrupted(double done, double all, const std::string& units,
+                               const std::string& kept) const {
+    return {WarningCode::interrupted,
+            fmt::format("interrupted after {:.10g} of {:.10g} {}{}{}", done, all, units, kept,
+                        done >= all ? std::string() : advice())};
 }
 
 std::string Resumable::advice() const {
-    return is_there(checkpoint_path()) ? "; option 'resume' goes on from there" : "";
+    return is_there(checkpoint_path()) ? fmt::format("; {} goes on from there", options_.how)
+                                       : std::string();
 }
 
 std::string Resumable::cut_off(int signal) const {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include "core/support/checkpoint.h"
 #include "io/h5/record_log.h"
@@ -16,8 +17,9 @@ namespace grainfield::pipelines {
 
 /// When a long job is saved, and whether it goes on from what an earlier run saved.
 struct ResumeOptions {
-    bool resume = false;                      ///< go on from the checkpoint if it is there
-    std::chrono::duration<double> every{60};  ///< wall time between checkpoints [s]
+    bool resume = false;                       ///< go on from the checkpoint if it is there
+    std::chrono::duration<double> every{60};   ///< wall time between checkpoints [s]
+    std::string_view how = "option 'resume'";  ///< what a user does to go on
 };
 
 /// A job is to be resumed whose output is complete: there is nothing to do.
@@ -77,8 +79,8 @@ class Resumable {
     /// vouches for; by default all.
     void save(Checkpoint state, std::optional<std::int64_t> records = std::nullopt);
     /// "interrupted after 3 of 40 frames", and how to go on if that is possible.
-    std::string interrupted(double done, double all, const std::string& units,
-                            const std::string& kept = "") const;
+    Warning interrupted(double done, double all, const std::string& units,
+                        const std::string& kept = "") const;
     /// "; option 'resume' goes on from there" if that is possible. Safe from any thread.
     std::string advice() const;
     /// The last act (InterruptDeadline) of a job that a signal ends before it could save itself:

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "report/figures/critical_figures.h"
 #include "report/figures/figure_files.h"
 #include "report/figures/figures.h"
 #include "report/figures/gnuplot.h"
@@ -31,7 +32,14 @@ std::string relative_folder(const std::filesystem::path& folder,
     return relative.empty() ? folder.string() : relative.generic_string();
 }
 
-std::string title_of(const std::vector<std::string>& labels) {
+// Results of `critical` give a page its subject.
+std::string title_of(const std::vector<Results>& runs, const std::vector<std::string>& labels) {
+    const auto critical = std::ranges::find(runs, RunRole::critical_point,
+                                            [](const Results& run) { return run.identity.role; });
+    if (critical != runs.end()) {
+        const std::string parameter = critical_parameter(*critical);
+        if (!parameter.empty()) return "Critical point: S₀/S₁ against " + parameter;
+    }
     if (labels.size() == 1) return labels[0];
     if (labels.size() == 2) return labels[0] + " beside " + labels[1];
     return "Report of a vibrated layer";
@@ -105,14 +113,14 @@ void write_report(const std::vector<Results>& given, const ReportOptions& option
         }
     }
     std::vector<PaperPanel> paper;
-    if (options.paper) paper = paper_panels(runs, labels, options.hints);
+    if (options.paper) paper = paper_panels(runs, labels, options.hints, options.committed);
     for (const PaperPanel& panel : paper) {
         if (panel.figure) figures.push_back(*panel.figure);
     }
     std::vector<ParticleMap> maps = make_maps(runs, {.threads = options.threads});
     if (!additions.marked_as.empty()) mark(maps, additions.marked);
     std::string title = clean_text(options.title);
-    if (title.empty()) title = title_of(labels);
+    if (title.empty()) title = title_of(runs, labels);
 
     std::vector<std::string> files;
     if (options.figures) {

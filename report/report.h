@@ -26,6 +26,8 @@ struct ReportOptions {
     std::vector<FigureHint> hints{};  ///< how what was measured wants to be drawn
     std::vector<ObservableTitles> titles{};  ///< and what it is called
     std::string date{};                      ///< in the header of the page; may be empty
+    /// For panels of the paper that the runs leave empty, which say so; may be none.
+    std::vector<Results> committed{};
     std::optional<double> sphere_mm{};  ///< true diameter of the spheres [mm], for lengths in mm
 };
 

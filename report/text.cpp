@@ -204,6 +204,26 @@ std::string with_error(double value, const double* error) {
     return exponent == 0 ? text : "(" + text + ")" + power;
 }
 
+std::string interval_text(double low, double high) {
+    const double size = std::max(std::abs(low), std::abs(high));
+    int exponent = 0;
+    if (size > 0 && (size >= 1e6 || size < 1e-3)) exponent = decade_of(size);
+    const double scale = std::pow(10.0, -exponent);
+    const std::string text =
+        with_minus_signs(fmt::format("{:.3g} … {:.3g}", low * scale, high * scale));
+    return exponent == 0 ? text : "(" + text + ") × " + power_of_ten(exponent);
+}
+
+std::string with_minus_signs(std::string text) {
+    for (std::size_t at = text.find('-'); at != std::string::npos; at = text.find('-', at + 1)) {
+        const bool is_number =
+            at + 1 < text.size() &&
+            ((text[at + 1] >= '0' && text[at + 1] <= '9') || text[at + 1] == '.');
+        if (is_number) text.replace(at, 1, "−");
+    }
+    return text;
+}
+
 std::string count_text(double count) {
     if (std::abs(count) >= 1e15) return with_error(count, nullptr);
     if (count != std::floor(count) && std::abs(count) < 1000) return fmt::format("{:.4g}", count);

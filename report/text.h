@@ -42,6 +42,12 @@ std::string order_symbol(const Results& run);
 /// value to four digits; powers of ten where the number is very large or small.
 std::string with_error(double value, const double* error);
 
+/// "(−9.98 … −4.25) × 10⁻⁴": both ends in the decade of the larger one.
+std::string interval_text(double low, double high);
+
+/// Each hyphen before a digit or point becomes a minus sign.
+std::string with_minus_signs(std::string text);
+
 /// "12,345", to the whole number from 1000 on; four digits below.
 std::string count_text(double count);
 

@@ -40,7 +40,8 @@ ObservableTitles SyntheticObservable::titles() {
             "Number variance of other boxes",
             {
                 {"crossover_length", "Crossover length ℓ*"},
-            }};
+            },
+            {{"box_", "Number variance of a box of ", " a"}}};
 }
 
 ObservableResult SyntheticObservable::result(const Inputs& inputs) const {

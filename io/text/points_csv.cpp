@@ -118,8 +118,8 @@ PointsStatementReader reader_before_header(const std::filesystem::path& path) {
 class PointsTable : public SnapshotSource {
  public:
     PointsTable(const std::filesystem::path& path, const std::optional<Box>& box,
-                TrajectoryInfo info)
-        : info_(std::move(info)), reader_(path), comments_(info_) {
+                TrajectoryInfo info, FrameColumn frames)
+        : info_(std::move(info)), reader_(path, frames), comments_(info_) {
         if (info_.source.empty()) info_.source = path.filename().string();
         std::error_code error;
         if (std::filesystem::is_directory(path, error)) {
@@ -215,6 +215,8 @@ void PointsTable::set_box(const std::optional<Box>& box) {
 void PointsTable::index_lines() {
     LineReader lines(file_, reader_);
     bool in_header = true;
+    double lowest_layer = std::numeric_limits<double>::infinity();
+    double highest_layer = 0;
     std::int64_t last_frame = -1;
     while (lines.next()) {
         if (PointsLine::is_blank(lines.text())) {
@@ -243,6 +245,10 @@ void PointsTable::index_lines() {
             named_.emplace_back(point.particle, lines.number());
         }
         last_frame = point.frame;
+        if (!std::isnan(point.layer)) {
+            lowest_layer = std::min(lowest_layer, point.layer);
+            highest_layer = std::max(highest_layer, point.layer);
+        }
         low_ = {std::min(low_.x, point.position.x), std::min(low_.y, point.position.y)};
         high_ = {std::max(high_.x, point.position.x), std::max(high_.y, point.position.y)};
     }
@@ -250,6 +256,8 @@ void PointsTable::index_lines() {
     const std::string source = info_.source;
     info_ = comments_.statement().info;
     info_.source = source;
+    if (const auto unit = reader_.length_unit()) info_.length_unit = *unit;
+    if (lowest_layer == 1 && highest_layer == 2) reader_.number_layers_from(1);
     if (file_.bad()) reader_.fail(0, "reading stopped in the middle");
     if (in_header) {
         reader_.fail(0, "the file is empty", "a header line and one line per point");
@@ -349,9 +357,9 @@ bool states_box(const std::filesystem::path& path) {
 
 std::unique_ptr<SnapshotSource> open_points(const std::filesystem::path& path,
                                             const std::optional<Box>& box,
-                                            const TrajectoryInfo& hints) {
+                                            const TrajectoryInfo& hints, FrameColumn frames) {
     if (box) require_valid(*box);
-    return std::make_unique<PointsTable>(path, box, hints);
+    return std::make_unique<PointsTable>(path, box, hints, frames);
 }
 
 }  // namespace grainfield::io

@@ -77,18 +77,34 @@ void PointsLine::read_header(std::string_view line, std::int64_t number) {
     if (line.starts_with(byte_order_mark)) line.remove_prefix(byte_order_mark.size());
     split(line, fields_);
     column_.fill(absent);
+    length_unit_.reset();
+    std::size_t in_pixels = 0;
     for (std::size_t i = 0; i < fields_.size(); ++i) {
-        const auto known = std::ranges::find(names, lower(fields_[i]));
+        std::string name = lower(fields_[i]);
+        if (name == "x_px" || name == "y_px") {
+            name.resize(1);
+            ++in_pixels;
+        }
+        const auto known = std::ranges::find(names, name);
         if (known == names.end()) continue;
-        std::size_t& column = column_[static_cast<std::size_t>(known - names.begin())];
-        if (column != absent) fail(number, fmt::format("column '{}' occurs twice", *known));
-        column = i;
+        take_column(static_cast<Field>(known - names.begin()), i, number);
     }
     for (const Field needed : {frame, x, y}) {
-        if (has(needed)) continue;
+        if (has(needed) || (needed == frame && frames_ == FrameColumn::optional)) continue;
         fail(number, fmt::format("there is no column '{}' in the header", names[needed]),
-             "columns frame,x,y and where they apply particle,z,x_std,y_std,z_std,layer,quality");
+             fmt::format("columns {}x,y (or x_px,y_px) and where they apply "
+                         "particle,z,x_std,y_std,z_std,layer,quality",
+                         frames_ == FrameColumn::optional ? "" : "frame,"));
     }
+    if (in_pixels == 1) {
+        fail(number, "one of x and y is in pixels", "x,y or x_px,y_px");
+    }
+    if (in_pixels > 0) length_unit_ = LengthUnit::pixel;
+}
+
+void PointsLine::take_column(Field field, std::size_t index, std::int64_t line) {
+    if (has(field)) fail(line, fmt::format("column '{}' occurs twice", names[field]));
+    column_[field] = index;
 }
 
 bool PointsLine::has(Field field) const {
@@ -134,15 +150,14 @@ Point PointsLine::read(std::string_view line, std::int64_t number_of_line) {
     line_ = number_of_line;
     split(line, fields_);
     Point point;
-    point.frame = integer(frame);
+    if (has(frame)) point.frame = integer(frame);
     point.position = {number(x), number(y)};
     if (has(particle) && !is_missing(text(particle))) point.particle = integer(particle);
     point.z = number_or_missing(z);
     point.position_error = {number_or_missing(x_std), number_or_missing(y_std)};
     point.z_error = number_or_missing(z_std);
     point.quality = number_or_missing(quality);
-    const double level = number_or_missing(layer);
-    if (level == 0 || level == 1) point.layer = static_cast<Layer>(level);
+    point.layer = number_or_missing(layer);
     return point;
 }
 
@@ -153,7 +168,11 @@ void PointsLine::append(const Point& point, Snapshot& snapshot) const {
     if (has(x_std) || has(y_std)) snapshot.position_error.push_back(point.position_error);
     if (has(z_std)) snapshot.z_error.push_back(point.z_error);
     if (has(quality)) snapshot.quality.push_back(point.quality);
-    if (has(layer)) snapshot.layer.push_back(point.layer);
+    if (has(layer)) {
+        const double level = point.layer - first_layer_;
+        snapshot.layer.push_back(level == 0 || level == 1 ? static_cast<Layer>(level)
+                                                          : Layer::unknown);
+    }
 }
 
 }  // namespace grainfield::io

@@ -249,11 +249,11 @@ MdJobResult run_md(const MdJobOptions& given, Job& job) {
     }
     job.outputs.push_back(resumable.checkpoint_path());
     const double done = simulation.periods_done();
-    std::string text = resumable.interrupted(done, options.md.run.periods, "periods");
+    Warning warning = resumable.interrupted(done, options.md.run.periods, "periods");
     if (done < options.md.run.periods && simulation.settled_snapshots() > 0) {
-        text += fmt::format(", and with run.periods = {:.10g} writes what there is", done);
+        warning.text += fmt::format(", and with run.periods = {:.10g} writes what there is", done);
     }
-    job.plan.warn(std::move(text));
+    job.plan.warn(std::move(warning));
     result.signal = caught_signal();
     return result;
 }

@@ -208,7 +208,8 @@ OverlayJobResult draw_overlay(const OverlayJobOptions& options, Job& job) {
     job.outputs.push_back(options.output);
     result.signal = caught_signal();
     if (result.signal != 0) {
-        job.plan.warn(fmt::format("interrupted after {} of {} frames, which are kept",
+        job.plan.warn(WarningCode::interrupted,
+                      fmt::format("interrupted after {} of {} frames, which are kept",
                                   result.frames, snapshots->count()));
     }
     return result;

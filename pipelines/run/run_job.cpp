@@ -1,7 +1,6 @@
 #include "pipelines/run/run_job.h"
 
 #include <algorithm>
-#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -76,14 +75,7 @@ void take_over(const Job& stage, Job& job) {
             job.plan.skip(planned.stage, planned.reason, planned.saved);
         }
     }
-    for (Warning warning : stage.plan.warnings()) {
-        // Whoever runs all stages has no such option and needs none.
-        constexpr std::string_view advice = "option 'resume' goes on";
-        if (const auto at = warning.text.find(advice); at != std::string::npos) {
-            warning.text.replace(at, advice.size(), "the same command goes on");
-        }
-        job.plan.warn(std::move(warning));
-    }
+    for (const Warning& warning : stage.plan.warnings()) job.plan.warn(warning);
     std::ranges::copy(stage.outputs, std::back_inserter(job.outputs));
 }
 
@@ -166,6 +158,7 @@ Tracked track(const RunJobOptions& options, const RunFiles& files, Job& job) {
     TrackJobOptions track = options.track;
     track.output = files.tracks;
     const fs::path checkpoint = files.tracks.string() + ".checkpoint";
+    track.resume.how = "the same command";
     track.resume.resume = is_there(checkpoint) && job.overwrite == Overwrite::refuse;
     if (!track.resume.resume && is_there(files.tracks) && job.overwrite == Overwrite::refuse) {
         const io::TrajectoryFile kept(files.tracks);

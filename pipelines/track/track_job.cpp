@@ -239,9 +239,11 @@ TrackJobResult track_film(const TrackJobOptions& options, Job& job) {
     const std::int64_t done = summary.frames + summary.frames_corrupt + summary.frames_missing;
     const bool is_complete = done >= wanted;
     if (result.signal != 0) {
-        job.plan.warn(is_complete ? WarningCode::other : WarningCode::incomplete,
-                      resumable.interrupted(static_cast<double>(done), static_cast<double>(wanted),
-                                            "frames", fmt::format("; '{}' holds those", name)));
+        Warning warning =
+            resumable.interrupted(static_cast<double>(done), static_cast<double>(wanted), "frames",
+                                  fmt::format("; '{}' holds those", name));
+        if (!is_complete) warning.code = WarningCode::incomplete;
+        job.plan.warn(std::move(warning));
     }
     if (is_complete && result.signal == 0 && !result.has_residual()) {
         resumable.finish();

@@ -9,6 +9,7 @@
 #include "analysis/order/bond_order.h"
 #include "io/frame_region.h"
 #include "pipelines/page/report_page.h"
+#include "pipelines/tune/tune_settings.h"
 
 namespace grainfield::pipelines {
 
@@ -69,16 +70,32 @@ std::vector<Results> candidate_runs(WatchedFrames& frames, std::int64_t position
     return runs;
 }
 
-std::vector<report::CopyBlock> candidate_blocks(const std::vector<SizeCandidate>& weighed) {
+std::vector<report::CopyBlock> candidate_blocks(const std::vector<SizeCandidate>& weighed,
+                                                const std::optional<tracking::ImageModel>& taken) {
     std::vector<report::CopyBlock> blocks;
     for (const std::size_t i : tracking::named_candidates(weighed)) {
-        const SizeCandidate& candidate = weighed[i];
-        blocks.push_back({title_of(candidate),
-                          fmt::format("[calibrate]\npolarity = \"{}\"\ndisc-diameter = {:.2f}\n",
-                                      polarity_name(candidate), candidate.diameter),
-                          ""});
+        if (taken && is_of(weighed[i], *taken)) continue;
+        blocks.push_back({title_of(weighed[i]), toml_of(settings_of(weighed[i])), ""});
     }
     return blocks;
+}
+
+std::optional<SizeAdvice> advice_on(const tracking::ImageModel& taken,
+                                    const std::vector<SizeCandidate>& weighed) {
+    for (const SizeCandidate& candidate : weighed) {
+        if (!is_of(candidate, taken)) continue;
+        const std::optional<SizeCandidate> better = tracking::better_than(candidate, weighed);
+        if (!better) return std::nullopt;
+        return SizeAdvice{tracking::advice_on_size(candidate, *better), *better};
+    }
+    return std::nullopt;
+}
+
+bool is_of(const SizeCandidate& candidate, const tracking::ImageModel& model) {
+    SizeCandidate taken;
+    taken.polarity = model.polarity;
+    taken.diameter = model.disc.diameter;
+    return tracking::is_same_size(candidate, taken);
 }
 
 report::Table candidates_table(const std::vector<SizeCandidate>& weighed) {

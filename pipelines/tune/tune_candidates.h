@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "core/results.h"
@@ -8,6 +10,7 @@
 #include "pipelines/job.h"
 #include "report/report.h"
 #include "tracking/calibrate/size_choice.h"
+#include "tracking/model/image_model.h"
 
 namespace grainfield::pipelines {
 
@@ -17,9 +20,22 @@ std::vector<Results> candidate_runs(WatchedFrames& frames, std::int64_t position
                                     const std::vector<tracking::SizeCandidate>& weighed,
                                     const Job& job);
 
-/// The settings that choose each of them, to be copied.
-std::vector<report::CopyBlock> candidate_blocks(
-    const std::vector<tracking::SizeCandidate>& weighed);
+/// The settings that choose each of them, to be copied; but for the one that `taken` is.
+std::vector<report::CopyBlock> candidate_blocks(const std::vector<tracking::SizeCandidate>& weighed,
+                                                const std::optional<tracking::ImageModel>& taken);
+
+/// What to say where a size or polarity that was given explains little, and another one enough.
+struct SizeAdvice {
+    std::string words;
+    tracking::SizeCandidate better;
+};
+
+/// Empty where `taken` explains enough, or nothing does.
+std::optional<SizeAdvice> advice_on(const tracking::ImageModel& taken,
+                                    const std::vector<tracking::SizeCandidate>& weighed);
+
+/// Whether that is the size and polarity of the model.
+bool is_of(const tracking::SizeCandidate& candidate, const tracking::ImageModel& model);
 
 /// They with their share of explained variance.
 report::Table candidates_table(const std::vector<tracking::SizeCandidate>& weighed);

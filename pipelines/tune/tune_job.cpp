@@ -84,6 +84,16 @@ std::vector<Results> runs_of(const Look& look, const TrajectoryInfo& info, doubl
     return {page_run(std::move(seen), job), page_run(std::move(left), job)};
 }
 
+/// The settings that choose another candidate, and what speaks against the one taken.
+void add_others(const tracking::Tracker& tracker, const std::optional<SizeAdvice>& advice,
+                report::ReportAdditions& additions) {
+    for (report::CopyBlock& block : candidate_blocks(tracker.weighed(), tracker.model())) {
+        block.title = "Instead: " + block.title;
+        additions.blocks.push_back(std::move(block));
+    }
+    if (advice) additions.verdict = "Another size fits better: " + advice->words;
+}
+
 }  // namespace
 
 void plan_tuning(const TuneJobOptions& options, Job& job) {
@@ -120,7 +130,7 @@ TuneJobResult run_tuning(const TuneJobOptions& options, Job& job) {
                   {.tables = {candidates_table(tracker.weighed())},
                    .figures = {},
                    .verdict = "Not clear: choose a picture and copy its settings",
-                   .blocks = candidate_blocks(tracker.weighed())});
+                   .blocks = candidate_blocks(tracker.weighed(), std::nullopt)});
         page.commit(job);
         TuneJobResult undecided;
         undecided.weighed = tracker.weighed();
@@ -128,14 +138,18 @@ TuneJobResult run_tuning(const TuneJobOptions& options, Job& job) {
     }
     const Look look = look_at(options, tracking, *film.frames, tracker, job);
     const Tuning tuning{tracker.model(), tracking, look.surveys};
+    std::optional<SizeAdvice> advice = advice_on(tracker.model(), tracker.weighed());
+    if (advice && job.plan.wording()) advice->words = job.plan.wording()(advice->words);
     TuneJobResult result{.frames = static_cast<std::int64_t>(look.surveys.size()),
                          .particles_mean = tuning.particles_mean(),
                          .residual_rms = tuning.residual_rms(),
                          .diameter = tracker.model().disc.diameter,
                          .edge_width = tracker.model().disc.edge_width,
-                         .settings = suggested_settings(tuning, options.film),
+                         .settings = advice ? settings_instead(tuning, options.film, advice->better)
+                                            : suggested_settings(tuning, options.film),
                          .settings_file = fs::path(options.output).replace_extension(".toml"),
-                         .weighed = tracker.weighed()};
+                         .weighed = tracker.weighed(),
+                         .advice = advice ? advice->words : std::string()};
     std::vector<Results> runs = runs_of(look, tracker.info(), result.particles_mean, job);
     std::ranges::move(candidates, std::back_inserter(runs));
     report::ReportAdditions additions =
@@ -147,11 +161,7 @@ TuneJobResult run_tuning(const TuneJobOptions& options, Job& job) {
                                look.surveys.front().found.evidence, tracking, job);
     }
     additions.tables.push_back(candidates_table(tracker.weighed()));
-    const std::vector<report::CopyBlock> others = candidate_blocks(tracker.weighed());
-    for (std::size_t i = 1; i < others.size(); ++i) {  // the first was taken
-        additions.blocks.push_back(others[i]);
-        additions.blocks.back().title = "Instead: " + others[i].title;
-    }
+    add_others(tracker, advice, additions);
     page.draw(runs, job, "Settings of the tracker", additions);
     write_file(result.settings_file, toml_of(result.settings), job.overwrite);
     page.commit(job);

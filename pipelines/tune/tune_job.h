@@ -36,6 +36,9 @@ struct TuneJobResult {
     std::filesystem::path settings_file;
     /// Sizes and polarities that calibration weighed; without settings none was clear enough.
     std::vector<tracking::SizeCandidate> weighed;
+    /// What to do where a size that was given explains little; empty: nothing. The settings are
+    /// then those of the better one.
+    std::string advice{};
 };
 
 /// Says in the plan what tracking with these options would do; calibrates for it.

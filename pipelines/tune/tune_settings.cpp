@@ -83,9 +83,9 @@ void put_model(const tracking::ImageModel& model, std::vector<Setting>& settings
     put(settings, table, &found.profile, choice_text(table, &found.profile));
 }
 
-}  // namespace
-
-std::vector<Setting> suggested_settings(const Tuning& tuning, const FilmOptions& film) {
+/// All that the user gave, of the film and of the tracker.
+std::vector<Setting> given_settings(const tracking::TrackOptions& tracking,
+                                    const FilmOptions& film) {
     std::vector<Setting> settings;
     FilmOptions given_film = film;
     FilmOptions usual_film;
@@ -94,10 +94,30 @@ std::vector<Setting> suggested_settings(const Tuning& tuning, const FilmOptions&
     describe(given_film, film_table);
     describe(usual_film, usual_film_table);
     add_given({film_table}, {usual_film_table}, settings);
-    tracking::TrackOptions given = tuning.options;
+    tracking::TrackOptions given = tracking;
     tracking::TrackOptions usual;
     add_given(tracking::describe(given), tracking::describe(usual), settings);
+    return settings;
+}
 
+/// Its polarity, in place of what was given.
+void put_polarity(const tracking::SizeCandidate& candidate, tracking::CalibrationOptions& chosen,
+                  std::vector<Setting>& settings) {
+    chosen.polarity = candidate.polarity == Polarity::dark ? tracking::PolarityChoice::dark
+                                                           : tracking::PolarityChoice::bright;
+    const OptionTable table = describe(chosen);
+    put(settings, table, &chosen.polarity, choice_text(table, &chosen.polarity));
+}
+
+/// A section stands together, that of the command first.
+void sort_sections(std::vector<Setting>& settings) {
+    std::ranges::stable_sort(settings, std::ranges::greater{}, &Setting::section);
+}
+
+}  // namespace
+
+std::vector<Setting> suggested_settings(const Tuning& tuning, const FilmOptions& film) {
+    std::vector<Setting> settings = given_settings(tuning.options, film);
     put_model(tuning.model, settings);
     // Steps far below the error buy nothing.
     const double tolerance = std::clamp(0.1 * tuning.median_error(), 0.003, 0.03);
@@ -106,7 +126,27 @@ std::vector<Setting> suggested_settings(const Tuning& tuning, const FilmOptions&
         put(settings, describe(refinement), &refinement.tolerance,
             fmt::format("{:.3f}", tolerance));
     }
-    std::ranges::stable_sort(settings, std::ranges::greater{}, &Setting::section);
+    sort_sections(settings);
+    return settings;
+}
+
+std::vector<Setting> settings_of(const tracking::SizeCandidate& candidate) {
+    tracking::CalibrationOptions chosen;
+    std::vector<Setting> settings;
+    put_polarity(candidate, chosen, settings);
+    put(settings, describe(chosen), &chosen.diameter, fmt::format("{:.2f}", candidate.diameter));
+    return settings;
+}
+
+std::vector<Setting> settings_instead(const Tuning& tuning, const FilmOptions& film,
+                                      const tracking::SizeCandidate& candidate) {
+    tracking::TrackOptions options = tuning.options;
+    options.calibration.diameter.reset();
+    options.calibration.edge_width.reset();
+    std::vector<Setting> settings = given_settings(options, film);
+    tracking::CalibrationOptions chosen;
+    put_polarity(candidate, chosen, settings);
+    sort_sections(settings);
     return settings;
 }
 

@@ -5,6 +5,7 @@
 
 #include "pipelines/film/film.h"
 #include "pipelines/tune/tuning.h"
+#include "tracking/calibrate/size_choice.h"
 
 namespace grainfield::pipelines {
 
@@ -21,6 +22,14 @@ struct Setting {
 /// what it replaces, and steps no finer than the error of the positions asks for. Options of the
 /// film stand in the section "track".
 std::vector<Setting> suggested_settings(const Tuning& tuning, const FilmOptions& film);
+
+/// Those that choose a size and polarity that calibration weighed.
+std::vector<Setting> settings_of(const tracking::SizeCandidate& candidate);
+
+/// The settings that the user gave, with that polarity and the size left to be measured: that of a
+/// candidate is rough.
+std::vector<Setting> settings_instead(const Tuning& tuning, const FilmOptions& film,
+                                      const tracking::SizeCandidate& candidate);
 
 /// They as a configuration file.
 std::string toml_of(const std::vector<Setting>& settings);

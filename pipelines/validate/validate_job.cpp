@@ -2,8 +2,11 @@
 
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "core/support/interrupt.h"
 #include "pipelines/page/report_page.h"
+#include "pipelines/track/calibration_file.h"
 #include "pipelines/validate/validation_report.h"
 
 namespace grainfield::pipelines {
@@ -14,6 +17,8 @@ ValidationSettings settings_of(const ValidateJobOptions& options, const Validati
                                const Job& job) {
     ValidationSettings settings;
     settings.tracking = options.tracking;
+    if (!options.calibration.empty())
+        settings.tracking.kept = read_calibration(options.calibration);
     settings.fit = options.fit;
     settings.previews = options.previews;
     settings.threads = job.threads;
@@ -30,7 +35,12 @@ void plan_validation(const ValidateJobOptions& options, Job& job) {
     if (scene.rendered != nullptr && scene.rendered->count() > 0) {
         plan_rays(scene.rendered->check_sampling(), job.plan);
     }
-    job.plan.run("track", "calibrates on the first frame, as a run on the frames would");
+    if (options.calibration.empty()) {
+        job.plan.run("track", "calibrates on the first frame, as a run on the frames would");
+    } else {
+        read_calibration(options.calibration);
+        job.plan.run("track", fmt::format("with the calibration of '{}'", options.calibration));
+    }
     job.plan.run("score", "matched within D/4, against the joint Cramér–Rao bound");
     job.plan.run("analyse", "the true and the tracked positions");
 }

@@ -23,6 +23,7 @@ struct ValidateJobOptions {
     int previews = 1;  ///< frames shown on the page
     report::ReportOptions report;
     tracking::TrackOptions tracking;
+    std::string calibration;  ///< file of a kept calibration to use; empty: calibrate
     analysis::FitOptions fit;
     ValidationThresholds thresholds;
     RandomThresholds random_thresholds;  ///< of cameras drawn at random

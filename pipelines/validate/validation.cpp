@@ -246,7 +246,8 @@ ValidationOutcome validate(const ValidationCase& scene, const ValidationSettings
         outcome.runs[0].previews.push_back({preview.frame, std::move(truth), std::move(order)});
     }
     if (interrupted) {
-        plan.warn(fmt::format("interrupted after {} of {} frames: scores of those, no analysis",
+        plan.warn(WarningCode::interrupted,
+                  fmt::format("interrupted after {} of {} frames: scores of those, no analysis",
                               summary.frames, scene.frames.count()));
     } else {
         RunPlan same;  // what is skipped for the one is skipped for the other

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -53,6 +55,25 @@ Snapshot snapshot_of(const simulate::GrainState& state, const simulate::MdOption
     return s;
 }
 
+/// Particles without identities are numbered as they stand.
+class NumberedTruth : public SnapshotSource {
+ public:
+    explicit NumberedTruth(std::unique_ptr<SnapshotSource> truth) : truth_(std::move(truth)) {}
+    const TrajectoryInfo& info() const override { return truth_->info(); }
+    std::int64_t count() const override { return truth_->count(); }
+    Snapshot read(std::int64_t index) override {
+        Snapshot snapshot = truth_->read(index);
+        if (snapshot.id.empty()) {
+            snapshot.id.resize(snapshot.size());
+            std::iota(snapshot.id.begin(), snapshot.id.end(), std::int64_t{0});
+        }
+        return snapshot;
+    }
+
+ private:
+    std::unique_ptr<SnapshotSource> truth_;
+};
+
 OptionError needs(const char* problem, const char* suggestion) {
     return OptionError(
         {.problem = problem, .actual = {}, .expected = {}, .suggestion = suggestion});
@@ -72,7 +93,12 @@ ValidationScene given_scene(const SceneOptions& options, Job& job) {
                                static_cast<double>(scene.frames->height())}};
     TrajectoryInfo hints;
     hints.length_unit = LengthUnit::pixel;
-    scene.truth = io::open_snapshots(options.truth, frame, hints);
+    const bool is_one = scene.frames->count() == 1;
+    scene.truth =
+        io::open_snapshots(options.truth, frame, hints,
+                           is_one ? io::FrameColumn::optional : io::FrameColumn::required);
+    // Positions of one frame need no identities: nothing follows them.
+    if (is_one) scene.truth = std::make_unique<NumberedTruth>(std::move(scene.truth));
     // Images do not say how fast they were taken; the truth may.
     const TrajectoryInfo& known = scene.truth->info();
     if (!scene.frames->frame_rate() && known.frame_rate && known.time_unit == TimeUnit::second) {

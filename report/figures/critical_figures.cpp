@@ -21,12 +21,6 @@ const CurveColumns points{"critical", "critical", "x", "s0_over_s1", "err"};
 const CurveColumns line{"critical", "critical_line", "x", "s0_over_s1", "err"};
 constexpr double least_known = 0.25;  // error of the critical value over itself
 
-// The name of the control parameter; empty of results that are not of `critical`.
-std::string parameter_of(const Results& run) {
-    const Curve* curve = find_curve(run, points);
-    return curve == nullptr ? std::string() : clean_text(curve->find("x")->meaning);
-}
-
 void add_sentence(std::string& note, const std::string& sentence) {
     note += (note.empty() ? "" : " ") + sentence;
 }
@@ -38,8 +32,57 @@ Figure figure_of(const std::vector<std::string>& labels, std::string name, std::
 }
 
 void add_kinds(Figure& figure, const Runs& runs) {
-    add_kind(figure, runs, {"S₀/S₁", Mark::line, true}, points);
+    // Not joined: the line is that of the fit.
+    add_kind(figure, runs, {.label = "S₀/S₁", .mark = Mark::line, .is_joined = false}, points);
     add_kind(figure, runs, {"weighted line", Mark::curve, true}, line);
+}
+
+const Measurement* value_of(const Results& run, const char* name) {
+    const Measurement* m = run.find("critical")->find_measurement(name);
+    return m != nullptr && m->value && std::isfinite(*m->value) ? m : nullptr;
+}
+
+// Where the line meets zero, with its interval, if that is in sight of the points.
+void mark_crossing(Figure& figure, const Runs& runs, const std::vector<std::string>& labels,
+                   const std::string& parameter) {
+    const auto [first, last] = extent(figure, figure.x, &Series::x);
+    const auto [bottom, top] = extent(figure, figure.y, &Series::y);
+    const double reach = last - first;
+    const auto is_in_sight = [&, first = first, last = last](double x) {
+        return x > first - reach && x < last + reach;
+    };
+    const auto ours = [&](const Results& run) { return critical_parameter(run) == parameter; };
+    const bool is_one = std::ranges::count_if(runs, ours) == 1;
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        if (!ours(runs[r])) continue;
+        const Measurement* value = value_of(runs[r], "critical_value");
+        if (value == nullptr || !is_in_sight(*value->value)) continue;
+        const std::string whose = is_one ? std::string() : ", " + labels[r];
+        const Measurement* low = value_of(runs[r], "critical_low");
+        const Measurement* high = value_of(runs[r], "critical_high");
+        const double* error = value->error ? &*value->error : nullptr;
+        add_guide(figure,
+                  fmt::format("critical {} = {}{}", parameter,
+                              with_minus_signs(with_error(*value->value, error)), whose),
+                  {*value->value, *value->value}, {std::min(bottom, 0.0), top});
+        if (low == nullptr || high == nullptr) continue;
+        if (is_in_sight(*low->value) && is_in_sight(*high->value)) {
+            add_band(figure, "68 % interval" + whose, *low->value, *high->value);
+        }
+    }
+}
+
+// "Line through 3 points, χ² per degree of freedom 1.0; α = 1.33 ± 0.07."
+std::string line_sentence(const Results& run) {
+    const Curve* curve = find_curve(run, points);
+    std::string text = fmt::format("Line through {} points", curve->find("x")->values.size());
+    if (const Measurement* chi2 = value_of(run, "chi2_per_dof")) {
+        text += fmt::format(", χ² per degree of freedom {:.2g}", *chi2->value);
+    }
+    if (const Measurement* alpha = value_of(run, "alpha")) {
+        text += "; α = " + with_error(*alpha->value, alpha->error ? &*alpha->error : nullptr);
+    }
+    return text + ".";
 }
 
 Figure against_parameter(const Runs& runs, const std::vector<std::string>& labels,
@@ -50,20 +93,23 @@ Figure against_parameter(const Runs& runs, const std::vector<std::string>& label
     figure.group = FigureGroup::critical_point;
     add_kinds(figure, runs);
     std::erase_if(figure.series, [&](const Series& series) {
-        return parameter_of(runs[series.run]) != parameter;
+        return critical_parameter(runs[series.run]) != parameter;
     });
     figure.reading =
         "How far from critical each run is: S₀, what stays at the longest waves, over S₁, how "
         "fast S(k) grows. Where the line meets zero is the critical value.";
     for (const Results& run : runs) {
-        if (parameter_of(run) == parameter) add_sentence(figure.note, critical_sentence(run));
+        if (critical_parameter(run) != parameter) continue;
+        add_sentence(figure.note, critical_sentence(run));
+        add_sentence(figure.note, line_sentence(run));
     }
+    mark_crossing(figure, runs, labels, parameter);
     return figure;
 }
 
 // The critical value, if it is known well enough to measure distances from.
 const Measurement* critical_value(const Results& run) {
-    if (parameter_of(run).empty()) return nullptr;
+    if (critical_parameter(run).empty()) return nullptr;
     const Measurement* m = run.find("critical")->find_measurement("critical_value");
     const bool is_known = m != nullptr && m->value && m->error && std::isfinite(*m->error) &&
                           *m->error < least_known * std::abs(*m->value);
@@ -88,7 +134,7 @@ std::optional<Figure> against_distance(const Runs& runs, const std::vector<std::
     const std::string of_fields = symbol(ControlParameter::critical_distance);
     std::vector<std::string> parameters;
     for (std::size_t r = 0; r < runs.size(); ++r) {
-        const std::string own = parameter_of(runs[r]);
+        const std::string own = critical_parameter(runs[r]);
         const Measurement* critical = critical_value(runs[r]);
         const bool is_drawn = !own.empty() && own != of_fields && critical != nullptr;
         std::erase_if(figure.series,
@@ -121,10 +167,15 @@ std::optional<Figure> against_distance(const Runs& runs, const std::vector<std::
 
 }  // namespace
 
+std::string critical_parameter(const Results& run) {
+    const Curve* curve = find_curve(run, points);
+    return curve == nullptr ? std::string() : clean_text(curve->find("x")->meaning);
+}
+
 std::vector<Figure> critical_figures(const Runs& runs, const std::vector<std::string>& labels) {
     std::vector<std::string> parameters;
     for (const Results& run : runs) {
-        const std::string parameter = parameter_of(run);
+        const std::string parameter = critical_parameter(run);
         if (!parameter.empty() && std::ranges::find(parameters, parameter) == parameters.end()) {
             parameters.push_back(parameter);
         }

@@ -56,6 +56,23 @@ std::array<double, 2> extent(const Figure& figure, const Axis& axis,
     return {low, high};
 }
 
+void add_guide(Figure& figure, std::string label, std::vector<double> x, std::vector<double> y) {
+    Series guide;
+    guide.kind = figure.kinds.size();
+    guide.x = std::move(x);
+    guide.y = std::move(y);
+    figure.kinds.push_back({std::move(label), Mark::guide, true});
+    figure.series.push_back(std::move(guide));
+}
+
+void add_band(Figure& figure, std::string label, double low, double high) {
+    auto [bottom, top] = extent(figure, figure.y, &Series::y);
+    if (!(top > bottom)) top = bottom + 1.0 / 3;
+    add_guide(figure, std::move(label), {low, high, high, low, low},
+              {bottom, bottom, top, top, bottom});
+    figure.kinds.back().is_filled = true;
+}
+
 void add_power_law(Figure& figure, std::string label, double exponent, double x0, double y0,
                    double x1) {
     // Enough points for a smooth curve on linear axes too.

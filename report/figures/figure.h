@@ -17,6 +17,7 @@ struct Kind {
     bool shown = true;       ///< false: on the page only after a click, not in the SVG
     std::string word{};      ///< of the results that its series have; empty: there is none
     bool is_filled = false;  ///< a guide around an area, which the page fills
+    bool is_joined = true;   ///< points of Mark::line; false: alone, with their error bars
 };
 
 /// Where a figure belongs.
@@ -74,6 +75,12 @@ std::string series_label(const Figure& figure, const Series& series);
 /// positive values count. {0, 0} if there is none.
 std::array<double, 2> extent(const Figure& figure, const Axis& axis,
                              std::vector<double> Series::*values);
+
+/// Adds a guide through these points.
+void add_guide(Figure& figure, std::string label, std::vector<double> x, std::vector<double> y);
+
+/// Adds a filled guide from x = low to high, as high as the data; of one point alone a third high.
+void add_band(Figure& figure, std::string label, double low, double high);
 
 /// Adds the guide y = y0 (x/x0)^exponent between x0 and x1.
 void add_power_law(Figure& figure, std::string label, double exponent, double x0, double y0,

@@ -103,10 +103,10 @@ std::string title_clause(const std::string& title) {
     return title.empty() ? "notitle" : "title " + gnuplot_string(title) + " noenhanced";
 }
 
-std::string line_clause(const Style& style, bool crowded) {
-    return fmt::format("with linespoints lc rgb '{}' dt {} lw {} pt {} ps {}", hex(style.colour),
-                       style.dash + 1, crowded ? 0.6 : 1.2, point_types[style.symbol],
-                       crowded ? 0.3 : 0.6);
+std::string line_clause(const Kind& kind, const Style& style, bool crowded) {
+    return fmt::format("with {} lc rgb '{}' dt {} lw {} pt {} ps {}",
+                       kind.is_joined ? "linespoints" : "points", hex(style.colour), style.dash + 1,
+                       crowded ? 0.6 : 1.2, point_types[style.symbol], crowded ? 0.3 : 0.6);
 }
 
 std::string plot_clause(const Figure& figure, const Series& series, std::size_t number,
@@ -126,7 +126,7 @@ std::string plot_clause(const Figure& figure, const Series& series, std::size_t 
             number, hex(style.colour));
     }
     if (kind.mark == Mark::steps) return bars + data + " with histeps " + line + " lw 2 " + title;
-    return bars + data + " " + line_clause(style, series.x.size() > 120) + " " + title;
+    return bars + data + " " + line_clause(kind, style, series.x.size() > 120) + " " + title;
 }
 
 // Fits in print: lines through the points of their run, as which they need no name.
@@ -164,7 +164,7 @@ std::string plot_clauses(const Figure& figure, Fits fits = Fits::named) {
         if (!kind.shown || kind.mark == Mark::guide || !is_named(figure, kind, fits)) continue;
         Style style = style_of(figure, 0, k);
         style.colour = {0x33, 0x33, 0x33};
-        add("NaN " + line_clause(style, false) + " " + title_clause(kind.label));
+        add("NaN " + line_clause(kind, style, false) + " " + title_clause(kind.label));
     }
     return out + "\n";
 }

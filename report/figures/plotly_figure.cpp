@@ -86,7 +86,7 @@ json trace(const Figure& figure, const Series& series) {
         if (figure.runs.size() == 1) t["fill"] = "tozeroy";
         return t;
     }
-    t["mode"] = "lines+markers";
+    t["mode"] = kind.is_joined ? "lines+markers" : "markers";
     // A crowd of points gets small marks and no line through the noise.
     const bool crowded = series.x.size() > 120;
     if (crowded) t["line"]["width"] = 0.7;
@@ -134,6 +134,7 @@ std::string plotly_json(const Figure& figure) {
                          {"dash", dashes[style.dash]},
                          {"guide", is_guide},
                          {"shown", figure.kinds[k].shown}});
+        if (!figure.kinds[k].is_joined) kinds.back()["symbol"] = glyphs.at(style.symbol);
     }
     json runs = json::array();
     for (std::size_t r = 0; r < figure.runs.size(); ++r) {

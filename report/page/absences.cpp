@@ -32,19 +32,33 @@ std::string inside_sentence(std::string title) {
     return title;
 }
 
-std::string listed(const std::vector<Absent>& all, bool one_frame) {
-    std::string text;
-    for (const Absent& absent : all) {
-        if (absent.one_frame != one_frame) continue;
-        if (!text.empty()) text.append(", ");
-        text.append(absent.what);
+/// What some runs lack, for one reason.
+struct Lacking {
+    Absent absent;
+    std::vector<std::size_t> runs;
+};
+
+constexpr std::size_t most_named = 4;
+
+// "S₀, S₁, k_pp and 9 more".
+std::string listed(const std::vector<Lacking>& all, bool one_frame, std::size_t most) {
+    std::vector<std::string> names;
+    for (const Lacking& lacking : all) {
+        const std::string& what = lacking.absent.what;
+        if (lacking.absent.one_frame != one_frame) continue;
+        if (std::ranges::find(names, what) == names.end()) names.push_back(what);
     }
+    // One left over is named as well.
+    const std::size_t named = names.size() > most + 1 ? most : names.size();
+    std::string text;
+    for (std::size_t i = 0; i < named; ++i) text += (i > 0 ? ", " : "") + names[i];
+    if (named < names.size()) text += " and " + std::to_string(names.size() - named) + " more";
     return text;
 }
 
-std::string line(const std::vector<Absent>& all) {
-    const std::string of_one = listed(all, true);
-    const std::string others = listed(all, false);
+std::string line(const std::vector<Lacking>& all) {
+    const std::string of_one = listed(all, true, all.size());
+    const std::string others = listed(all, false, most_named);
     std::string text;
     if (!of_one.empty()) text = "Not possible with one frame: " + of_one + ".";
     if (!others.empty()) {
@@ -54,18 +68,21 @@ std::string line(const std::vector<Absent>& all) {
     return text;
 }
 
+// "A, B"; nothing where all of several runs, or the only one, are meant.
+std::string names_of(const std::vector<std::size_t>& runs, const std::vector<std::string>& labels) {
+    if (runs.size() == labels.size()) return "";
+    std::string names;
+    for (const std::size_t r : runs) names += (names.empty() ? "" : ", ") + labels[r];
+    return names + ": ";
+}
+
 }  // namespace
 
 std::vector<Absent> absences(const Results& run, const std::vector<ObservableTitles>& titles) {
     std::vector<Absent> all;
     const auto add = [&](const std::string& what, const std::string& reason) {
         const std::string why = clean_text(reason.empty() ? "no value" : reason);
-        // One of the boxes of `synthetic`, whose sides the user names.
-        const std::string of_box = "box ";
-        const std::string name = what.starts_with(of_box)
-                                     ? "number variance of a box of " + what.substr(4) + " a"
-                                     : what;
-        all.push_back({inside_sentence(clean_text(name)), why, blames_one_frame(run, why)});
+        all.push_back({inside_sentence(clean_text(what)), why, blames_one_frame(run, why)});
     };
     for (const ObservableResult& observable : run.observables) {
         const std::string title = observable_title(titles, observable.name);
@@ -105,40 +122,28 @@ std::vector<Absent> absences(const Results& run, const std::vector<ObservableTit
 
 std::string absences_html(const std::vector<Results>& runs, const std::vector<std::string>& labels,
                           const std::vector<ObservableTitles>& titles) {
-    struct Line {
-        std::string text, reasons;
-        std::vector<std::string> whose;
-    };
-    std::vector<Line> lines;
+    std::vector<Lacking> all;
     for (std::size_t r = 0; r < runs.size(); ++r) {
-        const std::vector<Absent> all = absences(runs[r], titles);
-        if (all.empty()) continue;
-        Line fresh{line(all), "", {labels[r]}};
-        for (const Absent& absent : all) {
-            fresh.reasons += "<li>" + escape_html(absent.what + ": " + absent.reason) + "</li>\n";
-        }
-        const auto same = std::ranges::find_if(lines, [&](const Line& known) {
-            return known.text == fresh.text && known.reasons == fresh.reasons;
-        });
-        if (same != lines.end()) {
-            same->whose.push_back(labels[r]);
-        } else {
-            lines.push_back(std::move(fresh));
+        for (const Absent& absent : absences(runs[r], titles)) {
+            const auto known = std::ranges::find_if(all, [&](const Lacking& lacking) {
+                return lacking.absent.what == absent.what && lacking.absent.reason == absent.reason;
+            });
+            if (known == all.end()) {
+                all.push_back({absent, {r}});
+            } else if (known->runs.back() != r) {
+                known->runs.push_back(r);
+            }
         }
     }
-    std::string out;
-    for (const Line& line : lines) {
-        std::string whose;
-        for (const std::string& label : line.whose) {
-            if (!whose.empty()) whose.append(", ");
-            whose.append(label);
-        }
-        whose.append(": ");
-        out += "<details class=\"missing\"><summary>" +
-               escape_html((runs.size() > 1 ? whose : "") + line.text) + "</summary><ul>\n" +
-               line.reasons + "</ul></details>\n";
+    if (all.empty()) return "";
+    std::string reasons;
+    for (const auto& [absent, whose] : all) {
+        reasons += "<li>" +
+                   escape_html(names_of(whose, labels) + absent.what + ": " + absent.reason) +
+                   "</li>\n";
     }
-    return out;
+    return "<details class=\"missing\"><summary>" + escape_html(line(all)) + "</summary><ul>\n" +
+           reasons + "</ul></details>\n";
 }
 
 }  // namespace grainfield::report

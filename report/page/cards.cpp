@@ -192,8 +192,8 @@ struct Kind {
     bool instead = false;  ///< left out if the card before has a value for every run
 };
 
-// Whether the picture differs from the model where no sphere is, much more than about spheres.
-bool lies_beside_spheres(const Results& run, double residual) {
+// RMS misfit about the spheres, where the picture differs from the model much more elsewhere.
+std::optional<double> misfit_of_spheres(const Results& run, double residual) {
     constexpr double much = 1.5;
     double squares = 0;
     double count = 0;
@@ -204,7 +204,9 @@ bool lies_beside_spheres(const Results& run, double residual) {
             ++count;
         }
     }
-    return residual > fair_residual && count > 0 && residual > much * std::sqrt(squares / count);
+    if (residual <= fair_residual || count == 0) return std::nullopt;
+    const double misfit = std::sqrt(squares / count);
+    return residual > much * misfit ? std::optional(misfit) : std::nullopt;
 }
 
 }  // namespace
@@ -280,11 +282,12 @@ std::string critical_sentence(const Results& run) {
         const std::string why = value == nullptr ? "" : clean_text(value->reason);
         return "No critical " + parameter + (why.empty() ? "." : ": " + why + ".");
     }
-    std::string text = fmt::format("Critical at {} = {}", parameter, number(*value));
+    std::string text =
+        fmt::format("Critical at {} = {}", parameter, with_minus_signs(number(*value)));
     const Measurement* low = known(run, "critical", "critical_low");
     const Measurement* high = known(run, "critical", "critical_high");
     if (low != nullptr && high != nullptr) {
-        text += fmt::format(" (68 %: {:.3g} to {:.3g})", *low->value, *high->value);
+        text += "; 68 %: " + interval_text(*low->value, *high->value);
     }
     return text + ".";
 }
@@ -313,9 +316,11 @@ std::string verdict(const Results& run, std::optional<std::size_t> places) {
     if (places && *places > 0) {
         text += fmt::format("; {} place{} to look at", *places, *places == 1 ? "" : "s");
     } else if (places && residual != nullptr) {
-        text += lies_beside_spheres(run, *residual->value)
-                    ? "; the misfit lies beside the spheres: --region or --mask leaves it out"
-                    : "; no place stands out";
+        const std::optional<double> misfit = misfit_of_spheres(run, *residual->value);
+        text += misfit ? fmt::format(
+                             "; {:.3f} about the spheres: --region or --mask leaves the rest out",
+                             *misfit)
+                       : "; no place stands out";
     }
     return text;
 }

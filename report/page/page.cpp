@@ -1,6 +1,8 @@
 #include "report/page/page.h"
 
 #include <algorithm>
+#include <array>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -80,6 +82,21 @@ std::string joined(const std::vector<std::string>& parts) {
     return out;
 }
 
+bool is_critical(const Results& run) {
+    return run.identity.role == RunRole::critical_point;
+}
+
+// The only critical point among several runs.
+std::optional<std::size_t> critical_run(const std::vector<Results>& runs) {
+    if (std::ranges::count_if(runs, is_critical) != 1) return std::nullopt;
+    return static_cast<std::size_t>(std::ranges::find_if(runs, is_critical) - runs.begin());
+}
+
+std::string of_critical(const std::vector<Results>& runs) {
+    const std::size_t others = runs.size() - 1;
+    return fmt::format("a critical point and {} run{}", others, others == 1 ? "" : "s");
+}
+
 std::string header_html(const PageContent& content) {
     const std::size_t count = content.runs.size();
     std::string out = "<header><h1>" + escape_html(content.title) + "</h1>\n";
@@ -100,7 +117,9 @@ std::string header_html(const PageContent& content) {
                "<p class=\"verdict\">" + said(0) + also + "</p></header>\n";
     }
     std::string runs;
+    const bool has_verdict = content.paper.empty() && critical_run(content.runs).has_value();
     for (std::size_t r = 0; r < count; ++r) {
+        if (has_verdict && is_critical(content.runs[r])) continue;  // said above them
         runs += fmt::format(
             "<li><span class=\"block\" style=\"color:{}\"></span>{} <span class=\"summary\">{}"
             "</span></li>\n",
@@ -118,6 +137,10 @@ std::string header_html(const PageContent& content) {
                "</p>\n" + "<p class=\"verdict\">" + escape_html(content.verdict) + also + "</p>\n";
         if (!content.key_numbers) return out + "</header>\n";
         out += "<ul class=\"run-key\">";
+    } else if (const auto critical = critical_run(content.runs)) {
+        out += "<p class=\"summary\">" + joined({of_critical(content.runs), content.date}) +
+               "</p>\n<p class=\"verdict\">" + said(*critical) + also +
+               "</p>\n<ul class=\"run-key\">";
     } else {
         out += "<p class=\"summary\">" +
                joined({fmt::format("{} runs side by side", count), content.date}) + also +
@@ -154,6 +177,11 @@ std::string absent_html(const Figure& figure) {
         figure.absent.size(), list);
 }
 
+bool is_of_critical_point(const Figure& figure) {
+    return figure.group == FigureGroup::critical_point ||
+           figure.group == FigureGroup::critical_distance;
+}
+
 // Of a figure without data nothing: what is missing stands in one line above.
 std::string figure_html(const PageContent& content, const Figure& figure) {
     if (!figure.has_data()) return "";
@@ -163,11 +191,16 @@ std::string figure_html(const PageContent& content, const Figure& figure) {
     if (!figure.reading.empty()) {
         out += "<p class=\"reading\">" + with_definitions(figure.reading) + "</p>";
     }
-    if (!figure.note.empty()) out += "<p class=\"note\">" + escape_html(figure.note) + "</p>";
+    const std::string note =
+        figure.note.empty() ? "" : "<p class=\"note\">" + escape_html(figure.note) + "</p>";
+    // What a critical point comes to stands under its picture.
+    const bool is_below = is_of_critical_point(figure);
+    if (!is_below) out += note;
     out += fmt::format(
         "</figcaption><div class=\"tools\"></div></div>\n<div class=\"legend\"></div>\n"
         "<div class=\"plot\" id=\"plot-{}\" role=\"img\" aria-label=\"{}\"></div>\n",
         figure.name, escape_html(figure.y.title() + " against " + figure.x.title()));
+    if (is_below) out += note;
     out += absent_html(figure);
     return out + file_links(content, figure.name) + "</figure>\n";
 }
@@ -240,12 +273,29 @@ std::string view_html(const PageContent& content, const std::vector<std::size_t>
            "<canvas class=\"lens\" hidden></canvas></div></div>\n";
 }
 
+// A wide picture beside a tall one gets more of the width, so that both are about as high.
+std::string shares_of_views(const std::vector<ParticleMap>& maps,
+                            const std::vector<std::size_t>& runs) {
+    constexpr double most = 2.4;   // times as wide as the other
+    constexpr double least = 1.2;  // below, both alike
+    if (runs.size() != 2) return "";
+    std::array<double, 2> shape{1, 1};  // width over height
+    for (std::size_t v = 0; v < 2; ++v) {
+        const auto map = std::ranges::find(maps, runs[v], &ParticleMap::run);
+        const double height = map->y[1] - map->y[0];
+        if (height > 0) shape.at(v) = (map->x[1] - map->x[0]) / height;
+    }
+    const double ratio = std::clamp(shape[0] / shape[1], 1 / most, most);
+    if (!(std::max(ratio, 1 / ratio) > least)) return "";
+    return fmt::format(" style=\"--shares: {:.2f}fr 1fr\"", ratio);
+}
+
 std::string map_html(const PageContent& content) {
     const std::string heading = map_heading(content.maps);
-    const bool has_runs = std::ranges::any_of(content.runs, [](const Results& run) {
-        return run.identity.role != RunRole::critical_point;
+    const bool has_particles = std::ranges::any_of(content.runs, [](const Results& run) {
+        return !is_critical(run) && !run.identity.is_field();
     });
-    if (!has_runs) return "";
+    if (content.maps.empty() && !has_particles) return "";
     if (content.maps.empty()) {
         return "<p class=\"absent\">No picture: the results hold no preview.</p>\n";
     }
@@ -276,7 +326,8 @@ std::string map_html(const PageContent& content) {
         "<option value=\"identity\">identity</option><option value=\"layer\">layer</option>"
         "</select></label>\n",
         only_fields ? "false" : "true");
-    out += colour_bar(content.maps.front().order) + "</div>\n<div class=\"views\">\n";
+    out += colour_bar(content.maps.front().order) + "</div>\n";
+    out += "<div class=\"views\"" + shares_of_views(content.maps, runs) + ">\n";
     const bool has_choice = runs.size() > 2;
     for (std::size_t v = 0; v < std::min<std::size_t>(2, runs.size()); ++v) {
         out += view_html(content, runs, runs[v], has_choice);
@@ -358,11 +409,6 @@ std::string numbers_html(const PageContent& content) {
     return "<section><h2>All numbers</h2>\n<details><summary>Each with its error and samples"
            "</summary>" +
            table + "</details></section>\n";
-}
-
-bool is_of_critical_point(const Figure& figure) {
-    return figure.group == FigureGroup::critical_point ||
-           figure.group == FigureGroup::critical_distance;
 }
 
 bool is_of_paper(const Figure& figure) {

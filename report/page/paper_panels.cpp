@@ -80,26 +80,6 @@ Subset of_series(const std::vector<Results>& runs, const std::vector<std::string
     return subset;
 }
 
-// A guide through these points.
-void add_mark(Figure& figure, std::string label, std::vector<double> x, std::vector<double> y) {
-    Series mark;
-    mark.kind = figure.kinds.size();
-    mark.x = std::move(x);
-    mark.y = std::move(y);
-    figure.kinds.push_back({std::move(label), Mark::guide, true});
-    figure.series.push_back(std::move(mark));
-}
-
-// The paper's value of x with its error, as high as the data; of one point alone a third high.
-void add_band(Figure& figure, std::string label, double value, double error) {
-    auto [low, high] = extent(figure, figure.y, &Series::y);
-    if (!(high > low)) high = low + 1.0 / 3;
-    const double a = value - error;
-    const double b = value + error;
-    add_mark(figure, std::move(label), {a, b, b, a, a}, {low, low, high, high, low});
-    figure.kinds.back().is_filled = true;
-}
-
 // y = (x/a)^alpha where the curves are, as far down as they go: S/S1 at the critical point.
 void add_critical_line(Figure& figure, std::string label) {
     const auto [first, last] = extent(figure, figure.x, &Series::x);
@@ -234,7 +214,7 @@ PaperPanel spectrum_panel(std::string number, std::string claim, const Subset& s
     fill(panel, scaled_spectrum(subset.runs, subset.labels));
     if (!panel.figure) return panel;
     add_critical_line(*panel.figure, "paper: (ka)^1.12");
-    if (panel.number == "2a") add_band(*panel.figure, "paper: pre-peak, ka ≈ 0.2", 0.2, 0.05);
+    if (panel.number == "2a") add_band(*panel.figure, "paper: pre-peak, ka ≈ 0.2", 0.15, 0.25);
     return panel;
 }
 
@@ -264,7 +244,7 @@ PaperPanel critical_panel(std::string number, std::string claim, const Subset& s
             at = (*ours->value - value->value) / *ours->value;
             error = value->error / *ours->value;
         }
-        add_band(figure, fmt::format("paper: Γc = {}", paper_text(*value)), at, error);
+        add_band(figure, fmt::format("paper: Γc = {}", paper_text(*value)), at - error, at + error);
     } else if (ours != nullptr && ours->value) {
         panel.lines.push_back(
             {"Ours: zero at ν = " + measured_text(*ours), Agreement::unresolved, ""});
@@ -298,7 +278,7 @@ PaperPanel order_panel(const std::vector<Results>& runs, const std::vector<std::
     for (const auto& [name, at] : {std::pair("wide maximum ≈ 0.3", 0.3),
                                    {"minimum ≈ 0.7", 0.7},
                                    {"narrow maximum ≈ 0.95", 0.95}}) {
-        add_mark(*panel.figure, std::string("paper: ") + name, {at, at}, {low, high});
+        add_guide(*panel.figure, std::string("paper: ") + name, {at, at}, {low, high});
     }
     return panel;
 }
@@ -405,7 +385,8 @@ std::optional<std::size_t> run_of_paper_map(const std::vector<Results>& runs) {
 
 std::vector<PaperPanel> paper_panels(const std::vector<Results>& runs,
                                      const std::vector<std::string>& labels,
-                                     const std::vector<FigureHint>& hints) {
+                                     const std::vector<FigureHint>& hints,
+                                     const std::vector<Results>& committed) {
     const Subset films = of_series(runs, labels, tracked, "sk");
     const Subset layers = of_series(runs, labels, md, "sk");
     const Subset fields = of_series(runs, labels, field, "sk");
@@ -435,6 +416,15 @@ std::vector<PaperPanel> paper_panels(const std::vector<Results>& runs,
         if (!panel.figure) continue;
         panel.figure->absent.clear();
         drop_hidden(*panel.figure);
+    }
+    if (committed.empty()) return panels;
+    std::vector<std::string> names;
+    for (const Results& run : committed) names.push_back(run.label);
+    std::vector<PaperPanel> kept = paper_panels(committed, names, hints);
+    for (std::size_t p = 0; p < panels.size(); ++p) {
+        if (panels[p].figure || !kept[p].figure) continue;
+        panels[p].figure = std::move(kept[p].figure);
+        panels[p].is_committed = true;
     }
     return panels;
 }

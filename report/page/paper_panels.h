@@ -27,14 +27,16 @@ struct PaperPanel {
     std::optional<Figure> figure{};  ///< named "paper_2a"; nothing where no run has the curve
     std::string absent{};            ///< then why
     std::vector<PaperLine> lines{};
+    bool is_committed = false;  ///< the figure is of committed results: the runs have none
 };
 
 /// The panels of Figs. 1b to 4b in the order of the paper: 1b, 2a … 2i, 3, 4a, 4b. Tracked films
 /// stand for its experiment. The paper's numbers are marked in them by guides. Curves of 1b are
-/// those of the run that `map_of_paper` shows.
+/// those of the run that `map_of_paper` shows. A panel without a figure takes that of `committed`.
 std::vector<PaperPanel> paper_panels(const std::vector<Results>& runs,
                                      const std::vector<std::string>& labels,
-                                     const std::vector<FigureHint>& hints);
+                                     const std::vector<FigureHint>& hints,
+                                     const std::vector<Results>& committed = {});
 
 /// The tracked run for the map of |Q4|, Fig. 1b: the one nearest to Γ = 4.5 that has |Q4| and a
 /// preview.

@@ -55,6 +55,13 @@ std::string panel_html(const PaperPanel& panel) {
         out += "<div class=\"plot empty\"><p>Not drawn: " + escape_html(panel.absent) +
                ".</p></div>\n";
     }
+    if (panel.is_committed) {
+        out +=
+            "<p class=\"line committed\"><strong>Committed results, not of these runs</strong>: "
+            "long "
+            "runs of the walled cell, true positions (bench/results/paper). Here: " +
+            escape_html(panel.absent) + ".</p>\n";
+    }
     return out + lines_html(panel) + "</figure>\n";
 }
 

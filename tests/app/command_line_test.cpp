@@ -1,5 +1,6 @@
 #include "app/command_line.h"
 
+#include <filesystem>
 #include <initializer_list>
 #include <string>
 #include <vector>
@@ -61,7 +62,7 @@ TEST(CommandLine, WrongUsageEndsWithTwoAndASuggestionOnStandardError) {
     EXPECT_THAT(command.err, HasSubstr("did you mean 'track'?"));
     const Outcome option = call({"track", "a.png", "-o", "b.h5", "--max-sweps", "3"});
     EXPECT_EQ(option.code, 2);
-    EXPECT_THAT(option.err, HasSubstr("did you mean '--max-sweeps'?"));
+    EXPECT_THAT(option.err, testing::EndsWith("did you mean '--max-sweeps'?\n"));
     EXPECT_EQ(option.out, "");
     const Outcome value = call({"track", "a.png", "-o", "b.h5", "--threads", "many"});
     EXPECT_EQ(value.code, 2);
@@ -72,6 +73,23 @@ TEST(CommandLine, WrongUsageEndsWithTwoAndASuggestionOnStandardError) {
     const Outcome none = call({"track", "a.png", "-o"});
     EXPECT_EQ(none.code, 2);
     EXPECT_EQ(none.err, "error: --output has no value; see --help.\n");
+}
+
+TEST(CommandLine, AnUnknownOptionIsToldBeforeItsValueIsTakenForAnInput) {
+    const Outcome outcome = call({"export", "a.h5", "-o", "-", "--form", "xyz"});
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(outcome.err, AllOf(HasSubstr("does not know '--form'"), HasSubstr("'--format'?")));
+    const Outcome two = call({"export", "a.h5", "b.h5"});
+    EXPECT_EQ(two.code, 2);
+    EXPECT_THAT(two.err, HasSubstr("'export' takes one input: 2: 'a.h5', 'b.h5'"));
+}
+
+TEST(CommandLine, AnOutputThatLooksLikeAnOptionIsRefused) {
+    const Outcome outcome = call({"export", "a.h5", "-o", "-x"});
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(outcome.err,
+                AllOf(HasSubstr("output '-x' looks like an option"), HasSubstr("-o ./-x")));
+    EXPECT_FALSE(std::filesystem::exists("-x"));
 }
 
 // It is named after the input.

@@ -106,6 +106,20 @@ TEST(CompareCommand, OfNothingReadableIsAnErrorThatNamesTheFirst) {
     EXPECT_FALSE(std::filesystem::exists(folder / "report.html"));
 }
 
+TEST(CompareCommand, OfNothingReadableWarnsOnlyOfTheFilesAfterTheFirst) {
+    const testing::ScratchFolder folder;
+    CompareCommand command;
+    const std::vector<OptionTable> tables = command.options();
+    tables.front().set("output", OptionValue(folder / "report.html"));
+    Session session;
+    session.command = "compare";
+    session.inputs = {std::filesystem::path(folder / "first.h5"),
+                      std::filesystem::path(folder / "second.h5")};
+    EXPECT_THROW(command.run(session), InputError);
+    ASSERT_EQ(session.plan.warnings().size(), 1U);
+    EXPECT_THAT(session.plan.warnings()[0].text, HasSubstr("second.h5"));
+}
+
 TEST(CompareCommand, SaysWhichRunsHaveNoErrorsAndWhichAnotherVersion) {
     const testing::ScratchFolder folder;
     const Compared out = compare(

@@ -1,6 +1,7 @@
 #include "app/export_command.h"
 
 #include <filesystem>
+#include <fstream>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -46,6 +47,25 @@ TEST(ExportCommand, TakesANameWithANumberASlashOrThatIsThereForAFolder) {
         EXPECT_TRUE(std::filesystem::exists(std::filesystem::path(folder / name) / "sk.csv"))
             << name;
     }
+}
+
+TEST(ExportCommand, NeedsANameThatFitsTheFormatAskedFor) {
+    const testing::ScratchFolder folder;
+    std::ofstream(folder / "p.csv") << "frame,x,y\n0,1,2\n";
+    const auto run = [&](const std::string& output, const std::string& format) {
+        ExportCommand command;
+        const std::vector<OptionTable> tables = command.options();
+        tables.front().set("output", OptionValue(output));
+        tables.front().set("format", OptionValue(format));
+        Session session;
+        session.command = "export";
+        session.inputs = {std::filesystem::path(folder / "p.csv")};
+        return command.run(session);
+    };
+    EXPECT_EQ(run("-", "xyz").text.substr(0, 2), "1\n");
+    EXPECT_EQ(run("-", "auto").text.substr(0, 5), "frame");
+    EXPECT_NO_THROW(run(folder / "a.xyz", "xyz"));
+    EXPECT_THROW(run(folder / "b.csv", "xyz"), OptionError);
 }
 
 TEST(ExportCommand, NamesAFolderAfterResultsWithAPointInTheirName) {

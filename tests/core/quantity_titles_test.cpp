@@ -16,6 +16,14 @@ TEST(QuantityTitles, AreThoseOfTheObservableThatTheQuantityBelongsTo) {
     EXPECT_EQ(observable_title(titles, "fit"), "Fit of S(k)");
 }
 
+TEST(QuantityTitles, OfAFamilyHoldTheNumberOfTheName) {
+    const std::vector<ObservableTitles> boxes{
+        {"synthetic", "Boxes", {{"box_2", "The small box"}}, {{"box_", "Box of ", " a"}}}};
+    EXPECT_EQ(quantity_title(boxes, "synthetic", "box_16.5"), "Box of 16.5 a");
+    EXPECT_EQ(quantity_title(boxes, "synthetic", "box_2"), "The small box");
+    EXPECT_EQ(quantity_title(boxes, "variance", "box_16.5"), "box 16.5");
+}
+
 TEST(QuantityTitles, AreTheNamesWithSpacesWhereNobodyGivesThem) {
     EXPECT_EQ(quantity_title({}, "msd", "d_all"), "d all");
     EXPECT_EQ(observable_title({}, "my_own"), "my own");

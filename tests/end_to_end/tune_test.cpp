@@ -16,6 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using testing::Outcome;
@@ -77,6 +78,25 @@ TEST(Tune, ShowsWhatTrackFindsAndSuggestsSettingsThatTrackTakes) {
     EXPECT_EQ(tuned["particles_mean"], found["particles_mean"]);
     EXPECT_NEAR(again["residual_rms"].get<double>(), found["residual_rms"].get<double>(), 1e-4);
     EXPECT_NEAR(again["diameter_px"].get<double>(), tuned["diameter_px"].get<double>(), 1e-3);
+}
+
+TEST(Tune, AnswersAGivenSizeThatExplainsLittleWithTheOneThatIsThere) {
+    const ScratchFolder folder;
+    testing::write_png(folder / "discs.png", testing::disc_frame(testing::few_discs(), 0));
+    const Outcome outcome = run_grainfield({"tune", folder / "discs.png", "-o", folder / "t.html",
+                                            "--no-figures", "--diameter", "20"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("t.toml (those that fit better, see the warning)"));
+    EXPECT_THAT(outcome.err, HasSubstr("of 20.0 px, as given, explain"));
+    EXPECT_THAT(outcome.err, HasSubstr("dark discs of about 9."));
+    EXPECT_THAT(outcome.err, HasSubstr("give --polarity dark and leave --disc-diameter out"));
+    EXPECT_THAT(outcome.out, HasSubstr("--polarity 'dark'"));
+    EXPECT_THAT(testing::read_all(folder / "t.toml"),
+                AllOf(HasSubstr("polarity = \"dark\""), Not(HasSubstr("disc-diameter")),
+                      Not(HasSubstr("edge-width"))));
+    const std::string page = testing::read_all(folder / "t.html");
+    EXPECT_THAT(page, HasSubstr("Another size fits better"));
+    EXPECT_THAT(page, HasSubstr("dark D = 9.")) << "a picture of it stands beside";
 }
 
 TEST(Tune, SeesPairsThatTheCellHasNoRoomFor) {

@@ -17,6 +17,7 @@ namespace {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using testing::Outcome;
 using testing::run_grainfield;
 using testing::ScratchFolder;
@@ -90,6 +91,42 @@ TEST_F(GivenFrames, EndWithExitCodeFiveWhenAThresholdIsMissedAndStillGiveTheRepo
     EXPECT_EQ(summary["thresholds"][1]["met"], false);
     EXPECT_THAT(testing::read_all(*folder_ / "c.html"), HasSubstr("failed\">missed"));
     EXPECT_TRUE(std::filesystem::exists(*folder_ / "c_files/scores.csv"));
+}
+
+TEST_F(GivenFrames, OneAloneNeedsNeitherFramesNorIdentitiesInItsTruth) {
+    std::ofstream table(*folder_ / "one.csv");
+    table << "x_px,y_px\n";
+    for (const Vec2 p : testing::few_discs().position) {
+        table << fmt::format("{:.6f},{:.6f}\n", p.x, p.y);
+    }
+    table.close();
+    const Outcome outcome = run_grainfield({"validate", frames_[0], "--truth", *folder_ / "one.csv",
+                                            "-o", *folder_ / "one.html", "--no-figures"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("one.html: 1 frame\n"));
+    EXPECT_THAT(outcome.out, HasSubstr("1.00000   1.00000"));
+    EXPECT_THAT(outcome.out, Not(HasSubstr("nan")));
+    EXPECT_THAT(outcome.out, Not(HasSubstr("tracks")));
+}
+
+TEST_F(GivenFrames, AreScoredWithACalibrationThatWasKept) {
+    std::vector<std::string> words{"track",
+                                   "-o",
+                                   *folder_ / "kept.h5",
+                                   "--save-calibration",
+                                   *folder_ / "kept.toml",
+                                   "--sphere-diameter",
+                                   "10"};
+    words.insert(words.end(), frames_.begin(), frames_.end());
+    ASSERT_EQ(run_grainfield(words).code, 0);
+    const Outcome kept =
+        validate("kept.html", {"--json", "--no-figures", "--calibration", *folder_ / "kept.toml"});
+    ASSERT_EQ(kept.code, 0) << kept.err;
+    EXPECT_EQ(json::parse(kept.out)["recall"], 1);
+    EXPECT_THAT(kept.out, HasSubstr("kept from another run"));
+    const Outcome twice =
+        validate("twice.html", {"--calibration", *folder_ / "kept.toml", "--diameter", "9"});
+    EXPECT_EQ(twice.code, 2) << "one of them";
 }
 
 TEST_F(GivenFrames, MustComeWithATruthThatBelongsToThem) {

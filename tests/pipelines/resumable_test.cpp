@@ -117,6 +117,23 @@ TEST_F(CompleteJob, SaysThatThereIsNothingToDo) {
     EXPECT_NO_THROW(Resumable(job_, complete(), kResume)) << "begins anew";
 }
 
+TEST_F(CompleteJob, IsToldFromOneCutShortByTheCodeOfAWarningAlone) {
+    const auto write = [&](WarningCode code) {
+        Job made = job_;
+        made.plan.warn(code, "interrupted after 3 of 40 periods");
+        io::TrajectoryWriter writer(output_, {}, Overwrite::force);
+        Snapshot snapshot;
+        snapshot.position = {{1, 2}};
+        snapshot.box.length = {4, 4};
+        writer.write(snapshot);
+        writer.finish(made.record());
+    };
+    write(WarningCode::interrupted);
+    EXPECT_NO_THROW(Resumable(job_, complete(), kResume));
+    write(WarningCode::other);
+    EXPECT_THROW(Resumable(job_, complete(), kResume), AlreadyComplete);
+}
+
 TEST_F(CompleteJob, IsRefusedWithTheDifferenceIfItWasMadeOtherwise) {
     const auto refusal = [&] {
         try {
@@ -257,10 +274,13 @@ TEST_F(ResumableJob, SaysHowToGoOnOnceThatIsPossible) {
     Job job;
     Resumable run(job, identity(), kAnew);
     run.start();
-    EXPECT_EQ(run.interrupted(3, 40, "frames"), "interrupted after 3 of 40 frames");
+    EXPECT_EQ(run.interrupted(3, 40, "frames").text, "interrupted after 3 of 40 frames");
     run.save(state());
-    EXPECT_THAT(run.interrupted(2.5, 14, "periods"),
+    EXPECT_THAT(run.interrupted(2.5, 14, "periods").text,
                 AllOf(HasSubstr("interrupted after 2.5 of 14 periods; "), HasSubstr("'resume'")));
+    EXPECT_EQ(run.interrupted(2.5, 14, "periods").code, WarningCode::interrupted);
+    const Resumable other(job, identity(), {.resume = true, .how = "the same command"});
+    EXPECT_THAT(other.advice(), HasSubstr("the same command goes on from there"));
 }
 
 TEST_F(ResumableJob, WithoutAnOutputFindsNoCheckpointOfAnother) {

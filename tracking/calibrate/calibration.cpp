@@ -271,41 +271,81 @@ void warn_of_mosaic(const Image& counts, const Levels& levels, const VisiblePixe
         100 * mosaic.strength, 100 * mosaic.share));
 }
 
-/// The first guess that explains the image beyond doubt, or else the one that explains most of it,
-/// charged for its coordinates; none if that is not enough, or two do it about as well. All that
-/// were tried are left in `weighed`.
-std::optional<Trial> best_trial(const Image& counts, const CalibrationOptions& options,
-                                const Fitter& fitter, RunPlan& plan,
-                                std::vector<SizeCandidate>& weighed) {
+/// First guesses tried in turn, until one explains the image beyond doubt.
+struct Weighing {
+    std::vector<Trial> trials;
+    std::vector<SizeCandidate> candidates;  ///< one of each trial
+    std::size_t guesses = 0;                ///< that there were
+};
+
+Weighing weigh(const Image& counts, const Fitter& fitter) {
+    const CalibrationOptions& options = fitter.options;
     const std::vector<FirstGuess> guesses = first_guesses(
         counts, fitter.levels, options.polarity, options.uniform_tolerance, fitter.visible);
-    std::vector<Trial> trials;
+    Weighing all;
+    all.guesses = guesses.size();
     std::optional<Polarity> tried_given;
     for (const FirstGuess& guess : guesses) {
         if (!options.diameter && guess.size.radius <= 0) continue;
         // With a diameter given, guesses of one polarity are all alike.
         if (options.diameter && tried_given == guess.polarity) continue;
         tried_given = guess.polarity;
-        trials.push_back(try_guess(
+        all.trials.push_back(try_guess(
             guess.polarity == Polarity::bright ? turned_round(counts) : counts, guess, fitter));
-        weighed.push_back(trials.back().candidate);
-        const ExplainedShare& explained = trials.back().fitter.explained;
+        all.candidates.push_back(all.trials.back().candidate);
+        const ExplainedShare& explained = all.trials.back().fitter.explained;
         if (explained.signal > kGood && explained.all > kGoodOfAll &&
             explained.support > kResolved) {
             break;
         }
     }
+    return all;
+}
+
+/// Where what was given explains little, what the frame says of itself is weighed too and added to
+/// the candidates. Warns where that explains it better.
+void weigh_unprompted(const Image& counts, Fitter fitter, const SizeCandidate& given,
+                      std::vector<SizeCandidate>& weighed, RunPlan& plan) {
+    fitter.options.diameter.reset();
+    fitter.options.edge_width.reset();
+    fitter.options.polarity = PolarityChoice::automatic;
+    const Weighing all = weigh(counts, fitter);
+    for (const SizeCandidate& found : all.candidates) {
+        // What was given may have been guessed already.
+        const bool is_known = std::ranges::any_of(weighed, [&](const SizeCandidate& known) {
+            return known.polarity == found.polarity && known.diameter == found.diameter;
+        });
+        if (!is_known) weighed.push_back(found);
+    }
+    if (const std::optional<SizeCandidate> better = better_than(given, weighed)) {
+        plan.warn(advice_on_size(given, *better));
+    }
+}
+
+/// The trial that explains the image beyond doubt, or else the one that explains most of it,
+/// charged for its coordinates; none if that is not enough, or two do it about as well. All that
+/// were tried are left in `weighed`.
+std::optional<Trial> best_trial(const Image& counts, const CalibrationOptions& options,
+                                const Fitter& fitter, RunPlan& plan,
+                                std::vector<SizeCandidate>& weighed) {
+    Weighing all = weigh(counts, fitter);
+    weighed = all.candidates;
     const SizeChoice choice = choose_size(weighed);
     if (!choice.best) {
         plan.warn(fmt::format("no disc-shaped objects found; if there are spheres, {}", kGiveThem));
         return std::nullopt;
     }
-    Trial& best = trials[*choice.best];
+    Trial& best = all.trials[*choice.best];
+    const bool is_prompted = options.diameter || options.polarity != PolarityChoice::automatic;
+    const std::string judged = in_words(weighed);
+    if (!choice.explains_enough && is_prompted) {
+        weigh_unprompted(counts, fitter, best.candidate, weighed, plan);
+    }
     if (!options.diameter && !choice.explains_enough) {
         plan.warn(
             fmt::format("no spheres of one size: {}; at least {:.0f} % are expected. If there are "
                         "spheres, {}",
-                        in_words(weighed), 100 * kLeastExplained, kGiveThem));
+                        judged, 100 * kLeastExplained, kGiveThem));
         return std::nullopt;
     }
     const bool is_given = options.diameter && options.polarity != PolarityChoice::automatic;
@@ -318,8 +358,8 @@ std::optional<Trial> best_trial(const Image& counts, const CalibrationOptions& o
         plan.run("size and polarity",
                  fmt::format("{} spheres: of the variance of the image {}; {} of {} first guesses "
                              "tried",
-                             best.polarity == Polarity::dark ? "dark" : "bright", in_words(weighed),
-                             trials.size(), guesses.size()));
+                             best.polarity == Polarity::dark ? "dark" : "bright", judged,
+                             all.trials.size(), all.guesses));
     }
     if (options.polarity != PolarityChoice::automatic) {
         plan.skip("polarity", "given", "one distance transform");

@@ -34,7 +34,9 @@ struct Calibration {
 /// The shape allows several guesses (first_guesses). They are tried on the patch until one explains
 /// 95 % of the variance of the darkness, white noise subtracted, with discs that the image
 /// resolves; else the one that explains most is taken, charged for its coordinates (choose_size).
-/// What was weighed is said in the plan and left in `weighed`.
+/// What was weighed is said in the plan and left in `weighed`. Where a diameter or polarity that
+/// was given explains less than 80 %, the automatic guesses are weighed and left there too, and a
+/// better one is named in a warning (advice_on_size).
 ///
 /// Empty, with a warning in the plan, when the frame holds nothing to calibrate on: no contrast
 /// (all black or saturated), nothing above the noise, or, no diameter given, no discs of one size

@@ -24,12 +24,39 @@ std::vector<std::size_t> best_first(const std::vector<SizeCandidate>& candidates
     return order;
 }
 
-bool is_same(const SizeCandidate& a, const SizeCandidate& b) {
+const char* polarity_of(const SizeCandidate& candidate) {
+    return candidate.polarity == Polarity::dark ? "dark" : "bright";
+}
+
+double percent(const SizeCandidate& candidate) {
+    return 100 * std::max(0.0, candidate.explained.signal);
+}
+
+}  // namespace
+
+bool is_same_size(const SizeCandidate& a, const SizeCandidate& b) {
     return a.polarity == b.polarity &&
            std::abs(std::log(a.diameter / b.diameter)) < std::log(1 + kSameSize);
 }
 
-}  // namespace
+std::optional<SizeCandidate> better_than(const SizeCandidate& given,
+                                         const std::vector<SizeCandidate>& candidates) {
+    if (given.explained.signal >= kLeastExplained) return std::nullopt;
+    for (const std::size_t i : best_first(candidates)) {
+        const SizeCandidate& other = candidates[i];
+        if (other.explained.signal < kLeastExplained || is_same_size(given, other)) continue;
+        return other;
+    }
+    return std::nullopt;
+}
+
+std::string advice_on_size(const SizeCandidate& given, const SizeCandidate& better) {
+    return fmt::format(
+        "{} discs of {:.1f} px, as given, explain {:.0f} % of the frame; {} discs of about {:.1f} "
+        "px explain {:.0f} %: give calibrate.polarity {} and leave calibrate.disc-diameter out",
+        polarity_of(given), given.diameter, percent(given), polarity_of(better), better.diameter,
+        percent(better), polarity_of(better));
+}
 
 SizeChoice choose_size(const std::vector<SizeCandidate>& candidates) {
     SizeChoice choice;
@@ -40,7 +67,7 @@ SizeChoice choose_size(const std::vector<SizeCandidate>& candidates) {
     choice.explains_enough = best.explained.signal >= kLeastExplained;
     for (const std::size_t i : order) {
         const SizeCandidate& other = candidates[i];
-        if (is_same(best, other) || other.explained.signal < kLeastExplained) continue;
+        if (is_same_size(best, other) || other.explained.signal < kLeastExplained) continue;
         if (1 - best.explained.charged > kClose * (1 - other.explained.charged)) {
             choice.rival = i;
             break;
@@ -61,9 +88,8 @@ std::string in_words(const std::vector<SizeCandidate>& candidates) {
         const SizeCandidate& candidate = candidates[i];
         words += fmt::format(
             "{}{} D = {:.1f} px explains {:.1f} % ({:.1f} % charged for its {} positions)",
-            words.empty() ? "" : "; ", candidate.polarity == Polarity::dark ? "dark" : "bright",
-            candidate.diameter, 100 * std::max(0.0, candidate.explained.signal),
-            100 * candidate.explained.charged, candidate.spheres);
+            words.empty() ? "" : "; ", polarity_of(candidate), candidate.diameter,
+            percent(candidate), 100 * candidate.explained.charged, candidate.spheres);
     }
     return words;
 }

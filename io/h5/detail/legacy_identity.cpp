@@ -104,6 +104,7 @@ WarningCode legacy_warning_code(const std::string& text) {
     if (text.starts_with("lengths are in apparent disc diameters D")) {
         return WarningCode::apparent_diameter;
     }
+    if (text.starts_with("interrupted")) return WarningCode::interrupted;
     return text.starts_with("incomplete") ? WarningCode::incomplete : WarningCode::other;
 }
 

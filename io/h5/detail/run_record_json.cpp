@@ -34,11 +34,12 @@ constexpr Names<DiameterOrigin, 4> diameter_origins{{{DiameterOrigin::stated, "s
                                                      {DiameterOrigin::simulated, "simulated"},
                                                      {DiameterOrigin::given, "given"},
                                                      {DiameterOrigin::apparent, "apparent"}}};
-constexpr Names<WarningCode, 4> warning_codes{
+constexpr Names<WarningCode, 5> warning_codes{
     {{WarningCode::other, "other"},
      {WarningCode::apparent_diameter, "apparent diameter"},
      {WarningCode::incomplete, "incomplete"},
-     {WarningCode::doubtful_heights, "doubtful heights"}}};
+     {WarningCode::doubtful_heights, "doubtful heights"},
+     {WarningCode::interrupted, "interrupted"}}};
 constexpr Names<LengthUnit, 2> length_units{
     {{LengthUnit::pixel, "pixel"}, {LengthUnit::diameter, "diameter"}}};
 constexpr Names<TimeUnit, 3> time_units{{{TimeUnit::frame, "frame"},

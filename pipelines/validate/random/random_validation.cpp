@@ -150,7 +150,8 @@ RandomValidationResult run_random_validation(const ValidateJobOptions& options, 
                                   .signal = caught_signal()};
     const auto asked = static_cast<std::size_t>(asked_for(options).scenes);
     if (series.done.size() < asked) {
-        job.plan.warn(fmt::format("interrupted after {} of {} scenes: scores of those",
+        job.plan.warn(WarningCode::interrupted,
+                      fmt::format("interrupted after {} of {} scenes: scores of those",
                                   series.done.size(), asked));
     }
     std::vector<Results> runs;

@@ -86,6 +86,42 @@ TEST(PointsCsv, TakesTablesOfOtherTrackers) {
     EXPECT_THAT(quoted->read(1).position, ElementsAre(Vec2{3, 4}));
 }
 
+TEST(PointsCsv, TakesTheUnitOfPositionsFromTheHeader) {
+    const testing::ScratchFolder folder;
+    TrajectoryInfo in_diameters;
+    in_diameters.length_unit = LengthUnit::diameter;
+    const auto points = open_text(folder / "p.csv",
+                                  "frame,particle,X_px,y_px,kind\n0,4,1.5,2,black\n", in_diameters);
+    EXPECT_THAT(points->read(0).position, ElementsAre(Vec2{1.5, 2}));
+    EXPECT_EQ(points->info().length_unit, LengthUnit::pixel);
+    expect_refused("frame,x_px,y\n0,1,2\n", "x,y or x_px,y_px");
+    expect_refused("frame,x,x_px,y\n0,1,1,2\n", "'x' occurs twice");
+}
+
+TEST(PointsCsv, WithoutAFrameIsOneFrameOnlyWhereThatIsAllowed) {
+    const testing::ScratchFolder folder;
+    write_bytes(folder / "p.csv", "x,y,z,layer\n1,2,0.5,1\n3,4,1.5,2\n");
+    EXPECT_THAT([&] { open_points(folder / "p.csv", std::nullopt, {}); },
+                ThrowsMessage<InputError>(AllOf(HasSubstr("no column 'frame'"),
+                                                HasSubstr("columns frame,x,y (or x_px,y_px)"))));
+    const auto points = open_points(folder / "p.csv", std::nullopt, {}, FrameColumn::optional);
+    ASSERT_EQ(points->count(), 1);
+    const Snapshot s = points->read(0);
+    EXPECT_EQ(s.frame, 0);
+    EXPECT_THAT(s.position, ElementsAre(Vec2{1, 2}, Vec2{3, 4}));
+    EXPECT_THAT(s.layer, ElementsAre(Layer::bottom, Layer::top)) << "counted from 1";
+}
+
+TEST(PointsCsv, CountsLayersFromOneOnlyWhereTheTableDoes) {
+    const testing::ScratchFolder folder;
+    const auto layers = [&](const std::string& rows) {
+        return open_text(folder / "p.csv", "frame,x,y,layer\n" + rows)->read(0).layer;
+    };
+    EXPECT_THAT(layers("0,1,2,0\n0,3,4,1\n"), ElementsAre(Layer::bottom, Layer::top));
+    EXPECT_THAT(layers("0,1,2,1\n0,3,4,1\n"), ElementsAre(Layer::top, Layer::top));
+    EXPECT_THAT(layers("0,1,2,0\n0,3,4,2\n"), ElementsAre(Layer::bottom, Layer::unknown));
+}
+
 TEST(PointsCsv, ReadsEveryColumnAndKeepsMissingNumbersMissing) {
     const testing::ScratchFolder folder;
     const auto points = open_text(folder / "p.csv",

@@ -60,6 +60,22 @@ TEST(ValidationScene, IsPlannedWithoutARun) {
     EXPECT_EQ(scene.sphere_diameter, 8.0);
 }
 
+TEST(ValidationScene, OfOneFrameNeedsNoColumnsOfFramesAndIdentities) {
+    const testing::ScratchFolder folder;
+    const std::vector<std::string> paths = testing::write_disc_sequence(folder, 2);
+    SceneOptions options;
+    options.truth = folder / "truth.csv";
+    std::ofstream(options.truth) << "x_px,y_px\n50,60\n70,80\n";
+    Job job;
+    job.inputs = {paths.front()};
+    const ValidationScene scene = open_scene(options, job);
+    EXPECT_EQ(scene.truth->read(0).position, (std::vector<Vec2>{{50, 60}, {70, 80}}));
+    EXPECT_EQ(scene.truth->read(0).id, (std::vector<std::int64_t>{0, 1}));
+    Job of_two;
+    of_two.inputs.assign(paths.begin(), paths.end());
+    EXPECT_THROW(open_scene(options, of_two), InputError) << "which frame is not known";
+}
+
 TEST(ValidationScene, OfGivenFramesNeedsATruthOfAsMany) {
     const testing::ScratchFolder folder;
     const std::vector<std::string> paths = testing::write_disc_sequence(folder, 3);

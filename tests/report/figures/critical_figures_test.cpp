@@ -63,6 +63,41 @@ TEST(CriticalFigures, BringCriticalPointsOfSeveralSystemsToOneOrigin) {
     EXPECT_FALSE(figure.reading.empty()) << "or it stands below the main curves";
 }
 
+std::vector<std::string> guides(const Figure& figure) {
+    std::vector<std::string> labels;
+    for (const Kind& kind : figure.kinds) {
+        if (kind.mark == Mark::guide) labels.push_back(kind.label);
+    }
+    return labels;
+}
+
+TEST(CriticalFigures, MarkWhereTheLineMeetsZeroAndItsInterval) {
+    Results run = critical_run("MD", "Γ", 4, 0.1);
+    run.observables[0].measurements.push_back({"critical_low", "-", 3.8, std::nullopt, 3, ""});
+    run.observables[0].measurements.push_back({"critical_high", "-", 4.3, std::nullopt, 3, ""});
+    const Figure figure = critical_figures({run}, {"MD"}).front();
+    EXPECT_EQ(guides(figure),
+              (std::vector<std::string>{"critical Γ = 4.00 ± 0.10", "68 % interval"}));
+    const Series& crossing = figure.series[2];
+    EXPECT_EQ(crossing.x, (std::vector<double>{4, 4}));
+    EXPECT_EQ(crossing.y.front(), 0);
+    const Series& interval = figure.series[3];
+    EXPECT_EQ(interval.x, (std::vector<double>{3.8, 4.3, 4.3, 3.8, 3.8}));
+    EXPECT_TRUE(figure.kinds[interval.kind].is_filled);
+}
+
+TEST(CriticalFigures, MarkNoCrossingFarFromAllPoints) {
+    Results run = critical_run("MD", "Γ", 4, 0.1);
+    run.observables[0].measurements[0].value = 9.3;
+    EXPECT_EQ(guides(critical_figures({run}, {"MD"}).front()), std::vector<std::string>{});
+}
+
+TEST(CriticalFigures, DoNotJoinThePointsThatTheLineGoesThrough) {
+    const Figure figure = critical_figures({critical_run("MD", "Γ", 4, 0.1)}, {"MD"}).front();
+    EXPECT_FALSE(figure.kinds[0].is_joined);
+    EXPECT_THAT(figure.note, HasSubstr("Line through 2 points."));
+}
+
 TEST(CriticalFigures, MeasureNoDistanceFromAPointThatIsHardlyKnown) {
     const std::vector<Results> runs{critical_run("good", "Γ", 4, 0.1),
                                     critical_run("vague", "Γ", 4, 1.1),

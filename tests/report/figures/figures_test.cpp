@@ -129,7 +129,8 @@ TEST(Figures, OfACriticalPointStandFirstAndSayIt) {
     const auto figures = make_figures(runs, run_labels(runs), analysis::figure_hints());
     const Figure& figure = named(figures, "critical");
     EXPECT_FALSE(figure.reading.empty()) << "or it stands below the main curves";
-    EXPECT_EQ(figure.note, "Critical at ν = 0.00120 ± 0.00040 (68 %: 0.0007 to 0.0015).");
+    EXPECT_EQ(figure.note,
+              "Critical at ν = 0.00120 ± 0.00040; 68 %: 0.0007 … 0.0015. Line through 2 points.");
 }
 
 TEST(Figures, SayWhyARunHasNoCurve) {

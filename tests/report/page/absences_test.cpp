@@ -40,10 +40,31 @@ TEST(AbsencesHtml, IsOneLineWithReasonsToUnfold) {
     EXPECT_THAT(html, HasSubstr("<li>length of the order: no &lt;decay&gt;</li>"));
 }
 
-TEST(AbsencesHtml, OfRunsThatLackTheSameIsOneLine) {
-    const std::string html = absences_html({one_frame(), one_frame()}, {"A", "B"}, titles);
-    EXPECT_THAT(html, HasSubstr("<summary>A, B: Not possible"));
+TEST(AbsencesHtml, OfSeveralRunsIsOneLineAndTheReasonsSayWhose) {
+    Results complete = one_frame();
+    complete.observables[0].reason.clear();
+    const std::string html =
+        absences_html({one_frame(), one_frame(), complete}, {"A", "B", "C"}, titles);
+    EXPECT_THAT(html, HasSubstr("<summary>Not possible with one frame: displacement. Not "));
+    EXPECT_THAT(html, HasSubstr("<li>A, B: displacement: one frame"));
+    EXPECT_THAT(html, HasSubstr("<li>length of the order: no")) << "of all three";
     EXPECT_EQ(html.find("<details"), html.rfind("<details"));
+}
+
+TEST(AbsencesHtml, OfManyNumbersNamesAFew) {
+    Results run = one_frame();
+    run.frames = 9;
+    run.observables.resize(1);
+    run.observables[0] = {};
+    run.observables[0].name = "fit";
+    for (const char* name : {"a", "b", "c", "d", "e", "f", "g"}) {
+        run.observables[0].measurements.push_back(
+            {name, "-", std::nullopt, std::nullopt, 0, std::string("no ") + name});
+    }
+    run.observables[0].measurements.push_back({"h", "-", 1.0, std::nullopt, 0, ""});
+    const std::string html = absences_html({run}, {"A"}, {});
+    EXPECT_THAT(html, HasSubstr("<summary>Not measured: a, b, c, d and 3 more.</summary>"));
+    EXPECT_THAT(html, HasSubstr("<li>g: no g</li>"));
 }
 
 TEST(AbsencesHtml, OfACompleteRunIsEmpty) {

@@ -111,8 +111,8 @@ TEST(Verdict, JudgesTheResidualAndCountsPlaces) {
     EXPECT_THAT(verdict(run, 1), HasSubstr("poor"));
     run.previews.resize(1);
     run.previews[0].snapshot.quality = {0.05, 0.06, 0.05};
-    EXPECT_THAT(verdict(run, 0), HasSubstr("poor; the misfit lies beside the spheres: --region or "
-                                           "--mask leaves it out"));
+    EXPECT_THAT(verdict(run, 0), HasSubstr("poor; 0.054 about the spheres: --region or --mask "
+                                           "leaves the rest out"));
     run.previews[0].snapshot.quality = {0.19, 0.2, 0.21};
     EXPECT_THAT(verdict(run, 0), HasSubstr("poor; no place stands out"));
     run.observables.pop_back();

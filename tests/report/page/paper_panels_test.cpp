@@ -52,6 +52,19 @@ const Series* mark(const Figure& figure, const std::string& words) {
     return nullptr;
 }
 
+TEST(PaperPanels, WithoutOwnResultsShowCommittedOnesAndSaySo) {
+    const auto panels = paper_panels({film(4)}, {"tracked, Γ = 4"}, analysis::figure_hints(),
+                                     {film(3), critical_point(4, 0.2)});
+    EXPECT_FALSE(panel(panels, "2a").is_committed) << "has its own";
+    const PaperPanel& kept = panel(panels, "2b");
+    EXPECT_TRUE(kept.is_committed);
+    ASSERT_TRUE(kept.figure);
+    EXPECT_EQ(kept.figure->name, "paper_2b");
+    EXPECT_EQ(kept.absent, "no run has an S₀/S₁ with its error");
+    EXPECT_FALSE(panel(panels, "2h").figure) << "neither has it";
+    EXPECT_FALSE(panel(panels, "2h").is_committed);
+}
+
 TEST(PaperPanels, MarkThePaperNumbersInTheFiguresOfTheRuns) {
     const auto panels =
         paper_panels({film(4), film(3), critical_point(4, 0.2)},

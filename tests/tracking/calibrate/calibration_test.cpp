@@ -199,6 +199,57 @@ TEST(Calibration, GivenValuesAreKept) {
     EXPECT_EQ(plan.skipped()[0].stage, "polarity");
 }
 
+TEST(Calibration, AGivenSizeThatExplainsLittleIsKeptAndTheOneSeenIsAdvised) {
+    const auto scene = testing::hard_disc_liquid(500, 500, 16, 0.70, 1);
+    const Image frame = testing::tanh_frame(scene, 16, 1.2, 0.02, 2);
+    for (const double wrong : {35.0, 21.0}) {
+        CalibrationOptions options;
+        options.diameter = wrong;
+        RunPlan plan;
+        std::vector<SizeCandidate> weighed;
+        const auto result = calibrate(frame, options, {}, {}, 2, plan, {}, &weighed);
+        ASSERT_TRUE(result) << wrong;
+        EXPECT_EQ(result->model.disc.diameter, wrong);
+        const SizeCandidate& best = weighed[choose_size(weighed).best.value()];
+        EXPECT_EQ(best.polarity, Polarity::dark);
+        EXPECT_NEAR(best.diameter, 16, 0.2);
+        ASSERT_FALSE(plan.warnings().empty());
+        EXPECT_NE(plan.warnings()[0].text.find("dark discs of about 16."), std::string::npos)
+            << plan.warnings()[0].text;
+    }
+}
+
+TEST(Calibration, AGivenPolarityThatExplainsLittleIsAnsweredWithTheOtherOne) {
+    const auto scene = testing::hard_disc_liquid(500, 500, 16, 0.70, 1);
+    const Image frame = testing::tanh_frame(scene, 16, 1.2, 0.02, 2);
+    CalibrationOptions options;
+    options.polarity = PolarityChoice::bright;
+    RunPlan plan;
+    std::vector<SizeCandidate> weighed;
+    calibrate(frame, options, {}, {}, 2, plan, {}, &weighed);
+    EXPECT_EQ(weighed[choose_size(weighed).best.value()].polarity, Polarity::dark);
+    for (std::size_t i = 1; i < weighed.size(); ++i) {
+        EXPECT_FALSE(weighed[i].polarity == weighed[0].polarity &&
+                     weighed[i].diameter == weighed[0].diameter)
+            << "named once";
+    }
+    ASSERT_FALSE(plan.warnings().empty());
+    EXPECT_NE(plan.warnings()[0].text.find("calibrate.polarity dark"), std::string::npos)
+        << plan.warnings()[0].text;
+}
+
+TEST(Calibration, AGivenSizeThatExplainsEnoughIsNotQuestioned) {
+    const auto scene = testing::hard_disc_liquid(300, 300, 14, 0.5, 3);
+    CalibrationOptions options;
+    options.diameter = 13.8;
+    RunPlan plan;
+    std::vector<SizeCandidate> weighed;
+    ASSERT_TRUE(calibrate(testing::tanh_frame(scene, 14, 1.2, 0.02, 2), options, {}, {}, 2, plan,
+                          {}, &weighed));
+    for (const SizeCandidate& candidate : weighed) EXPECT_EQ(candidate.diameter, 13.8);
+    EXPECT_TRUE(plan.warnings().empty());
+}
+
 TEST(Calibration, ABlackSaturatedOrNoisyFrameHoldsNothing) {
     RunPlan plan;
     EXPECT_FALSE(calibrated(Image(200, 200, 0.0F), plan));

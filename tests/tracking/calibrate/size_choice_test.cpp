@@ -42,6 +42,28 @@ TEST(SizeChoice, WhatExplainsTooLittleIsNeitherEnoughNorARival) {
     EXPECT_FALSE(choose_size({}).best);
 }
 
+TEST(SizeChoice, OneThatExplainsEnoughIsBetterThanAGivenOneThatDoesNot) {
+    const SizeCandidate given = candidate(Polarity::dark, 20, 0.3, 0.28);
+    const SizeCandidate found = candidate(Polarity::dark, 8.93, 0.97, 0.96);
+    const auto better =
+        better_than(given, {given, candidate(Polarity::bright, 5, 0.85, 0.6), found});
+    ASSERT_TRUE(better);
+    EXPECT_EQ(better->diameter, 8.93);
+    EXPECT_EQ(advice_on_size(given, *better),
+              "dark discs of 20.0 px, as given, explain 30 % of the frame; dark discs of about 8.9 "
+              "px explain 97 %: give calibrate.polarity dark and leave calibrate.disc-diameter "
+              "out");
+}
+
+TEST(SizeChoice, NothingIsBetterThanAGivenOneThatExplainsEnoughOrWhereNothingDoes) {
+    const SizeCandidate good = candidate(Polarity::dark, 20, 0.81, 0.8);
+    const SizeCandidate bad = candidate(Polarity::dark, 20, 0.3, 0.28);
+    EXPECT_FALSE(better_than(good, {good, candidate(Polarity::dark, 9, 0.97, 0.96)}));
+    EXPECT_FALSE(better_than(bad, {bad, candidate(Polarity::dark, 9, 0.7, 0.69)}));
+    EXPECT_FALSE(better_than(bad, {bad, candidate(Polarity::dark, 20.5, 0.9, 0.89)}))
+        << "the same size";
+}
+
 TEST(SizeChoice, WordsNameThreeAtMostTheBestOnesFirst) {
     const std::string words =
         in_words({candidate(Polarity::bright, 1, 0.1, 0.1), candidate(Polarity::dark, 2, 0.4, 0.4),
