@@ -65,6 +65,7 @@ void Tracker::synthesise(std::vector<Job>& jobs) {
         if (!first_optics_ && earlier->residual_rms > 0) {
             first_optics_.emplace();
             first_optics_->optics = earlier->optics;
+            first_optics_->error_scale = earlier->error_scale;
             first_optics_->residual_rms = earlier->residual_rms;
         }
     }

@@ -64,6 +64,7 @@ SynthesisedFrame FilmSynthesis::next(const Image& counts, const std::vector<Vec2
     if (earlier != nullptr && earlier->residual_rms > 0) {
         start.optics = earlier->optics;
         start.are_optics_known = true;
+        start.error_scale = earlier->error_scale;
         start.z = earlier_heights(discs, *earlier, diameter_, 0.5 * (options_.height - 1));
     }
     Synthesis result = synthesise(counts, model_, diameter_, start, options_, threads);
@@ -73,6 +74,7 @@ SynthesisedFrame FilmSynthesis::next(const Image& counts, const std::vector<Vec2
             .z_error = std::move(result.z_error),
             .residual = std::move(result.residual),
             .optics = result.optics,
+            .error_scale = result.error_scale,
             .residual_before = result.residual_before,
             .residual_rms = result.residual_rms,
             .added = result.added,
@@ -145,9 +147,9 @@ void transfer(NumberArchive& archive, MirrorOptics& optics) {
 }
 
 void transfer(NumberArchive& archive, SynthesisedFrame& found) {
-    auto& [position, error, z, z_error, residual, optics, residual_before, residual_rms, added,
-           removed, lifted, doubtful] = found;
-    archive.members<SynthesisedFrame>(position, error, z, z_error, residual, optics,
+    auto& [position, error, z, z_error, residual, optics, error_scale, residual_before,
+           residual_rms, added, removed, lifted, doubtful] = found;
+    archive.members<SynthesisedFrame>(position, error, z, z_error, residual, optics, error_scale,
                                       residual_before, residual_rms, added, removed, lifted,
                                       doubtful);
 }

@@ -23,6 +23,7 @@ struct SynthesisedFrame {
     std::vector<double> z_error;   ///< [a]
     std::vector<double> residual;  ///< local RMS of image − rendering [contrast]
     MirrorOptics optics;
+    ErrorScale error_scale;
     double residual_before = 0, residual_rms = 0;  ///< of the whole frame [contrast]
     std::int64_t added = 0, removed = 0, lifted = 0, doubtful = 0;
 };

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/frame.h"
 #include "core/option_table.h"
 #include "core/vec2.h"
 #include "tracking/model/image_model.h"
+#include "tracking/synthesis/error_scale.h"
 #include "tracking/synthesis/mirror_optics.h"
 
 namespace grainfield::tracking {
@@ -23,7 +25,8 @@ struct SynthesisStart {
     std::vector<Vec2> position;  ///< [px]
     std::vector<double> z;       ///< [a]; empty: unknown
     MirrorOptics optics;
-    bool are_optics_known = false;  ///< else estimated from the frame
+    bool are_optics_known = false;               ///< else estimated from the frame
+    std::optional<ErrorScale> error_scale = {};  ///< empty: learned
 };
 
 struct Synthesis {
@@ -33,6 +36,7 @@ struct Synthesis {
     std::vector<double> z_error;   ///< [a]
     std::vector<double> residual;  ///< local RMS of image − rendering [contrast]
     MirrorOptics optics;
+    ErrorScale error_scale;      ///< that errors hold
     double residual_before = 0;  ///< RMS of image − rendering at the start [contrast]
     double residual_rms = 0;     ///< … at the end
     int rounds = 0;              ///< Gauss–Newton rounds

@@ -118,6 +118,7 @@ TEST(FilmSynthesis, TheFirstFrameEstimatesOpticsAndThoseAfterItKeepThem) {
     const SynthesisedFrame second = synthesis.next(counts, discs, &first, 2);
     EXPECT_EQ(second.optics.blur, first.optics.blur);
     EXPECT_EQ(second.optics.reflectivity, first.optics.reflectivity);
+    EXPECT_EQ(second.error_scale, first.error_scale);
     // It starts at heights that are known. The start is rendered with fewer rays.
     EXPECT_LT(second.residual_before, 0.8 * first.residual_before);
     EXPECT_LT(second.residual_rms, 1.05 * first.residual_rms);
