@@ -19,6 +19,8 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
     box_.origin = {-0.5, -0.5};
     box_.length = {static_cast<double>(source.width()), static_cast<double>(source.height())};
     if (options.camera) box_ = options.camera->box(source.width(), source.height());
+    if (options_.sphere_diameter) options_.detection.sphere_diameter = options_.sphere_diameter;
+    if (options_.layers.height) options_.detection.cell_height = *options_.layers.height;
     // Mirrors before a panel are dark.
     PolarityChoice& polarity = options_.calibration.polarity;
     if ((options.synthesis || options.correct_bias) && !options.kept &&

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "tracking/detect/local_maxima.h"
+#include "tracking/detect/room.h"
 #include "tracking/detect/second_look.h"
 
 namespace grainfield::tracking {
@@ -40,14 +41,20 @@ constexpr double kHalfSplit = 0.3;  // [D]
 constexpr float kMissing = 0.25F;  // [contrast]
 /// A sphere must explain this many times the usual misfit m² A within its reach. A false disc adds
 /// nothing but fits what is left, m² A at most where nothing is unusual. The factor is chosen, not
-/// derived: it makes the threshold of the real frame (m = 0.06) the 0.15 below which spheres are
-/// doubtful there, and leaves it to the noise where the model is exact.
+/// derived: it makes the threshold of the real frame (m = 0.06) the most that is asked, and leaves
+/// it to the noise where the model is exact.
 constexpr double kMisfits = 12;
-/// The bounds of that threshold, as shares of what an isolated sphere explains. On the real frame
-/// spheres lie above 0.25 and doubtful ones below 0.15. In a thick layer spheres below two others
-/// explain 0.04 and no more (docs/tracking/detection.md).
+/// The bounds of that threshold, as shares of what an isolated sphere explains. In a thick layer
+/// spheres below two others explain 0.04 and no more. The upper bound is the best of 0.04 to 0.15
+/// on 34 cameras drawn at random and a film (docs/tracking/detection.md).
 constexpr double kLeastEvidence = 0.04;
-constexpr double kMostEvidence = 0.15;
+constexpr double kMostEvidence = 0.08;
+/// In a crystal two discs can fit one sphere better than one does. Each explains 0.08 to 0.3 of an
+/// isolated sphere, and is 0.02 to 0.2 a too near to others to have room. So are a few true spheres
+/// in a thick liquid, by the bias of the model. Both are chosen between the two.
+constexpr double kDoubtful = 0.25;      // share of what an isolated sphere explains
+constexpr double kGranted = 0.08;       // [a]
+constexpr double kApparentSize = 0.87;  // D/a of mirror-like spheres: 0.85 to 0.9
 
 /// What is left of the image, from evenly spaced rows, as many as a percent of accuracy needs.
 struct Remainder {
@@ -95,29 +102,45 @@ Remainder remainder(const PaddedImage& darkness, const PaddedImage& transmission
     return left;
 }
 
-/// Weakest first: discs that explain less than `threshold`, and the weaker of every pair nearer
-/// than `separation`. Neighbours of a disc that goes stay for this pass, since they may explain
-/// more now.
+/// What a disc must be to stay.
+struct Demands {
+    double threshold;   ///< explains as much [contrast² px]
+    double separation;  ///< from a stronger one [px]
+    double doubtful;    ///< explains as much, or has room in `cell` [contrast² px]
+    SphereCell cell;
+};
+
+/// Weakest first: discs that explain less than the threshold, the weaker of every pair nearer than
+/// the separation, and doubtful ones without room. Neighbours of a disc that goes stay for this
+/// pass, since they may explain more now.
 std::vector<char> discs_to_keep(const JointFit& fit, const std::vector<double>& explained,
-                                double threshold, double separation) {
+                                const Demands& demands) {
     const std::vector<Vec2>& positions = fit.positions();
     const int width = fit.darkness().width();
     const int height = fit.darkness().height();
-    PointGrid all(width, height, separation);
+    const double reach = std::max(demands.separation, demands.cell.diameter);
+    PointGrid all(width, height, reach);
     for (std::size_t j = 0; j < positions.size(); ++j) {
         all.add(positions[j], static_cast<std::uint32_t>(j));
     }
     std::vector<char> keep(positions.size(), 1);
     const auto is_crowded = [&](std::uint32_t j) {
+        const bool is_doubtful = explained[j] < demands.doubtful;
         bool crowded = false;
-        all.near(positions[j], separation, [&](std::uint32_t other, Vec2) {
-            if (other != j && keep[other]) crowded = true;
-        });
-        return crowded;
+        std::vector<Vec2> neighbours;
+        all.near(positions[j], is_doubtful ? reach : demands.separation,
+                 [&](std::uint32_t other, Vec2 p) {
+                     if (other == j || keep[other] == 0) return;
+                     const double squared = squared_norm(p - positions[j]);
+                     crowded = crowded || squared < demands.separation * demands.separation;
+                     neighbours.push_back(p);
+                 });
+        return crowded ||
+               (is_doubtful && !has_room(demands.cell, positions[j], neighbours, kGranted));
     };
     std::vector<std::uint32_t> suspects;
     for (std::uint32_t j = 0; j < positions.size(); ++j) {
-        if (explained[j] < threshold || is_crowded(j)) suspects.push_back(j);
+        if (explained[j] < demands.threshold || is_crowded(j)) suspects.push_back(j);
     }
     std::sort(suspects.begin(), suspects.end(), [&](std::uint32_t a, std::uint32_t b) {
         return explained[a] != explained[b] ? explained[a] < explained[b] : a < b;
@@ -125,7 +148,7 @@ std::vector<char> discs_to_keep(const JointFit& fit, const std::vector<double>& 
     const double influence = 2 * fit.disc().reach();
     PointGrid gone(width, height, influence);
     for (const std::uint32_t j : suspects) {
-        if (explained[j] >= threshold && !is_crowded(j)) continue;
+        if (explained[j] >= demands.threshold && !is_crowded(j)) continue;
         if (gone.any(positions[j], influence)) continue;
         keep[j] = 0;
         gone.add(positions[j], j);
@@ -140,13 +163,17 @@ double seconds_since(Clock::time_point start) {
 
 }  // namespace
 
+double sphere_diameter(const DetectionOptions& options, const DiscProfile& disc) {
+    return options.sphere_diameter.value_or(disc.diameter / kApparentSize);
+}
+
 OptionTable describe(DetectionOptions& options) {
     OptionTable table("detect");
     table.number("separation", options.separation, "D", {0.05, 2},
                  "two centres nearer than this are one sphere");
     table.number(
         "evidence", options.evidence, "-", {0, 1},
-        "share of an isolated sphere's misfit that each sphere must explain; auto: 0.04 to 0.15, "
+        "share of an isolated sphere's misfit that each sphere must explain; auto: 0.04 to 0.08, "
         "as the image model fits");
     table.number("border", options.border, "D", {0, 10},
                  "centres nearer to the image border than this are not reported");
@@ -222,7 +249,11 @@ std::int64_t SphereSearch::remove_unfounded() {
     summary_.evidence = threshold_ / isolated;
     // Judged by what was left while most spheres were missing.
     if (threshold_ < 0.5 * rejected_at_) forget_rejections();
-    const std::vector<char> keep = discs_to_keep(fit_, fit_.explained(), threshold_, separation_);
+    const SphereCell cell{.diameter = sphere_diameter(options_, disc_),
+                          .height = options_.cell_height};
+    const std::vector<char> keep =
+        discs_to_keep(fit_, fit_.explained(),
+                      {threshold_, separation_, std::max(threshold_, kDoubtful * isolated), cell});
     std::int64_t removed = 0;
     for (std::size_t j = 0; j < keep.size(); ++j) {
         if (keep[j]) continue;

@@ -44,7 +44,7 @@ struct OverlapPair {
 };
 
 struct OverlapOptions {
-    double significance = 2;        ///< errors granted before a sphere may be rejected [σ]
+    double significance = 3;        ///< errors granted before a sphere may be rejected [σ]
     double label_significance = 4;  ///< errors granted before a layer is named [σ]
 };
 
