@@ -67,6 +67,14 @@ void require_form(Form named, Printed wanted, const std::string& output) {
                        .suggestion = "leave option 'format' out: the name says it"});
 }
 
+void require_no_format(Printed wanted) {
+    if (wanted == Printed::as_named) return;
+    throw OptionError({.problem = "results hold curves, not a table of spheres",
+                       .actual = "option 'format' is given",
+                       .expected = "no format: each curve is a CSV of its own",
+                       .suggestion = "leave option 'format' out and give a folder"});
+}
+
 // "layer.csv" of layer.h5, "layer-results-curves" of results; other tables keep their name free.
 std::string exported_name(const std::vector<fs::path>& inputs) {
     if (inputs.empty()) return {};
@@ -226,6 +234,7 @@ Summary ExportCommand::print(Session& session) const {
     Summary summary;
     summary.is_table = true;
     if (kind == io::FileKind::results) {
+        require_no_format(printed_);
         summary.text = curves_json(io::read_results(input));
         return summary;
     }

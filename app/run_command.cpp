@@ -62,7 +62,7 @@ std::vector<OptionTable> RunCommand::options() {
     own.text("camera", job_.track.camera,
              "camera file of calibrate-camera: positions are corrected for lens and tilt");
     own.integer("previews", job_.track.previews, "-", {0, 1000}, "frames that the report shows");
-    own.flag("resume", resume_, "go on with what the folder holds; run does so without it too");
+    own.flag("resume", job_.resume, "go on with what the folder holds; run does so without it too");
     own.affects(Effect::call);
     own.number("checkpoint-every", checkpoint_every_, "min", {0, 1e6}, "time between checkpoints");
     tables_ = {own};
@@ -84,7 +84,7 @@ void RunCommand::make_room_for(const GivenText& given) {
 
 std::vector<std::string> RunCommand::usual() const {
     return {"output", "fps",  "sphere-diameter", "disc-diameter", "polarity", "frames",
-            "region", "mask", "background",      "height",        "resume"};
+            "region", "mask", "background",      "height"};
 }
 
 Summary RunCommand::run(Session& session) {

@@ -23,7 +23,6 @@ class RunCommand : public Command {
 
  private:
     std::string folder_;
-    bool resume_ = false;          ///< asked for; a run does so anyway
     double checkpoint_every_ = 1;  ///< [min]
     pipelines::RunJobOptions job_;
     std::vector<OptionTable> tables_;  ///< all of them, to be written down

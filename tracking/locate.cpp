@@ -259,7 +259,6 @@ bool Locator::take_better(Frame& frame) {
     const Image darkness = fit_.darkness().inner();
     DetectionOptions detection = frame.detection;
     detection.separation *= model_.disc.diameter / cores_->model_.disc.diameter;
-    detection.sphere_diameter = sphere_diameter(detection, model_.disc);
     detection.cores = CoreSearch::never;
     const RefinementOptions sweeps = sweeps_of(frame.refinement);
     const Located found =

@@ -71,8 +71,10 @@ void require_mirrors(const TrackOptions& options) {
 
 std::vector<OptionTable> describe(TrackOptions& options) {
     OptionTable track("track");
-    track.number("sphere-diameter", options.sphere_diameter, "px", {2, 2000},
-                 "true diameter a of a sphere, the unit of the analysis; auto: the apparent one");
+    track.number(
+        "sphere-diameter", options.sphere_diameter, "px", {2, 2000},
+        "true diameter a of a sphere: unit of the analysis, and which spheres have room; auto: the "
+        "apparent one, no room asked for");
     track.flag("synthesis", options.synthesis,
                "positions and heights of mirror-like spheres by rendering the frame");
     track.flag("correct-bias", options.correct_bias,

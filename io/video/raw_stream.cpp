@@ -242,17 +242,20 @@ std::size_t RawStream::read_some(std::uint8_t* to, std::size_t count, const IsSt
             was_stopped_ = true;
             break;
         }
-        const std::chrono::duration<double> silent = Clock::now() - last;
-        if (limit_.longest > 0 && silent.count() > limit_.longest) {
-            is_silent_ = true;
-            break;
-        }
-        if (limit_.noted > 0 && !is_noted_ && silent.count() > limit_.noted) {
-            is_noted_ = true;
-            if (limit_.note) limit_.note();
-        }
         pollfd waiting{.fd = descriptor_, .events = POLLIN, .revents = 0};
-        if (::poll(&waiting, 1, patience) <= 0) continue;
+        if (::poll(&waiting, 1, patience) <= 0) {
+            // Judged only where nothing waits: this thread itself may have been held up.
+            const std::chrono::duration<double> silent = Clock::now() - last;
+            if (limit_.longest > 0 && silent.count() > limit_.longest) {
+                is_silent_ = true;
+                break;
+            }
+            if (limit_.noted > 0 && !is_noted_ && silent.count() > limit_.noted) {
+                is_noted_ = true;
+                if (limit_.note) limit_.note();
+            }
+            continue;
+        }
         const ssize_t got = ::read(descriptor_, to + done, count - done);
         if (got < 0 && (errno == EAGAIN || errno == EINTR)) continue;
         if (got < 0) read_failure_ = std::strerror(errno);

@@ -113,7 +113,7 @@ std::vector<Results> committed_runs(const fs::path& folder) {
     std::vector<Results> runs;
     for (const auto& [gamma, path] : found) {
         Results run;
-        run.label = fmt::format("Γ = {:.6g}", gamma);
+        run.label = fmt::format("committed, Γ = {:.6g}", gamma);
         run.identity = {.origin = Origin::video,
                         .control = ControlValue{ControlParameter::acceleration, gamma}};
         run.source.length_unit = LengthUnit::diameter;

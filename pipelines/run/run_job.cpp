@@ -159,7 +159,8 @@ Tracked track(const RunJobOptions& options, const RunFiles& files, Job& job) {
     track.output = files.tracks;
     const fs::path checkpoint = files.tracks.string() + ".checkpoint";
     track.resume.how = "the same command";
-    track.resume.resume = is_there(checkpoint) && job.overwrite == Overwrite::refuse;
+    track.resume.resume =
+        is_there(checkpoint) && (options.resume || job.overwrite == Overwrite::refuse);
     if (!track.resume.resume && is_there(files.tracks) && job.overwrite == Overwrite::refuse) {
         const io::TrajectoryFile kept(files.tracks);
         RunRecord made = kept.record();

@@ -20,6 +20,7 @@ struct RunJobOptions {
     TrackJobOptions track;
     AnalyzeJobOptions analyze;
     report::ReportOptions report;
+    bool resume = false;  ///< go on with interrupted tracks even where others may be replaced
     bool overlay = true;  ///< also a video of the film with what was found, of two frames or more
 };
 

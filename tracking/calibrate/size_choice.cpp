@@ -52,8 +52,10 @@ std::optional<SizeCandidate> better_than(const SizeCandidate& given,
 
 std::string advice_on_size(const SizeCandidate& given, const SizeCandidate& better) {
     return fmt::format(
-        "{} discs of {:.1f} px, as given, explain {:.0f} % of the frame; {} discs of about {:.1f} "
-        "px explain {:.0f} %: give calibrate.polarity {} and leave calibrate.disc-diameter out",
+        "with what is given, {} discs of {:.1f} px explain {:.0f} % of the frame; {} discs of "
+        "about "
+        "{:.1f} px explain {:.0f} %: give calibrate.polarity {} and leave calibrate.disc-diameter "
+        "out",
         polarity_of(given), given.diameter, percent(given), polarity_of(better), better.diameter,
         percent(better), polarity_of(better));
 }

@@ -56,7 +56,7 @@ RectangleView rectangle_view(const std::array<Vec2, 4>& corner, double first_sid
 
     const double longer = std::max(width, height);
     RectangleView best;
-    best.doubt = std::numeric_limits<double>::infinity();
+    best.misfit = best.tilt = best.doubt = std::numeric_limits<double>::infinity();
     for (int i = 0; i < kFocalLengths; ++i) {
         const double share = static_cast<double>(i) / (kFocalLengths - 1);
         const double focal = longer * kShortest * std::pow(kLongest / kShortest, share);

@@ -19,7 +19,8 @@ constexpr double kSpreads = 4;
 /// deviations would hide a sphere. Chosen.
 constexpr double kMedians = 0.5;
 /// Where each sphere must explain a larger share than this the image model is poor: four fifths of
-/// the upper bound of that share, 0.15. The misfit must then fall by more in proportion.
+/// the upper bound of that share, 0.15, where a is not known. The misfit must then fall by more in
+/// proportion. Where a is known, room is asked for instead.
 constexpr double kPoorModel = 0.12;
 /// The misfit must fall by the square of this in units of σ². One false disc gains more by chance
 /// in 2e-9 of independent places; a frame has about 1e5, so one frame in 5,000.

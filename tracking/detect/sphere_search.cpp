@@ -46,15 +46,16 @@ constexpr float kMissing = 0.25F;  // [contrast]
 constexpr double kMisfits = 12;
 /// The bounds of that threshold, as shares of what an isolated sphere explains. In a thick layer
 /// spheres below two others explain 0.04 and no more. The upper bound is the best of 0.04 to 0.15
-/// on 34 cameras drawn at random and a film (docs/tracking/detection.md).
+/// on 34 cameras drawn at random and a film, where room is asked for (docs/tracking/detection.md).
+/// Where a is not known it cannot be: on the real frame doubtful spheres lie below 0.15.
 constexpr double kLeastEvidence = 0.04;
-constexpr double kMostEvidence = 0.08;
+constexpr double kMostEvidence = 0.15;
+constexpr double kMostBesideRoom = 0.08;
 /// In a crystal two discs can fit one sphere better than one does. Each explains 0.08 to 0.3 of an
 /// isolated sphere, and is 0.02 to 0.2 a too near to others to have room. So are a few true spheres
 /// in a thick liquid, by the bias of the model. Both are chosen between the two.
-constexpr double kDoubtful = 0.25;      // share of what an isolated sphere explains
-constexpr double kGranted = 0.08;       // [a]
-constexpr double kApparentSize = 0.87;  // D/a of mirror-like spheres: 0.85 to 0.9
+constexpr double kDoubtful = 0.25;  // share of what an isolated sphere explains
+constexpr double kGranted = 0.08;   // [a]
 
 /// What is left of the image, from evenly spaced rows, as many as a percent of accuracy needs.
 struct Remainder {
@@ -163,17 +164,13 @@ double seconds_since(Clock::time_point start) {
 
 }  // namespace
 
-double sphere_diameter(const DetectionOptions& options, const DiscProfile& disc) {
-    return options.sphere_diameter.value_or(disc.diameter / kApparentSize);
-}
-
 OptionTable describe(DetectionOptions& options) {
     OptionTable table("detect");
     table.number("separation", options.separation, "D", {0.05, 2},
                  "two centres nearer than this are one sphere");
     table.number(
         "evidence", options.evidence, "-", {0, 1},
-        "share of an isolated sphere's misfit that each sphere must explain; auto: 0.04 to 0.08, "
+        "share of an isolated sphere's misfit that each sphere must explain; auto: 0.04 to 0.15, "
         "as the image model fits");
     table.number("border", options.border, "D", {0, 10},
                  "centres nearer to the image border than this are not reported");
@@ -239,21 +236,25 @@ std::int64_t SphereSearch::remove_unfounded() {
     summary_.noise = left.noise;
     summary_.misfit = std::sqrt(left.misfit);
     const double isolated = correlation_.full_gain();
-    const double most = options_.evidence.value_or(kMostEvidence) * isolated;
     const double area = std::numbers::pi * disc_.reach() * disc_.reach();
+    const double needed = kMisfits * left.misfit * area;
+    // Where the model fits, what explains little is no less sure.
+    const bool asks_for_room =
+        !options_.evidence && options_.sphere_diameter && needed > kMostBesideRoom * isolated;
     threshold_ = options_.evidence
-                     ? most
-                     : std::clamp(kMisfits * left.misfit * area, kLeastEvidence * isolated, most);
+                     ? *options_.evidence * isolated
+                     : std::clamp(needed, kLeastEvidence * isolated,
+                                  (asks_for_room ? kMostBesideRoom : kMostEvidence) * isolated);
     threshold_ = std::max(threshold_,
                           options_.significance * options_.significance * left.noise * left.noise);
     summary_.evidence = threshold_ / isolated;
     // Judged by what was left while most spheres were missing.
     if (threshold_ < 0.5 * rejected_at_) forget_rejections();
-    const SphereCell cell{.diameter = sphere_diameter(options_, disc_),
+    const SphereCell cell{.diameter = options_.sphere_diameter.value_or(0),
                           .height = options_.cell_height};
+    const double doubtful = asks_for_room ? std::max(threshold_, kDoubtful * isolated) : 0;
     const std::vector<char> keep =
-        discs_to_keep(fit_, fit_.explained(),
-                      {threshold_, separation_, std::max(threshold_, kDoubtful * isolated), cell});
+        discs_to_keep(fit_, fit_.explained(), {threshold_, separation_, doubtful, cell});
     std::int64_t removed = 0;
     for (std::size_t j = 0; j < keep.size(); ++j) {
         if (keep[j]) continue;

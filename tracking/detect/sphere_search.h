@@ -32,22 +32,20 @@ struct DetectionOptions {
     /// 1.94 a, 0.341 a, rounded down; D ≤ a.
     double separation = 0.34;
     /// A sphere must explain this share of the misfit that an isolated one explains [-]. Auto: 0.04
-    /// to 0.08, the more the image model leaves unexplained (docs/tracking/detection.md). One that
-    /// explains less than 0.25 must have room between the plates, too.
+    /// to 0.15, the more the image model leaves unexplained, to 0.08 where a is known
+    /// (docs/tracking/detection.md).
     std::optional<double> evidence;
-    std::optional<double> sphere_diameter;  ///< a [px]; empty: as of mirror-like spheres
-    double cell_height = 1.94;              ///< distance of the plates L_z [a]
-    double border = 0.25;     ///< centres nearer to the image border are not reported [D]
-    double significance = 6;  ///< … and this many standard deviations of the noise [-]
-    int max_passes = 12;      ///< most rounds of adding and removing spheres
+    /// a [px]; if known, a sphere that explains less than 0.25 must have room between the plates.
+    std::optional<double> sphere_diameter;
+    double cell_height = 1.94;  ///< distance of the plates L_z [a]
+    double border = 0.25;       ///< centres nearer to the image border are not reported [D]
+    double significance = 6;    ///< … and this many standard deviations of the noise [-]
+    int max_passes = 12;        ///< most rounds of adding and removing spheres
     SearchGoal goal = SearchGoal::every_sphere;
     CoreSearch cores = CoreSearch::cold_frames;
 };
 
 OptionTable describe(DetectionOptions& options);
-
-/// The true diameter a of the spheres [px]: as given, or D/0.87, as of mirror-like spheres.
-double sphere_diameter(const DetectionOptions& options, const DiscProfile& disc);
 
 /// The search for the spheres of one darkness image at one resolution.
 ///

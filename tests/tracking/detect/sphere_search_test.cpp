@@ -106,6 +106,32 @@ TEST(SphereSearch, OfTwoDiscsOnOneSphereOneGoes) {
     EXPECT_NEAR(c.fit.positions()[0].x, 100, 0.1);
 }
 
+/// What stays of three discs in a row, 0.41 a apart: the one in the middle explains little. The
+/// edges of the image are `edge` wide, those of the model 1.2 px.
+std::size_t discs_of_a_row(double edge, const DetectionOptions& options) {
+    testing::LayerScene three = testing::isolated_discs(kSize, kSize, 16, 300, 1);
+    three.position = {{100, 120}, {107.4, 120}, {114.8, 120}};
+    Image darkness = testing::tanh_frame(three, kDisc.diameter, edge, kNoise, 1);
+    for (float& v : darkness.pixels()) v = (200 - v) / 170;
+    JointFit fit(darkness, kDisc, 2);
+    DiscCorrelation correlation(kSize, kSize, kDisc, DiscCorrelation::suitable_factor(kDisc));
+    SphereSearch search(fit, correlation, options);
+    fit.restart(darkness);
+    fit.add_all(three.position);
+    search.finish(kRough, Drawing::exactly);
+    return fit.positions().size();
+}
+
+TEST(SphereSearch, SpheresThatExplainLittleNeedRoomWhereTheModelFitsBadly) {
+    constexpr double kBlurred = 4;
+    DetectionOptions options;
+    options.sphere_diameter = 18;
+    EXPECT_EQ(discs_of_a_row(kBlurred, options), 2U);
+    EXPECT_EQ(discs_of_a_row(kDisc.edge_width, options), 3U) << "the model fits";
+    options.cell_height = 3;
+    EXPECT_EQ(discs_of_a_row(kBlurred, options), 3U);
+}
+
 TEST(SphereSearch, ForMostSpheresTakesOnePass) {
     DetectionOptions options;
     options.goal = SearchGoal::most_spheres;

@@ -38,7 +38,7 @@ TEST(OverlapGraph, HoldsEveryOverlapAndItsLeastDifferenceOfHeight) {
                 std::sqrt((std::pow(errors[i].x, 2) + std::pow(errors[j].x, 2)) * step.x * step.x +
                           (std::pow(errors[i].y, 2) + std::pow(errors[j].y, 2)) * step.y * step.y) /
                 d;
-            const double near = (d + 2 * sigma) / 10;
+            const double near = (d + 3 * sigma) / 10;
             if (near >= 1 - 1e-6) continue;
             ++expected;
             ASSERT_TRUE(found.contains({i, j}));
