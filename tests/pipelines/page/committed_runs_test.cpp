@@ -37,7 +37,7 @@ class CommittedRuns : public ::testing::Test {
 TEST_F(CommittedRuns, AreThoseOfTheFoldersByGrowingGammaAndStandForTheExperiment) {
     const std::vector<Results> runs = committed_runs(folder_.path());
     ASSERT_EQ(runs.size(), 3U) << "two runs and their S0/S1";
-    EXPECT_EQ(runs[0].label, "Γ = 4");
+    EXPECT_EQ(runs[0].label, "committed, Γ = 4");
     EXPECT_EQ(runs[0].identity.control->value, 4);
     EXPECT_EQ(runs[1].identity.control->value, 4.5);
     EXPECT_EQ(runs[0].identity.origin, Origin::video);

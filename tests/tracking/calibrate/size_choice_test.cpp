@@ -50,7 +50,8 @@ TEST(SizeChoice, OneThatExplainsEnoughIsBetterThanAGivenOneThatDoesNot) {
     ASSERT_TRUE(better);
     EXPECT_EQ(better->diameter, 8.93);
     EXPECT_EQ(advice_on_size(given, *better),
-              "dark discs of 20.0 px, as given, explain 30 % of the frame; dark discs of about 8.9 "
+              "with what is given, dark discs of 20.0 px explain 30 % of the frame; dark discs of "
+              "about 8.9 "
               "px explain 97 %: give calibrate.polarity dark and leave calibrate.disc-diameter "
               "out");
 }
