@@ -87,7 +87,7 @@ TEST(Tune, AnswersAGivenSizeThatExplainsLittleWithTheOneThatIsThere) {
                                             "--no-figures", "--diameter", "20"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_THAT(outcome.out, HasSubstr("t.toml (those that fit better, see the warning)"));
-    EXPECT_THAT(outcome.err, HasSubstr("with what is given, dark discs of 20.0 px explain"));
+    EXPECT_THAT(outcome.err, HasSubstr("discs of 20.0 px explain"));
     EXPECT_THAT(outcome.err, HasSubstr("dark discs of about 9."));
     EXPECT_THAT(outcome.err, HasSubstr("give --polarity dark and leave --disc-diameter out"));
     EXPECT_THAT(outcome.out, HasSubstr("--polarity 'dark'"));
