@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "tracking/detect/local_maxima.h"
-#include "tracking/detect/room.h"
 #include "tracking/detect/second_look.h"
+#include "tracking/layers/sphere_cell.h"
 
 namespace grainfield::tracking {
 namespace {

@@ -75,7 +75,7 @@ std::vector<std::vector<std::uint32_t>> impossible_sets(const OverlapGraph& grap
                 if (k < j || rise_to[k] <= 0) continue;
                 const double jk = graph.pairs()[far.pair].rise;
                 const double largest = std::max({ij, jk, rise_to[k]});
-                if (largest <= slack && ij + jk + rise_to[k] - largest > slack) {
+                if (largest <= slack && !three_fit(ij, jk, rise_to[k], slack)) {
                     sets.push_back({i, j, k});
                 }
             }

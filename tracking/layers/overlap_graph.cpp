@@ -12,8 +12,6 @@
 namespace grainfield::tracking {
 namespace {
 
-constexpr double kContact = 1 - 1e-6;  // [a]
-
 void require_valid(const SphereCell& cell, const std::vector<Vec2>& positions,
                    const std::vector<Vec2>& errors, const OverlapOptions& options) {
     if (!(cell.diameter > 0) || !std::isfinite(cell.diameter)) {
@@ -58,11 +56,6 @@ double distance_error(Vec2 step, double distance, Vec2 one, Vec2 other) {
     return std::sqrt(variance.x * along.x * along.x + variance.y * along.y * along.y);
 }
 
-/// δ for a distance in a [a].
-double rise_at(double distance) {
-    return distance < kContact ? std::sqrt((1 - distance) * (1 + distance)) : 0;
-}
-
 }  // namespace
 
 OverlapGraph::OverlapGraph(const SphereCell& cell, const std::vector<Vec2>& positions,
@@ -86,7 +79,7 @@ OverlapGraph::OverlapGraph(const SphereCell& cell, const std::vector<Vec2>& posi
             if (rise <= 0) return;
             pairs_.push_back({i, j, rise, rise_at(most + options.label_significance * error)});
         };
-        PointGrid(positions, cell.diameter).each_pair(kContact * cell.diameter, add);
+        PointGrid(positions, cell.diameter).each_pair(cell.diameter, add);
     }
     link_pairs(positions.size());
 }

@@ -1,4 +1,4 @@
-#include "tracking/detect/room.h"
+#include "tracking/layers/sphere_cell.h"
 
 #include <vector>
 
@@ -10,14 +10,14 @@ namespace {
 constexpr double kA = 10;
 const SphereCell kCell{.diameter = kA, .height = 1.94};
 
-TEST(Room, APairNearerThanTheLeastDistanceHasNone) {
+TEST(SphereCell, APairNearerThanTheLeastDistanceHasNone) {
     const double least = kCell.least_distance() * kA;
     EXPECT_TRUE(has_room(kCell, {0, 0}, {{1.001 * least, 0}}, 0));
     EXPECT_FALSE(has_room(kCell, {0, 0}, {{0.999 * least, 0}}, 0));
     EXPECT_TRUE(has_room(kCell, {0, 0}, {{0.999 * least, 0}}, 0.01));
 }
 
-TEST(Room, OfThreeAllNearerThanTheLeastOfThreeNoneHas) {
+TEST(SphereCell, OfThreeAllNearerThanTheLeastOfThreeNoneHas) {
     const double side = kCell.least_of_three() * kA;
     const auto triangle = [](double s) {
         return std::vector<Vec2>{{s, 0}, {0.5 * s, 0.866025404 * s}};
@@ -26,13 +26,13 @@ TEST(Room, OfThreeAllNearerThanTheLeastOfThreeNoneHas) {
     EXPECT_FALSE(has_room(kCell, {0, 0}, triangle(0.999 * side), 0));
 }
 
-TEST(Room, ASphereBelowTwoThatTouchHasRoom) {
+TEST(SphereCell, ASphereBelowTwoThatTouchHasRoom) {
     EXPECT_TRUE(has_room(kCell, {0, 0}, {{0.5 * kA, 0}, {-0.5 * kA, 0}}, 0));
     // Two beside it do not touch one another: what one asks for does not add to the other.
     EXPECT_TRUE(has_room(kCell, {0, 0}, {{0.4 * kA, 0}, {-0.7 * kA, 0}}, 0));
 }
 
-TEST(Room, HalfASplitSphereOfACrystalHasNone) {
+TEST(SphereCell, HalfASplitSphereOfACrystalHasNone) {
     // A square bilayer of spacing 0.8 a; the sphere at the origin is split along x.
     const Vec2 half{-0.25 * kA, 0};
     std::vector<Vec2> others{{0.25 * kA, 0}, {0, 0.8 * kA}, {0, -0.8 * kA}, {-0.8 * kA, 0}};
@@ -41,7 +41,7 @@ TEST(Room, HalfASplitSphereOfACrystalHasNone) {
     EXPECT_TRUE(has_room(kCell, {0, 0}, others, 0));
 }
 
-TEST(Room, AThickerCellHasMore) {
+TEST(SphereCell, AThickerCellHasMore) {
     SphereCell thick = kCell;
     thick.height = 2.2;
     EXPECT_TRUE(has_room(thick, {0, 0}, {{0.1 * kA, 0}}, 0));
