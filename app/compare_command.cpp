@@ -13,6 +13,7 @@
 #include "core/support/interrupt.h"
 #include "core/support/output_file.h"
 #include "io/h5/results_file.h"
+#include "io/input_file.h"
 #include "pipelines/interrupt_deadline.h"
 #include "pipelines/page/committed_runs.h"
 #include "pipelines/page/report_page.h"
@@ -27,8 +28,10 @@ using Form = report::PlotForm;
 constexpr std::array<std::pair<const char*, Form>, 3> forms{
     {{".pdf", Form::pdf}, {".svg", Form::svg}, {".png", Form::png}}};
 
-// What cannot be read is left out with a warning that names it; nothing at all is an error.
+// A file that is not there is an error, as its name is most likely mistyped. What is there and
+// cannot be read is left out with a warning that names it; nothing at all is an error.
 std::vector<Results> read_inputs(Session& session) {
+    for (const fs::path& input : session.inputs) io::require_file_exists(input);
     std::vector<Results> results;
     std::vector<InputError> unread;
     for (const fs::path& input : session.inputs) {

@@ -31,12 +31,18 @@ std::ifstream open_input(const std::filesystem::path& path) {
 
 }  // namespace
 
-void require_input_file(const std::filesystem::path& path) {
+void require_file_exists(const std::filesystem::path& path) {
     std::error_code error;
     const auto status = std::filesystem::status(path, error);
     if (status.type() == std::filesystem::file_type::not_found) {
         refuse(path, "no such file", "an existing file", "check the name and the folder");
     }
+}
+
+void require_input_file(const std::filesystem::path& path) {
+    require_file_exists(path);
+    std::error_code error;
+    const auto status = std::filesystem::status(path, error);
     if (error) refuse(path, error.message(), {}, "check the name and the permissions");
     if (status.type() == std::filesystem::file_type::directory) {
         refuse(path, "it is a folder", "files",

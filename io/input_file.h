@@ -7,6 +7,9 @@
 
 namespace grainfield::io {
 
+/// Throws InputError, naming the path and a remedy, if there is nothing of this name.
+void require_file_exists(const std::filesystem::path& path);
+
 /// Throws InputError, naming the path and a remedy, unless it is a non-empty readable regular file.
 void require_input_file(const std::filesystem::path& path);
 

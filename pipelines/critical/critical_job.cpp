@@ -202,6 +202,20 @@ std::vector<double> control_values(const CriticalJobOptions& options,
     return values;
 }
 
+// One run counted twice would halve its error and fake a line.
+void require_each_once(const std::vector<fs::path>& inputs) {
+    for (std::size_t i = 0; i < inputs.size(); ++i) {
+        for (std::size_t k = 0; k < i; ++k) {
+            std::error_code error;
+            if (!fs::equivalent(inputs[i], inputs[k], error)) continue;
+            throw InputError({.problem = fmt::format("'{}' is given twice", inputs[i].string()),
+                              .actual = fmt::format("inputs {} and {} are one file", k + 1, i + 1),
+                              .expected = "one results file for each value of the parameter",
+                              .suggestion = "leave one of them out"});
+        }
+    }
+}
+
 std::string parameter_text(const CriticalJobOptions& options, const std::vector<Results>& results) {
     if (!options.parameter.empty()) return options.parameter;
     const auto known = common_parameter(results);
@@ -211,6 +225,7 @@ std::string parameter_text(const CriticalJobOptions& options, const std::vector<
 }  // namespace
 
 CriticalJobResult find_critical_point(const CriticalJobOptions& options, Job& job) {
+    require_each_once(job.inputs);
     std::vector<Results> results;
     for (const fs::path& input : job.inputs) {
         throw_if_interrupted("critical");

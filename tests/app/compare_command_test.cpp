@@ -83,22 +83,34 @@ TEST(CompareCommand, LeavesOutWhatCannotBeReadNamesItAndComparesTheRest) {
     cut(short_file);
     const auto other = write_run(folder / "other.h5", "other");
     std::ofstream(folder / "text.h5") << "no results";
-    const Compared out =
-        compare(folder, {good, short_file, folder / "text.h5", folder / "absent.h5", other});
+    const Compared out = compare(folder, {good, short_file, folder / "text.h5", other});
     EXPECT_EQ(out.summary.facts["labels"].size(), 2U);
-    EXPECT_EQ(out.summary.facts["left_out"], 3);
-    for (const char* name : {"short.h5", "text.h5", "absent.h5"}) {
+    EXPECT_EQ(out.summary.facts["left_out"], 2);
+    for (const char* name : {"short.h5", "text.h5"}) {
         EXPECT_THAT(out.warnings, Contains(HasSubstr(name)));
         EXPECT_THAT(out.page, HasSubstr(name)) << "the page says it too";
     }
     EXPECT_THAT(out.page, HasSubstr("2 runs side by side"));
 }
 
+TEST(CompareCommand, RefusesAFileThatIsNotThereBesideAGoodOne) {
+    const testing::ScratchFolder folder;
+    const auto good = write_run(folder / "good.h5", "good");
+    try {
+        compare(folder, {good, folder / "absent.h5"});
+        FAIL() << "no exception";
+    } catch (const InputError& error) {
+        EXPECT_THAT(error.what(), HasSubstr("absent.h5"));
+        EXPECT_THAT(error.what(), HasSubstr("no such file"));
+    }
+    EXPECT_FALSE(std::filesystem::exists(folder / "report.html"));
+}
+
 TEST(CompareCommand, OfNothingReadableIsAnErrorThatNamesTheFirst) {
     const testing::ScratchFolder folder;
     std::ofstream(folder / "text.h5") << "no results";
     try {
-        compare(folder, {folder / "text.h5", folder / "absent.h5"});
+        compare(folder, {folder / "text.h5"});
         FAIL() << "no exception";
     } catch (const InputError& error) {
         EXPECT_THAT(error.what(), HasSubstr("text.h5"));
@@ -115,6 +127,7 @@ TEST(CompareCommand, OfNothingReadableWarnsOnlyOfTheFilesAfterTheFirst) {
     session.command = "compare";
     session.inputs = {std::filesystem::path(folder / "first.h5"),
                       std::filesystem::path(folder / "second.h5")};
+    for (const auto& input : session.inputs) std::ofstream(input) << "no results";
     EXPECT_THROW(command.run(session), InputError);
     ASSERT_EQ(session.plan.warnings().size(), 1U);
     EXPECT_THAT(session.plan.warnings()[0].text, HasSubstr("second.h5"));

@@ -115,6 +115,21 @@ TEST(CriticalJob, SaysWhatIsWrongWithTheControlParameter) {
     EXPECT_THROW(find(folder, inputs, by_record("field.mu")), OptionError);
 }
 
+TEST(CriticalJob, RefusesOneFileGivenTwiceUnderAnyName) {
+    const testing::ScratchFolder folder;
+    const auto once = write_run(folder / "a.h5", 6);
+    const auto other = write_run(folder / "b.h5", 7);
+    std::filesystem::create_symlink(once, folder / "link.h5");
+    for (const std::filesystem::path& again : {once, std::filesystem::path(folder / "link.h5")}) {
+        try {
+            find(folder, {once, other, again}, by_value({6, 7, 8}));
+            FAIL() << again;
+        } catch (const InputError& error) {
+            EXPECT_THAT(error.what(), HasSubstr("inputs 1 and 3 are one file"));
+        }
+    }
+}
+
 TEST(CriticalJob, NeedsARunWithAFit) {
     const testing::ScratchFolder folder;
     const std::vector<std::filesystem::path> inputs{write_run(folder / "a.h5", 6, false)};
