@@ -24,9 +24,12 @@ namespace {
 namespace fs = std::filesystem;
 using tracking::BoardView;
 
-constexpr double kFarReach = 0.8;    // of the way to the corners
-constexpr double kPoorFit = 0.3;     // px
-constexpr std::size_t kCorners = 8;  // numbers of four corners
+constexpr double kFarReach = 0.8;  // of the way to the corners
+constexpr double kPoorFit = 0.3;   // px
+// Boards are made to a few thousandths of their pitch. Spheres of a crystal move by 0.05 of their
+// spacing or more before it melts (Lindemann's rule: at 0.1 to 0.15).
+constexpr double kMostUneven = 0.02;  // residual [pitch]
+constexpr std::size_t kCorners = 8;   // numbers of four corners
 
 /// A picture to look at, by its place in a file.
 struct Place {
@@ -105,9 +108,13 @@ BoardView look_for(const Image& image, const CameraJobOptions& options, BoardKin
         if (kind == BoardKind::chessboard) return view;
     }
     BoardView view = tracking::find_dots(image, threads);
-    if (!view.is_usable()) return {};
-    kind = BoardKind::dots;
-    return view;
+    if (view.is_usable() && view.is_most_of_the_picture()) {
+        kind = BoardKind::dots;
+        return view;
+    }
+    BoardView none;
+    none.spots = view.spots;
+    return none;
 }
 
 const char* name_of(BoardKind kind) {
@@ -276,6 +283,30 @@ void warn_of(const CameraJobResult& result, RunPlan& plan) {
     }
 }
 
+std::string not_found(BoardKind wanted, const BoardView& view) {
+    std::string text = fmt::format("{} was looked for", name_of(wanted));
+    if (view.spots > 0) {
+        text += fmt::format("; it shows {} that lie on no common grid, as a frame of spheres does",
+                            counted(static_cast<std::int64_t>(view.spots), "spot"));
+    }
+    return text;
+}
+
+/// Throws InputError for what only looks like a board.
+void require_even(const CameraJobResult& result, const Place& place) {
+    const double uneven = result.fit.camera.residual_rms / result.fit.pitch;
+    if (uneven <= kMostUneven) return;
+    throw InputError(
+        {.problem = fmt::format("what {} shows is no even grid", place.name()),
+         .actual = fmt::format("{} lie off it by {:.2f} px (RMS), {:.1f} % of their distance",
+                               counted(static_cast<std::int64_t>(result.fit.residuals.size()),
+                                       result.board == BoardKind::dots ? "dot" : "corner"),
+                               result.fit.camera.residual_rms, 100 * uneven),
+         .expected = fmt::format("{:g} % at most", 100 * kMostUneven),
+         .suggestion = "use pictures of a flat board at rest, not a frame of the film; without a "
+                       "board option 'walls' or option 'corners' tells the tilt"});
+}
+
 CameraJobResult of_boards(const CameraJobOptions& options, std::vector<Place> places, Job& job) {
     const std::size_t cell = thin_out(places, options);
     CameraJobResult result;
@@ -304,8 +335,9 @@ CameraJobResult of_boards(const CameraJobOptions& options, std::vector<Place> pl
         if (i == cell) {
             throw InputError(
                 {.problem = fmt::format("no board in {}", places[i].name()),
-                 .actual = fmt::format("{} was looked for", name_of(options.board)),
-                 .expected = "3 x 3 inner corners of a chessboard, or a square grid of dots",
+                 .actual = not_found(options.board, view),
+                 .expected = "3 x 3 inner corners of a chessboard, or a square grid that holds "
+                             "half of the spots or more",
                  .suggestion = "it is the picture of the cell's plane: choose another with "
                                "option 'cell-picture', or name the inner corners of the board "
                                "with option 'inner-corners'; without a board option 'walls' or "
@@ -325,6 +357,7 @@ CameraJobResult of_boards(const CameraJobOptions& options, std::vector<Place> pl
                     counted(static_cast<std::int64_t>(result.fit.residuals.size()), "point"),
                     result.fit.is_centre_fitted ? "fitted" : "in the middle of the frame"));
     job.plan.run("tilt", fmt::format("the plane of the board in {}", places[cell].name()));
+    require_even(result, places[cell]);
     warn_of(result, job.plan);
     return result;
 }

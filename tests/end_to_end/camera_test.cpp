@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -301,6 +302,33 @@ TEST_F(CameraFile, NeedsABoardInThePictureOfTheCell) {
                                           own_ / "c.toml", "--cell-picture", "1"});
     EXPECT_EQ(other.code, 0) << other.err;
     EXPECT_THAT(other.err, HasSubstr("left out"));
+}
+
+TEST_F(CameraFile, IsNotMadeOfAFrameOfTheFilm) {
+    const auto refused = [&](const std::string& picture, const std::string& words) {
+        const Outcome outcome =
+            run_grainfield({"calibrate-camera", picture, "-o", own_ / "c.toml"});
+        EXPECT_EQ(outcome.code, 3) << picture;
+        EXPECT_THAT(outcome.err, AllOf(HasSubstr(words), HasSubstr("frame")));
+        EXPECT_EQ(own_.entries(), 1U) << "no camera file, no picture";
+    };
+    // A crystal: every sphere has its place on a grid, and none is quite there.
+    std::mt19937 random(3);
+    std::normal_distribution<double> off(0, 0.05);
+    std::vector<Vec2> crystal = plate();
+    for (Vec2& p : crystal) p += {off(random), off(random)};
+    const TiltedCamera camera = small_camera();
+    testing::write_png(own_ / "film.png", camera.discs(crystal, 0.42, cell(), 2, 1));
+    refused(own_ / "film.png", "is no even grid");
+    // A liquid with a crystal in its middle: most spheres are on no grid.
+    std::uniform_real_distribution<double> anywhere(-0.3, 0.3);
+    crystal = plate();
+    for (Vec2& p : crystal) {
+        const bool is_crystal = std::abs(p.x - 7) < 2.5 && std::abs(p.y - 5) < 2.5;
+        if (!is_crystal) p += {anywhere(random), anywhere(random)};
+    }
+    testing::write_png(own_ / "film.png", camera.discs(crystal, 0.3, cell(), 2, 1));
+    refused(own_ / "film.png", "spots that lie on no common grid");
 }
 
 TEST_F(CameraFile, GoesThroughARun) {

@@ -214,7 +214,10 @@ BoardView find_chessboard(const Image& counts, const std::vector<std::int64_t>& 
 }
 
 BoardView find_dots(const Image& counts, int threads) {
-    return grid_order(locate(counts, {.threads = threads}).position);
+    const std::vector<Vec2> spots = locate(counts, {.threads = threads}).position;
+    BoardView view = grid_order(spots);
+    view.spots = spots.size();
+    return view;
 }
 
 BoardView grid_order(const std::vector<Vec2>& points) {

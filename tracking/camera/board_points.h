@@ -12,10 +12,14 @@ namespace grainfield::tracking {
 struct BoardView {
     std::vector<Vec2> pixel;  ///< [px]
     std::vector<Vec2> place;  ///< on the board, whole numbers [distance of neighbours]
+    std::size_t spots = 0;    ///< of dots: all that were found, on the grid or not
 
     bool empty() const { return pixel.empty(); }
     /// Whether it can be fitted: 9 points, 3 columns and 3 rows or more.
     bool is_usable() const;
+    /// Of dots: whether half of what was found lies on the grid. A frame of spheres has grids, too,
+    /// but of few of them.
+    bool is_most_of_the_picture() const { return 2 * pixel.size() >= spots; }
 };
 
 /// Inner corners of a chessboard, to a few hundredths of a pixel (OpenCV findChessboardCornersSB on
@@ -24,7 +28,8 @@ struct BoardView {
 /// dark by turns, is none. Empty: there is none.
 BoardView find_chessboard(const Image& counts, const std::vector<std::int64_t>& columns_rows = {});
 
-/// Dots of one size on a square grid, located as spheres are (locate). Empty: there is none.
+/// Dots of one size on a square grid, located as spheres are (locate), and the number of all spots
+/// that were. Without points: there is no grid.
 BoardView find_dots(const Image& counts, int threads);
 
 /// Puts points into the order of a square grid. From the point nearest to their middle the grid is

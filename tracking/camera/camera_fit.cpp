@@ -311,6 +311,7 @@ CameraFit fit_camera(const std::vector<BoardView>& found, std::size_t cell_view,
     camera.homography = array_of(plane_of(cell, camera));
     const Corrected corrected = complete(camera);
     require_possible(camera);
+    fit.pitch = 1 / corrected.unit_per_px;
     if (pitch) camera.scale = PlaneScale{corrected.unit_per_px * pitch->length, pitch->unit};
 
     const CameraMap map(camera);

@@ -25,6 +25,7 @@ struct CameraFit {
     bool is_centre_fitted = false;  ///< else the middle of the frame
     /// Radius that the points reach, as a share of the distance of the frame's corners.
     double reach = 0;
+    double pitch = 0;          ///< distance of neighbours in the middle of the cell's picture [px]
     std::int64_t dropped = 0;  ///< points left out as wrong
 };
 
