@@ -29,7 +29,9 @@ double isolated_evidence(const DiscProfile& disc) {
 
 Surveyor::Surveyor(const ImageModel& model, const TrackOptions& options, int width, int height)
     : model_(model),
-      options_(options),
+      detection_(detection_of(options)),
+      refinement_(options.refinement),
+      visible_(options.visible),
       locator_(width, height, model, thread_count(options.threads)),
       illumination_(model, options.visible) {
     locator_.set_visible(options.visible);
@@ -41,7 +43,7 @@ Survey Surveyor::look(const Frame& frame) {
     const Image darkness = model_.darkness(frame.image, light);
     Survey survey;
     survey.frame = frame.index;
-    survey.found = locator_.locate(darkness, options_.detection, options_.refinement);
+    survey.found = locator_.locate(darkness, detection_, refinement_);
     illumination_.settled(frame.image, light, locator_.transmission());
     survey.residual = locator_.residual();
     const double isolated = isolated_evidence(model_.disc);
@@ -50,7 +52,7 @@ Survey Surveyor::look(const Frame& frame) {
         survey.error.push_back(found.error[j] * std::max(found.noise, found.residual[j]));
         survey.evidence.push_back(found.explained[j] / isolated);
     }
-    survey.profile = exposed_profile(darkness, found.fitted, model_.disc, options_.visible);
+    survey.profile = exposed_profile(darkness, found.fitted, model_.disc, visible_);
     return survey;
 }
 

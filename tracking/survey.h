@@ -31,7 +31,9 @@ class Surveyor {
 
  private:
     const ImageModel& model_;
-    TrackOptions options_;
+    DetectionOptions detection_;
+    RefinementOptions refinement_;
+    VisiblePixels visible_;
     Locator locator_;
     IlluminationFollower illumination_;
 };

@@ -1,9 +1,15 @@
 #include "tracking/track_options.h"
 
+#include <fmt/format.h>
+
 #include "core/errors.h"
 
 namespace grainfield::tracking {
 namespace {
+
+// A tenth beyond what spheres show: 1/√2 (the core of a mirror, docs/render/optics.md) to 1.
+constexpr double kLeastApparent = 0.63;  // [a]
+constexpr double kMostApparent = 1.1;    // [a]
 
 /// Throws OptionError where an option needs another one.
 void require_diameter(const TrackOptions& options) {
@@ -90,6 +96,24 @@ std::vector<OptionTable> describe(TrackOptions& options) {
             describe(options.layers),
             describe(options.synthesis_options),
             track};
+}
+
+DetectionOptions detection_of(const TrackOptions& options) {
+    DetectionOptions detection = options.detection;
+    if (options.sphere_diameter) detection.sphere_diameter = options.sphere_diameter;
+    if (options.layers.height) detection.cell_height = *options.layers.height;
+    return detection;
+}
+
+void warn_of_unusual_size(double apparent, const TrackOptions& options, RunPlan& plan) {
+    if (!options.sphere_diameter) return;
+    const double share = apparent / *options.sphere_diameter;
+    if (share >= kLeastApparent && share <= kMostApparent) return;
+    plan.warn(fmt::format(
+        "the spheres look {:.1f} px wide, {:.2f} of the {:g} px of track.sphere-diameter; steel "
+        "shows 0.7 to 0.95, a silhouette 1. Every length is in units of it: is it the diameter, in "
+        "pixels of these frames?",
+        apparent, share, *options.sphere_diameter));
 }
 
 void require_consistent(const TrackOptions& options) {

@@ -46,4 +46,12 @@ std::vector<OptionTable> describe(TrackOptions& options);
 /// options that estimate or give what it holds.
 void require_consistent(const TrackOptions& options);
 
+/// How spheres are looked for: with the true diameter and the height of the cell, where they are
+/// known, those without room are not taken.
+DetectionOptions detection_of(const TrackOptions& options);
+
+/// Warns where discs of this apparent diameter D [px] are no usual picture of spheres of the given
+/// diameter a: D/a is 0.7 (cores of mirrors) to 1 (silhouettes). Every length hangs on a.
+void warn_of_unusual_size(double apparent, const TrackOptions& options, RunPlan& plan);
+
 }  // namespace grainfield::tracking

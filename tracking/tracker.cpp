@@ -19,8 +19,7 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
     box_.origin = {-0.5, -0.5};
     box_.length = {static_cast<double>(source.width()), static_cast<double>(source.height())};
     if (options.camera) box_ = options.camera->box(source.width(), source.height());
-    if (options_.sphere_diameter) options_.detection.sphere_diameter = options_.sphere_diameter;
-    if (options_.layers.height) options_.detection.cell_height = *options_.layers.height;
+    options_.detection = detection_of(options);
     // Mirrors before a panel are dark.
     PolarityChoice& polarity = options_.calibration.polarity;
     if ((options.synthesis || options.correct_bias) && !options.kept &&
@@ -39,6 +38,7 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
         }
     }
     if (!is_calibrated()) return;
+    warn_of_unusual_size(model().disc.diameter, options_, plan);
     const std::int64_t count = source.count();
     const int lanes = static_cast<int>(std::min<std::int64_t>(kSideBySide, count));
     for (int lane = 0; lane < lanes; ++lane) {

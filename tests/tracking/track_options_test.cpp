@@ -90,6 +90,38 @@ TEST(TrackOptions, AKeptCalibrationGoesWithNoneThatEstimates) {
     EXPECT_THAT(refusal(options), HasSubstr("a kept calibration leaves nothing to estimate"));
 }
 
+TEST(TrackOptions, KnownSizesSayWhichSpheresHaveRoom) {
+    TrackOptions options;
+    EXPECT_FALSE(detection_of(options).sphere_diameter.has_value());
+    options.sphere_diameter = 12;
+    options.layers.height = 1.7;
+    options.detection.border = 0.4;
+    const DetectionOptions detection = detection_of(options);
+    EXPECT_EQ(detection.sphere_diameter, 12);
+    EXPECT_EQ(detection.cell_height, 1.7);
+    EXPECT_EQ(detection.border, 0.4);
+}
+
+TEST(TrackOptions, OfADiameterThatDiscsDoNotSuitAreWarnedOf) {
+    TrackOptions options;
+    const auto warnings = [&](double apparent) {
+        RunPlan plan;
+        warn_of_unusual_size(apparent, options, plan);
+        return plan.warnings().size();
+    };
+    EXPECT_EQ(warnings(5), 0U) << "none is given";
+    options.sphere_diameter = 10;
+    EXPECT_EQ(warnings(8.8), 0U);
+    EXPECT_EQ(warnings(7.07), 0U);
+    EXPECT_EQ(warnings(10.2), 0U);
+    EXPECT_EQ(warnings(5), 1U);
+    EXPECT_EQ(warnings(11.5), 1U);
+    RunPlan plan;
+    warn_of_unusual_size(5, options, plan);
+    EXPECT_THAT(plan.warnings().front().text,
+                HasSubstr("5.0 px wide, 0.50 of the 10 px of track.sphere-diameter"));
+}
+
 TEST(TrackOptions, ThatContradictEachOtherAreRefusedBeforeAnyFrameIsRead) {
     MemoryFrames frames({Image(64, 64, 1.0F)});
     RunPlan plan;
