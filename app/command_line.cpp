@@ -182,6 +182,14 @@ class BoundCommand {
         std::string_view word = unknown.front();
         word = word.substr(std::min(word.size(), word.find_first_not_of('-')));
         const std::string nearest = nearest_name(word.substr(0, word.find('=')), options_.flags());
+        std::error_code unreachable;
+        if (std::filesystem::path(unknown.front()).extension() == ".toml" &&
+            std::filesystem::exists(unknown.front(), unreachable)) {
+            throw OptionError({.problem = fmt::format("'{}' takes no input", command_->name()),
+                               .actual = unknown.front(),
+                               .expected = "a file of options after -c",
+                               .suggestion = fmt::format("give '-c {}'", unknown.front())});
+        }
         throw OptionError(
             {.problem = fmt::format("'{}' does not know '{}'", command_->name(), unknown.front()),
              .actual = {},

@@ -110,13 +110,14 @@ Summary CompareCommand::draw_figure(Session& session) const {
     if (is_printed) {
         require_no_json_beside(session);
         const StandardOutputFile picture("figure.svg");
-        report::write_figure(read_inputs(session), options, figure_, form->second, picture.path());
+        report::write_figure(read_inputs(session), options, figure_, form->second, picture.path(),
+                             session.plan);
         return {.text = picture.text(), .facts = {}, .is_table = true};
     }
     OutputFile output(output_, session.overwrite);
     const std::vector<Results> results = read_inputs(session);
-    const std::string title =
-        report::write_figure(results, options, figure_, form->second, output.temporary());
+    const std::string title = report::write_figure(results, options, figure_, form->second,
+                                                   output.temporary(), session.plan);
     output.commit();
     session.outputs.push_back(output_);
     Summary summary;

@@ -12,6 +12,8 @@ enum class WarningCode : std::uint8_t {
     apparent_diameter,  ///< lengths are in apparent diameters D, as the true a was not given
     incomplete,         ///< the run failed on its way: what is there was sampled before
     doubtful_heights,   ///< image and rendering still differ where some spheres are
+    other_truth,        ///< what is called the truth does not fit what was found
+    unscaled_errors,    ///< standard errors of synthesis are those of the fit alone
     interrupted         ///< a signal ended the run: it may be gone on with
 };
 

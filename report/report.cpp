@@ -76,6 +76,16 @@ void mark(std::vector<ParticleMap>& maps, const std::vector<MarkedSphere>& marke
     }
 }
 
+void warn_of_absent(const Figure& figure, const Prepared& all, RunPlan& plan) {
+    for (const Figure::Absence& absence : figure.absent) {
+        plan.warn(fmt::format("the figure '{}' shows nothing of '{}': {}", figure.name,
+                              all.labels[absence.run], absence.reason));
+    }
+    if (figure.absent.empty() || figure.x.unit.power(BaseUnit::time) == 0) return;
+    const std::string times = time_mismatch(all.runs, all.labels);
+    if (!times.empty()) plan.warn(times);
+}
+
 std::string figure_name(std::string name) {
     if (name == "s-over-s1") return "sk_scaled";
     if (name == "s0-over-s1") return "critical";
@@ -141,8 +151,8 @@ void write_report(const std::vector<Results>& given, const ReportOptions& option
 }
 
 std::string write_figure(const std::vector<Results>& given, const ReportOptions& options,
-                         const std::string& name, PlotForm form,
-                         const std::filesystem::path& file) {
+                         const std::string& name, PlotForm form, const std::filesystem::path& file,
+                         RunPlan& plan) {
     const Prepared all = prepared(given, options);
     std::string known;
     for (const Figure& figure : make_figures(all.runs, all.labels, options.hints)) {
@@ -159,6 +169,7 @@ std::string write_figure(const std::vector<Results>& given, const ReportOptions&
                                .expected = "a gnuplot that can be started",
                                .suggestion = "install it (Debian: gnuplot-nox)"});
         }
+        warn_of_absent(figure, all, plan);
         return figure.title;
     }
     throw OptionError({.problem = fmt::format("these results have no figure '{}'", name),

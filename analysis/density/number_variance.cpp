@@ -314,7 +314,7 @@ ObservableResult NumberVariance::result() const {
                                       best.mean));
     }
     add_slopes(result, best.of(reading), left, reading);
-    add_key_numbers(result, best, reason);
+    add_key_numbers(result, best, reading, reason);
     return result;
 }
 
@@ -384,19 +384,22 @@ void NumberVariance::add_slopes(ObservableResult& result, const std::vector<doub
 }
 
 void NumberVariance::add_key_numbers(ObservableResult& result, const Values& best,
-                                     const std::string& reason) const {
+                                     VarianceReading reading, const std::string& reason) const {
     Measurement density = density_.measurement("number_density", "1/a^2", std::nullopt,
                                                "one frame: no error from fluctuations");
     result.measurements.push_back(density);
+    // Readings are different quantities: a pooled one holds the static structure, too.
+    const char* name = reading == VarianceReading::temporal ? "relative_variance_10a"
+                       : reading == VarianceReading::pooled ? "relative_variance_10a_pooled"
+                                                            : "relative_variance_10a_spatial_mean";
     const auto at = std::lower_bound(lengths_.begin(), lengths_.end(), 10 * (1 - 1e-9));
     if (at == lengths_.end()) {
-        result.measurements.push_back(
-            missing("relative_variance_10a", "-", "no window of 10 a among the sizes"));
+        result.measurements.push_back(missing(name, "-", "no window of 10 a among the sizes"));
         return;
     }
     const auto s = static_cast<std::size_t>(at - lengths_.begin());
     const Curve& curve = result.curves.front();
-    Measurement relative{"relative_variance_10a", "-", std::nullopt, std::nullopt, 0, reason};
+    Measurement relative{name, "-", std::nullopt, std::nullopt, 0, reason};
     if (best.mean[s] > 0) {
         relative.value = curve.columns[1].values[s] / best.mean[s];
         const double error = curve.columns[2].values[s] / best.mean[s];

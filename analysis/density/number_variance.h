@@ -92,7 +92,7 @@ class NumberVariance {
     std::vector<double> slopes(const std::vector<double>& variance) const;
     void add_slopes(ObservableResult& result, const std::vector<double>& variance,
                     const std::vector<Values>& left, VarianceReading reading) const;
-    void add_key_numbers(ObservableResult& result, const Values& best,
+    void add_key_numbers(ObservableResult& result, const Values& best, VarianceReading reading,
                          const std::string& reason) const;
     Block empty_block() const;
     static void add_block(Block& to, const Block& from);

@@ -64,6 +64,8 @@ ObservableTitles VarianceObservable::titles() {
             {
                 {"number_density", "Number density"},
                 {"relative_variance_10a", "σ²/⟨N⟩ at ℓ = 10 a"},
+                {"relative_variance_10a_pooled", "σ²/⟨N⟩ at ℓ = 10 a, pooled"},
+                {"relative_variance_10a_spatial_mean", "σ²/⟨N⟩ at ℓ = 10 a, of the spatial mean"},
                 {"variance_per_volume", "Variance in the largest window, per volume"},
             }};
 }

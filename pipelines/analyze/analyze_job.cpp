@@ -90,7 +90,8 @@ void pass_warnings_on(const Input& input, const Adjustment& adjustment, RunPlan&
         const bool is_apparent =
             warning.code == WarningCode::apparent_diameter && !adjustment.particle_diameter;
         if (is_apparent || warning.code == WarningCode::incomplete ||
-            warning.code == WarningCode::doubtful_heights) {
+            warning.code == WarningCode::doubtful_heights ||
+            warning.code == WarningCode::unscaled_errors) {
             plan.warn(warning);
         }
     }

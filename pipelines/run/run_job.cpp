@@ -274,17 +274,36 @@ void plan_run(const RunJobOptions& options, Job& job) {
     }
 }
 
+/// Makes the folder of the results; a run that leaves nothing in it leaves no folder.
+class ResultsFolder {
+ public:
+    /// Throws OutputError if it cannot be made.
+    explicit ResultsFolder(const fs::path& folder) : folder_(folder) {
+        std::error_code refused;
+        is_new_ = fs::create_directories(folder, refused);
+        if (refused) {
+            throw OutputError(fmt::format("cannot make the folder '{}': {}.", folder.string(),
+                                          refused.message()));
+        }
+    }
+    ~ResultsFolder() {
+        std::error_code not_empty;
+        if (is_new_) fs::remove(folder_, not_empty);
+    }
+    ResultsFolder(const ResultsFolder&) = delete;
+    ResultsFolder& operator=(const ResultsFolder&) = delete;
+
+ private:
+    fs::path folder_;
+    bool is_new_ = false;
+};
+
 RunJobResult run_film(const RunJobOptions& wanted, Job& job) {
     RunJobOptions options = wanted;
     if (options.analyze.label.empty()) options.analyze.label = name_of(job);
     job.inputs = io::recording_files(job.inputs);
     const RunFiles files(options.folder);
-    std::error_code refused;
-    fs::create_directories(options.folder, refused);
-    if (refused) {
-        throw OutputError(fmt::format("cannot make the folder '{}': {}.", options.folder.string(),
-                                      refused.message()));
-    }
+    const ResultsFolder folder(options.folder);
     RunJobResult result;
     const Tracked tracked = track(options, files, job);
     bool is_kept = !tracked.result;

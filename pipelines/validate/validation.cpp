@@ -236,6 +236,8 @@ ValidationOutcome validate(const ValidationCase& scene, const ValidationSettings
             "of 0.29 px per axis, and no score can be better");
     }
 
+    warn_of_other_truth(outcome.scores, plan);
+
     outcome.runs = {run_of("true", seen), run_of("tracked", found)};
     for (Preview& preview : previews) {
         preview.abs_q4 = analysis::abs_q4(preview.snapshot, sphere_diameter, {});

@@ -43,6 +43,9 @@ Found found_in(const ObservableResult* observable, const ComparedMeasurement& wa
         return found;
     }
     const Measurement* m = observable->find_measurement(wanted.measurement);
+    if (m == nullptr && wanted.of_one_frame != nullptr) {
+        m = observable->find_measurement(wanted.of_one_frame);
+    }
     if (m == nullptr) {
         found.reason = !observable->reason.empty()
                            ? observable->reason
@@ -118,7 +121,8 @@ const std::vector<ComparedMeasurement>& compared_measurements() {
         {"variance", "number_density", "number_density", "Number density"},
         {"msd", "d_all", "d_all", "Diffusion coefficient"},
         {"sk", "s_lowest_k", "s_lowest_k", "S at the lowest k"},
-        {"variance", "relative_variance_10a", "relative_variance_10a", "σ²/⟨N⟩ at ℓ = 10 a"},
+        {"variance", "relative_variance_10a", "relative_variance_10a", "σ²/⟨N⟩ at ℓ = 10 a",
+         "relative_variance_10a_pooled"},
         {"fit", "s0_over_s1", "s0_over_s1", "S₀/S₁"},
         {"fit", "s0", "s0", "S₀"},
         {"fit", "s1", "s1", "S₁"},

@@ -38,6 +38,7 @@ struct ComparedMeasurement {
     const char* measurement;  ///< "s0_over_s1"
     const char* name;         ///< of the effect
     const char* title;
+    const char* of_one_frame = nullptr;  ///< its name where there is one frame, if another
 };
 const std::vector<ComparedMeasurement>& compared_measurements();
 

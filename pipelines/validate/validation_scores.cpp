@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -170,6 +171,31 @@ double ValidationScores::q4_rms() const {
 
 double ValidationScores::q4_bias() const {
     return q4_sum_ / static_cast<double>(q4_count_);
+}
+
+double recall_by_chance(const ValidationScores& scores) {
+    const tracking::ClassScore& all = scores.detection().find("all");
+    const ScoredView& view = scores.view();
+    const double area = static_cast<double>(view.width) * view.height *
+                        static_cast<double>(std::max<std::int64_t>(1, scores.detection().frames()));
+    const double gate = scores.detection().gate();
+    const double density = static_cast<double>(all.matched + all.spurious) / area;
+    return 1 - std::exp(-density * std::numbers::pi * gate * gate);
+}
+
+void warn_of_other_truth(const ValidationScores& scores, RunPlan& plan) {
+    constexpr double half = 0.5;
+    const tracking::ClassScore& all = scores.detection().find("all");
+    const auto found = static_cast<double>(all.matched + all.spurious);
+    const auto there = static_cast<double>(all.matched + all.missed);
+    if (!(there > 0) || !(all.recall() < half) || found < half * there) return;
+    plan.warn(WarningCode::other_truth,
+              fmt::format("{:.0f} % of the true places have a sphere within {:.1f} px, and places "
+                          "at random would have {:.0f} %, though {:.0f} spheres were found where "
+                          "{:.0f} are: is this the truth of these frames, in their pixels, with "
+                          "the centre of the first pixel at 0?",
+                          100 * all.recall(), scores.detection().gate(),
+                          100 * recall_by_chance(scores), found, there));
 }
 
 }  // namespace grainfield::pipelines

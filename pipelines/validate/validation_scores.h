@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "analysis/order/bond_order.h"
+#include "core/run_plan.h"
 #include "core/snapshot.h"
 #include "simulate/render/motion/lasting_ids.h"
 #include "tracking/model/disc_profile.h"
@@ -91,5 +92,14 @@ class ValidationScores {
     double q4_sum_ = 0, q4_squares_ = 0;
     std::int64_t q4_count_ = 0;
 };
+
+/// Share of places taken at random that have one of these spheres within the gate: 1 − exp(−n π g²)
+/// for n spheres a square pixel, if those lay at random, too. Spheres that keep apart are met a
+/// little more often.
+double recall_by_chance(const ValidationScores& scores);
+
+/// Warns (WarningCode::other_truth) where fewer than half of the true places were found though as
+/// many spheres were: the places are likely those of another film, shifted, or in another unit.
+void warn_of_other_truth(const ValidationScores& scores, RunPlan& plan);
 
 }  // namespace grainfield::pipelines

@@ -157,6 +157,26 @@ std::optional<Table> differences(const std::vector<Results>& runs,
     return table;
 }
 
+std::string time_mismatch(const std::vector<Results>& runs,
+                          const std::vector<std::string>& labels) {
+    const std::string time = groups(labels, [&](std::size_t r) {
+        return has_times(runs[r]) ? std::string(typeset_text(runs[r].source.time_unit))
+                                  : std::string();
+    });
+    if (time.empty()) return time;
+    const auto any = [&](TimeUnit unit) {
+        return std::ranges::any_of(
+            runs, [&](const Results& run) { return run.source.time_unit == unit; });
+    };
+    std::string cure;
+    if (any(TimeUnit::frame)) cure = "track the film with --fps for seconds";
+    if (any(TimeUnit::sqrt_a_over_g)) {
+        cure += cure.empty() ? "" : ", and ";
+        cure += "give --sphere-mm, the true diameter in mm, for simulations in seconds";
+    }
+    return fmt::format("times in different units: {}; {}", time, cure);
+}
+
 std::vector<std::string> mismatches(const std::vector<Results>& runs,
                                     const std::vector<std::string>& labels,
                                     const std::vector<RunIdentity>& identities) {
@@ -168,23 +188,7 @@ std::vector<std::string> mismatches(const std::vector<Results>& runs,
         out.push_back("lengths in different units share axes, compare shapes and not scales: " +
                       length);
     }
-    const auto time = groups(labels, [&](std::size_t r) {
-        return has_times(runs[r]) ? std::string(typeset_text(runs[r].source.time_unit))
-                                  : std::string();
-    });
-    if (!time.empty()) {
-        const auto any = [&](TimeUnit unit) {
-            return std::ranges::any_of(
-                runs, [&](const Results& run) { return run.source.time_unit == unit; });
-        };
-        std::string cure;
-        if (any(TimeUnit::sqrt_a_over_g) && any(TimeUnit::second)) {
-            cure = "; --sphere-mm, the true diameter in mm, puts simulations in seconds";
-        } else if (any(TimeUnit::frame)) {
-            cure = "; track with --fps for seconds";
-        }
-        out.push_back("times in different units: " + time + cure);
-    }
+    if (std::string time = time_mismatch(runs, labels); !time.empty()) out.push_back(time);
     const auto dimension = groups(labels, [&](std::size_t r) {
         return identities[r].role == RunRole::critical_point
                    ? std::string()

@@ -35,6 +35,9 @@ std::optional<Table> differences(const std::vector<Results>& runs,
                                  const std::vector<RunIdentity>& identities,
                                  const std::vector<ObservableTitles>& titles);
 
+/// Which runs have times in different units, and which options put them into one; empty if none.
+std::string time_mismatch(const std::vector<Results>& runs, const std::vector<std::string>& labels);
+
 /// What stands in the way of comparing runs, one sentence each: versions of the program, units of
 /// length and time, dimensions, runs without any error.
 std::vector<std::string> mismatches(const std::vector<Results>& runs,

@@ -232,8 +232,10 @@ std::string places_html(const PageContent& content) {
     constexpr std::size_t most = 12;
     std::string buttons;
     std::size_t count = 0;
-    for (std::size_t m = 0; m < content.maps.size() && count < most; ++m) {
+    std::size_t all = 0;
+    for (std::size_t m = 0; m < content.maps.size(); ++m) {
         const ParticleMap& map = content.maps[m];
+        all += map.places.size();
         for (std::size_t p = 0; p < map.places.size() && count < most; ++p) {
             buttons += fmt::format(
                 "<button type=\"button\" class=\"place\" value=\"{} {}\" title=\"{}\">{}</button>",
@@ -246,7 +248,9 @@ std::string places_html(const PageContent& content) {
         }
     }
     if (buttons.empty()) return "";
-    return "<p class=\"places\">" + escape_html(content.places_title) + ": " + buttons + "</p>\n";
+    const std::string shown = all > count ? fmt::format(" (the first {} of {})", count, all) : "";
+    return "<p class=\"places\">" + escape_html(content.places_title) + shown + ": " + buttons +
+           "</p>\n";
 }
 
 // One picture with its axes; with a choice of runs where there are more than the page shows.

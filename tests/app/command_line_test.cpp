@@ -1,6 +1,7 @@
 #include "app/command_line.h"
 
 #include <filesystem>
+#include <fstream>
 #include <initializer_list>
 #include <string>
 #include <vector>
@@ -9,12 +10,13 @@
 #include <gtest/gtest.h>
 
 #include "core/version.h"
+#include "tests/support/scratch_folder.h"
 
 namespace grainfield::app {
 namespace {
 
-using testing::AllOf;
-using testing::HasSubstr;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 
 struct Outcome {
     int code;
@@ -23,11 +25,11 @@ struct Outcome {
 
 Outcome call(std::vector<const char*> words) {
     words.insert(words.begin(), "grainfield");
-    testing::internal::CaptureStdout();
-    testing::internal::CaptureStderr();
+    ::testing::internal::CaptureStdout();
+    ::testing::internal::CaptureStderr();
     const int code = run_command_line(static_cast<int>(words.size()), words.data());
-    std::string out = testing::internal::GetCapturedStdout();
-    return {code, std::move(out), testing::internal::GetCapturedStderr()};
+    std::string out = ::testing::internal::GetCapturedStdout();
+    return {code, std::move(out), ::testing::internal::GetCapturedStderr()};
 }
 
 TEST(CommandLine, VersionAndHelpAreNoErrors) {
@@ -62,7 +64,7 @@ TEST(CommandLine, WrongUsageEndsWithTwoAndASuggestionOnStandardError) {
     EXPECT_THAT(command.err, HasSubstr("did you mean 'track'?"));
     const Outcome option = call({"track", "a.png", "-o", "b.h5", "--max-sweps", "3"});
     EXPECT_EQ(option.code, 2);
-    EXPECT_THAT(option.err, testing::EndsWith("did you mean '--max-sweeps'?\n"));
+    EXPECT_THAT(option.err, ::testing::EndsWith("did you mean '--max-sweeps'?\n"));
     EXPECT_EQ(option.out, "");
     const Outcome value = call({"track", "a.png", "-o", "b.h5", "--threads", "many"});
     EXPECT_EQ(value.code, 2);
@@ -82,6 +84,15 @@ TEST(CommandLine, AnUnknownOptionIsToldBeforeItsValueIsTakenForAnInput) {
     const Outcome two = call({"export", "a.h5", "b.h5"});
     EXPECT_EQ(two.code, 2);
     EXPECT_THAT(two.err, HasSubstr("'export' takes one input: 2: 'a.h5', 'b.h5'"));
+}
+
+TEST(CommandLine, AConfigurationGivenAsAnInputIsToldWhereItBelongs) {
+    const grainfield::testing::ScratchFolder folder;
+    const std::string file = folder / "md.toml";
+    std::ofstream(file) << "[cell]\n";
+    const Outcome outcome = call({"simulate", "md", file.c_str()});
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("-c " + file));
 }
 
 TEST(CommandLine, AnOutputThatLooksLikeAnOptionIsRefused) {

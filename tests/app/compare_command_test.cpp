@@ -176,6 +176,44 @@ TEST(CompareCommand, DrawsOneFigureForPrintAndNamesThoseThatThereAre) {
     EXPECT_FALSE(std::filesystem::exists(folder / "b.pdf"));
 }
 
+TEST(CompareCommand, SaysWhichRunAFigureShowsNothingOfAndWhy) {
+    const testing::ScratchFolder folder;
+    const auto write_moving = [&](const char* name, TimeUnit unit) {
+        Results run;
+        run.label = name;
+        run.box = {{0, 0}, {10, 10}, {}, 0};
+        run.record.command = "analyze";
+        run.source.time_unit = unit;
+        Curve msd{"msd",
+                  "MSD",
+                  {{"t", "time unit", "Lag", {1, 2, 3}},
+                   {"msd", "a^2", "MSD", {1, 2, 3}},
+                   {"msd_err", "a^2", "error", {0.1, 0.1, 0.1}}},
+                  {}};
+        run.observables.emplace_back().name = "msd";
+        run.observables.back().curves = {msd};
+        io::write_results(folder / name, run, Overwrite::force);
+        return std::filesystem::path(folder / name);
+    };
+    CompareCommand command;
+    const std::vector<OptionTable> tables = command.options();
+    tables.front().set("output", OptionValue(folder / "msd.svg"));
+    tables.front().set("figure", OptionValue(std::string("msd")));
+    Session session;
+    session.inputs = {write_moving("film", TimeUnit::frame),
+                      write_moving("md", TimeUnit::sqrt_a_over_g)};
+    try {
+        command.run(session);
+    } catch (const OutputError& error) {
+        GTEST_SKIP() << error.what();  // no gnuplot
+    }
+    std::string said;
+    for (const Warning& warning : session.plan.warnings()) said += warning.text + "\n";
+    EXPECT_THAT(said, HasSubstr("the figure 'msd' shows nothing of 'md'"));
+    EXPECT_THAT(said, HasSubstr("--fps"));
+    EXPECT_THAT(said, HasSubstr("--sphere-mm"));
+}
+
 TEST(CompareCommand, PrintsAFigureAsSvgAndNothingElse) {
     const testing::ScratchFolder folder;
     const auto run = write_run(folder / "a.h5", "first");

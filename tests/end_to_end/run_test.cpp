@@ -86,6 +86,14 @@ TEST_F(Run, AgainKeepsWhatIsDone) {
     EXPECT_EQ(fs::last_write_time(tracks), before);
 }
 
+TEST_F(Run, ThatFailsBeforeItHasWrittenAnythingLeavesNoFolder) {
+    const ScratchFolder folder;
+    const Outcome outcome =
+        run_grainfield(words({"--height", "1.94"}, folder / "results", frames_));
+    EXPECT_NE(outcome.code, 0) << "the height needs the true diameter";
+    EXPECT_EQ(folder.entries(), 0U) << outcome.err;
+}
+
 TEST_F(Run, TracksThatWereCutOffDoNotPassForDone) {
     const std::string cut = *scratch_ / "cut";
     const ScratchFolder film;

@@ -51,13 +51,20 @@ std::optional<SizeCandidate> better_than(const SizeCandidate& given,
 }
 
 std::string advice_on_size(const SizeCandidate& given, const SizeCandidate& better) {
+    SizeCandidate other_size = given;
+    other_size.diameter = better.diameter;
+    std::string advice;
+    if (given.polarity != better.polarity) {
+        advice = fmt::format("give calibrate.polarity {}", polarity_of(better));
+    }
+    if (!is_same_size(given, other_size)) {
+        advice += fmt::format("{}leave calibrate.disc-diameter out", advice.empty() ? "" : " and ");
+    }
     return fmt::format(
         "with what is given, {} discs of {:.1f} px explain {:.0f} % of the frame; {} discs of "
-        "about "
-        "{:.1f} px explain {:.0f} %: give calibrate.polarity {} and leave calibrate.disc-diameter "
-        "out",
+        "about {:.1f} px explain {:.0f} %: {}",
         polarity_of(given), given.diameter, percent(given), polarity_of(better), better.diameter,
-        percent(better), polarity_of(better));
+        percent(better), advice);
 }
 
 SizeChoice choose_size(const std::vector<SizeCandidate>& candidates) {

@@ -25,7 +25,6 @@ constexpr double kMoveStep = 0.06;  // [a]
 constexpr int kMoveSweeps = 60;
 constexpr int kMostDraws = 3;
 constexpr std::size_t kEnough = 160;  // spheres
-constexpr std::size_t kLeast = 30;    // spheres
 // Of a Gaussian lies within σ and 2σ.
 constexpr std::array<double, 2> kWithin = {0.6827, 0.9545};
 constexpr double kManyRays = 40;
@@ -57,26 +56,6 @@ struct Ratios {
     std::array<std::vector<double>, 2> plane, height;  ///< |error| / stated error, by class
     std::size_t spheres() const { return height[0].size() + height[1].size(); }
 };
-
-/// The least that puts as many within σ and 2σ as of a Gaussian, at least 1; of both classes
-/// together where one has too few.
-std::array<double, 2> factors(const std::array<std::vector<double>, 2>& ratios,
-                              std::size_t per_sphere) {
-    std::array<double, 2> factor = {1, 1};
-    const bool are_together = std::min(ratios[0].size(), ratios[1].size()) < kLeast * per_sphere;
-    for (std::size_t k = 0; k < 2; ++k) {
-        std::vector<double> sorted = ratios[k];
-        if (are_together) sorted.insert(sorted.end(), ratios[1 - k].begin(), ratios[1 - k].end());
-        for (std::size_t sigmas = 1; sigmas <= 2; ++sigmas) {
-            const auto at =
-                static_cast<std::size_t>(kWithin[sigmas - 1] * static_cast<double>(sorted.size()));
-            const auto quantile = sorted.begin() + static_cast<std::ptrdiff_t>(at);
-            std::nth_element(sorted.begin(), quantile, sorted.end());
-            factor[k] = std::max(factor[k], *quantile / static_cast<double>(sigmas));
-        }
-    }
-    return factor;
-}
 
 /// The rectangle of the image that is rendered again.
 struct Part {
@@ -141,6 +120,25 @@ void judge(const BrightnessSynthesis& fit, const std::vector<Point3>& truth, Vec
 }
 
 }  // namespace
+
+std::array<double, 2> error_factors(const std::array<std::vector<double>, 2>& ratios,
+                                    std::size_t per_sphere) {
+    std::array<double, 2> factor = {1, 1};
+    const bool are_together =
+        std::min(ratios[0].size(), ratios[1].size()) < ErrorScale::kLeast * per_sphere;
+    for (std::size_t k = 0; k < 2; ++k) {
+        std::vector<double> sorted = ratios[k];
+        if (are_together) sorted.insert(sorted.end(), ratios[1 - k].begin(), ratios[1 - k].end());
+        for (std::size_t sigmas = 1; sigmas <= 2; ++sigmas) {
+            const auto at =
+                static_cast<std::size_t>(kWithin[sigmas - 1] * static_cast<double>(sorted.size()));
+            const auto quantile = sorted.begin() + static_cast<std::ptrdiff_t>(at);
+            std::nth_element(sorted.begin(), quantile, sorted.end());
+            factor[k] = std::max(factor[k], *quantile / static_cast<double>(sigmas));
+        }
+    }
+    return factor;
+}
 
 std::vector<std::size_t> overlap_classes(const std::vector<Point3>& spheres) {
     const std::vector<Vec2> places = in_plane(spheres);
@@ -209,9 +207,9 @@ ErrorScale learn_error_scale(const Image& brightness, const Image& ceiling, doub
             synthesise_brightness(seen, part.ceiling, diameter, again, height, searches, threads);
         judge(fit, truth, {wide, high}, ratios);
     }
-    if (ratios.spheres() < kLeast) return {};
-    return {.plane = factors(ratios.plane, 2),
-            .height = factors(ratios.height, 1),
+    if (ratios.spheres() < ErrorScale::kLeast) return {};
+    return {.plane = error_factors(ratios.plane, 2),
+            .height = error_factors(ratios.height, 1),
             .spheres = static_cast<std::int64_t>(ratios.spheres())};
 }
 

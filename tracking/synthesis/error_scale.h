@@ -1,7 +1,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "core/frame.h"
 #include "core/support/number_archive.h"
@@ -15,12 +17,20 @@ namespace grainfield::tracking {
 /// kOverlapping, 1 for the others.
 struct ErrorScale {
     static constexpr double kOverlapping = 0.85;  ///< [a]
+    static constexpr std::size_t kLeast = 30;     ///< spheres that a factor is learned from
     std::array<double, 2> plane = {1, 1};
     std::array<double, 2> height = {1, 1};
     std::int64_t spheres = 0;  ///< learned from; 0: not learned, all factors 1
 
     friend bool operator==(const ErrorScale&, const ErrorScale&) = default;
 };
+
+/// The least factors, by class, that put as many errors within σ and 2σ as a Gaussian has there:
+/// the larger of the 68.3 % quantile and half the 95.4 % quantile of `ratios`, and no less than 1.
+/// `ratios`: |error| / stated error by class, `per_sphere` of them a sphere, 1 or more in all.
+/// Where a class has fewer than kLeast spheres both share a factor.
+std::array<double, 2> error_factors(const std::array<std::vector<double>, 2>& ratios,
+                                    std::size_t per_sphere);
 
 /// The class of each sphere.
 std::vector<std::size_t> overlap_classes(const std::vector<Point3>& spheres);

@@ -113,6 +113,7 @@ void add(const SynthesisedFrame& found, std::int64_t frame, SynthesisSummary& su
     summary.residual_rms += found.residual_rms;
     summary.optics = found.optics;
     summary.risen_frames += found.residual_rms < found.residual_before ? 0 : 1;
+    summary.unscaled_frames += found.error_scale.spheres == 0 ? 1 : 0;
     const double share = static_cast<double>(found.doubtful) / static_cast<double>(spheres);
     summary.doubtful_frames += share > kDoubtfulShare ? 1 : 0;
     if (share > summary.worst_share) {
@@ -137,6 +138,15 @@ void warn_of(const SynthesisSummary& summary, RunPlan& plan) {
                               "differ no less at its end than at its start",
                               summary.risen_frames, summary.frames));
     }
+    if (summary.unscaled_frames > 0) {
+        plan.warn(
+            WarningCode::unscaled_errors,
+            fmt::format("errors in {} of {} frames are those of the fit alone, and may be two "
+                        "to three times too small: fewer than {} spheres of the first frame "
+                        "stand where the errors of this film can be learned. Show more "
+                        "spheres in it, or begin with another frame (frames)",
+                        summary.unscaled_frames, summary.frames, ErrorScale::kLeast));
+    }
 }
 
 void transfer(NumberArchive& archive, MirrorOptics& optics) {
@@ -156,10 +166,11 @@ void transfer(NumberArchive& archive, SynthesisedFrame& found) {
 
 void transfer(NumberArchive& archive, SynthesisSummary& summary) {
     auto& [frames, spheres, doubtful, added, removed, lifted, residual_before, residual_rms,
-           doubtful_frames, risen_frames, worst_frame, worst_share, optics] = summary;
+           doubtful_frames, risen_frames, unscaled_frames, worst_frame, worst_share, optics] =
+        summary;
     archive.members<SynthesisSummary>(frames, spheres, doubtful, added, removed, lifted,
                                       residual_before, residual_rms, doubtful_frames, risen_frames,
-                                      worst_frame, worst_share, optics);
+                                      unscaled_frames, worst_frame, worst_share, optics);
 }
 
 }  // namespace grainfield::tracking

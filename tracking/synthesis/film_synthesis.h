@@ -36,6 +36,7 @@ struct SynthesisSummary {
     double residual_before = 0, residual_rms = 0;  ///< sums over frames [contrast]
     std::int64_t doubtful_frames = 0;              ///< with more than 1 % of their spheres doubtful
     std::int64_t risen_frames = 0;                 ///< whose residual did not fall
+    std::int64_t unscaled_frames = 0;              ///< whose errors are those of the fit alone
     std::int64_t worst_frame = 0;                  ///< with the largest share of doubtful spheres
     double worst_share = 0;                        ///< that share [-]
     MirrorOptics optics;                           ///< of the last frame
@@ -85,7 +86,8 @@ class FilmSynthesis {
 void add(const SynthesisedFrame& found, std::int64_t frame, SynthesisSummary& summary);
 
 /// Warns (WarningCode::doubtful_heights) of frames with more than 1 % of their spheres doubtful,
-/// and of those whose residual did not fall.
+/// and of those whose residual did not fall; of errors that are those of the fit alone
+/// (WarningCode::unscaled_errors).
 void warn_of(const SynthesisSummary& summary, RunPlan& plan);
 
 /// Save or restore.

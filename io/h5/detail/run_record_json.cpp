@@ -34,11 +34,13 @@ constexpr Names<DiameterOrigin, 4> diameter_origins{{{DiameterOrigin::stated, "s
                                                      {DiameterOrigin::simulated, "simulated"},
                                                      {DiameterOrigin::given, "given"},
                                                      {DiameterOrigin::apparent, "apparent"}}};
-constexpr Names<WarningCode, 5> warning_codes{
+constexpr Names<WarningCode, 7> warning_codes{
     {{WarningCode::other, "other"},
      {WarningCode::apparent_diameter, "apparent diameter"},
      {WarningCode::incomplete, "incomplete"},
      {WarningCode::doubtful_heights, "doubtful heights"},
+     {WarningCode::other_truth, "other truth"},
+     {WarningCode::unscaled_errors, "unscaled errors"},
      {WarningCode::interrupted, "interrupted"}}};
 constexpr Names<LengthUnit, 2> length_units{
     {{LengthUnit::pixel, "pixel"}, {LengthUnit::diameter, "diameter"}}};

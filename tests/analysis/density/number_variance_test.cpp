@@ -78,11 +78,26 @@ TEST(NumberVariance, OfOneFrameIsPooledAndSaysSo) {
     variance.add(variance.measure(pattern(poisson_points(3600, box, random), box)));
     const ObservableResult r = variance.result();
     EXPECT_EQ(column(r, "variance", "variance"), column(r, "variance_pooled", "variance"));
-    EXPECT_NE(r.find_measurement("relative_variance_10a")->reason.find("one frame"),
+    EXPECT_NE(r.find_measurement("relative_variance_10a_pooled")->reason.find("one frame"),
               std::string::npos);
-    EXPECT_TRUE(r.find_measurement("relative_variance_10a")->error.has_value());
+    EXPECT_TRUE(r.find_measurement("relative_variance_10a_pooled")->error.has_value());
     // Windows that leave no second independent one have no error.
     EXPECT_TRUE(std::isnan(column(r, "variance", "err").back()));
+}
+
+TEST(NumberVariance, NamesItsReadingsApartSoThatNoneIsComparedWithAnother) {
+    RandomStream random(7, "names");
+    const Box box = square_box(60, Boundary::walls);
+    const Pattern p = pattern(poisson_points(3600, box, random), box);
+    const auto names = [&](VarianceReading reading, int frames) {
+        NumberVariance variance({.reading = reading}, box, frames);
+        for (int f = 0; f < frames; ++f) variance.add(variance.measure(p));
+        return variance.result().measurements.back().name;
+    };
+    EXPECT_EQ(names(VarianceReading::temporal, 4), "relative_variance_10a");
+    EXPECT_EQ(names(VarianceReading::pooled, 4), "relative_variance_10a_pooled");
+    EXPECT_EQ(names(VarianceReading::temporal, 1), "relative_variance_10a_pooled");
+    EXPECT_EQ(names(VarianceReading::spatial_mean, 4), "relative_variance_10a_spatial_mean");
 }
 
 TEST(NumberVariance, LeavesOutWindowsLargerThanTheBox) {

@@ -15,6 +15,9 @@
 namespace grainfield::pipelines {
 namespace {
 
+using ::testing::Contains;
+using ::testing::Not;
+
 ValidationOutcome validated(sample::Film& film, RunPlan& plan, int threads = 2) {
     ValidationSettings settings;
     settings.threads = threads;
@@ -58,6 +61,27 @@ TEST(Validation, ScoresEveryClassOfAFilm) {
     }
     EXPECT_GT(binned, 0.95 * static_cast<double>(all.matched));
     EXPECT_LE(binned, all.matched);
+}
+
+TEST(Validation, WarnsOfATruthThatIsThatOfOtherFrames) {
+    const auto codes = [](sample::Film film) {
+        RunPlan plan;
+        validated(film, plan);
+        std::vector<WarningCode> found;
+        for (const Warning& warning : plan.warnings()) found.push_back(warning.code);
+        return found;
+    };
+    EXPECT_THAT(codes(sample::film(1)), Not(Contains(WarningCode::other_truth)));
+    for (const Vec2 shift : {Vec2{4, 4}, Vec2{40, 0}}) {
+        sample::Film film = sample::film(1);
+        StoredTrajectory shifted;
+        shifted.set_info(film.truth.info());
+        Snapshot truth = film.truth.read(0);
+        for (Vec2& p : truth.position) p += shift;
+        shifted.write(truth);
+        film.truth = std::move(shifted);
+        EXPECT_THAT(codes(std::move(film)), Contains(WarningCode::other_truth)) << shift.x;
+    }
 }
 
 TEST(Validation, AnalysesTheTrueAndTheTrackedPositionsAlike) {

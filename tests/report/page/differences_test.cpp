@@ -111,6 +111,18 @@ TEST(Mismatches, OfTimesMatterOnlyWhereAUnitHasTimeInIt) {
                 Contains(HasSubstr("times in different units: s (A), √(a/g) (B)")));
 }
 
+TEST(Mismatches, OfFramesAndTimeUnitsNameBothOptionsAtOnce) {
+    std::vector<Results> runs{run_of(Origin::video, 1, 1), run_of(Origin::rendered, 1, 1)};
+    runs[0].source.time_unit = TimeUnit::frame;
+    runs[1].source.time_unit = TimeUnit::sqrt_a_over_g;
+    for (Results& run : runs) {
+        run.observables.emplace_back().curves = {
+            {"own", "", {{"when", "time unit", "Time", {}}}, {}}};
+    }
+    EXPECT_THAT(time_mismatch(runs, {"A", "B"}),
+                AllOf(HasSubstr("--fps"), HasSubstr("--sphere-mm")));
+}
+
 TEST(Mismatches, AreNoneBetweenLikeRuns) {
     const std::vector<Results> runs{run_of(Origin::video, 1, 1), run_of(Origin::rendered, 1, 1)};
     EXPECT_TRUE(mismatches(runs, {"A", "B"}, identities_of(runs)).empty());

@@ -51,9 +51,15 @@ TEST(SizeChoice, OneThatExplainsEnoughIsBetterThanAGivenOneThatDoesNot) {
     EXPECT_EQ(better->diameter, 8.93);
     EXPECT_EQ(advice_on_size(given, *better),
               "with what is given, dark discs of 20.0 px explain 30 % of the frame; dark discs of "
-              "about 8.9 "
-              "px explain 97 %: give calibrate.polarity dark and leave calibrate.disc-diameter "
-              "out");
+              "about 8.9 px explain 97 %: leave calibrate.disc-diameter out");
+    EXPECT_EQ(advice_on_size(candidate(Polarity::bright, 9, 0.3, 0.2), *better),
+              "with what is given, bright discs of 9.0 px explain 30 % of the frame; dark discs of "
+              "about 8.9 px explain 97 %: give calibrate.polarity dark");
+    EXPECT_EQ(
+        advice_on_size(candidate(Polarity::bright, 20, 0.3, 0.2), *better),
+        "with what is given, bright discs of 20.0 px explain 30 % of the frame; dark discs of "
+        "about 8.9 px explain 97 %: give calibrate.polarity dark and leave "
+        "calibrate.disc-diameter out");
 }
 
 TEST(SizeChoice, NothingIsBetterThanAGivenOneThatExplainsEnoughOrWhereNothingDoes) {

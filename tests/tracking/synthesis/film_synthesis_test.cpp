@@ -176,6 +176,7 @@ TEST(FilmSynthesis, WarnsOfDoubtfulSpheresAndOfAResidualThatDidNotFall) {
     good.residual_before = 0.05;
     good.residual_rms = 0.02;
     good.doubtful = 2;
+    good.error_scale.spheres = 160;
     SynthesisSummary summary;
     add(good, 3, summary);
     RunPlan quiet;
@@ -198,6 +199,23 @@ TEST(FilmSynthesis, WarnsOfDoubtfulSpheresAndOfAResidualThatDidNotFall) {
     EXPECT_THAT(plan.warnings()[0].text, HasSubstr("worst frame 4: 10.0 %"));
     EXPECT_EQ(plan.warnings()[1].code, WarningCode::doubtful_heights);
     EXPECT_THAT(plan.warnings()[1].text, HasSubstr("did not converge in 1 of 2"));
+}
+
+TEST(FilmSynthesis, WarnsOfErrorsThatCouldNotBeLearned) {
+    SynthesisedFrame found;
+    found.position.resize(20);
+    found.residual_before = 0.05;
+    found.residual_rms = 0.02;
+    SynthesisSummary summary;
+    add(found, 0, summary);
+    found.error_scale.spheres = 40;
+    add(found, 1, summary);
+    RunPlan plan;
+    warn_of(summary, plan);
+    ASSERT_EQ(plan.warnings().size(), 1U);
+    EXPECT_EQ(plan.warnings()[0].code, WarningCode::unscaled_errors);
+    EXPECT_THAT(plan.warnings()[0].text, HasSubstr("errors in 1 of 2 frames"));
+    EXPECT_THAT(plan.warnings()[0].text, HasSubstr("fewer than 30 spheres"));
 }
 
 }  // namespace
