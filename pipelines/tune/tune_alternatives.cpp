@@ -61,6 +61,7 @@ io::FrameRegion part_of(const Image& image, double diameter) {
 /// What belongs to the whole frame, or to what comes after the search, is left out.
 TrackOptions options_of_part(const TrackOptions& given, const io::FrameRegion& part) {
     TrackOptions options = given;
+    options.detection = tracking::detection_of(given);  // which spheres have room
     options.visible = given.visible.part(part.x, part.y, part.width, part.height);
     options.kept.reset();
     options.camera.reset();
@@ -84,10 +85,9 @@ std::string settings_text(Polarity polarity, double diameter, double evidence) {
 
 }  // namespace
 
-report::Alternatives tuned_alternatives(const Frame& frame, const tracking::ImageModel& model,
+report::Alternatives tuned_alternatives(const Frame& frame, Polarity own_polarity, double own,
                                         double evidence, const TrackOptions& options,
                                         const Job& job) {
-    const double own = model.disc.diameter;
     const io::FrameRegion part = part_of(frame.image, own);
     report::Alternatives all;
     all.title = "Other settings, tried on a part of the frame";
@@ -96,8 +96,8 @@ report::Alternatives tuned_alternatives(const Frame& frame, const tracking::Imag
     TrackOptions tried = options_of_part(options, part);
     tried.threads = job.threads;
 
-    const Polarity other = model.polarity == Polarity::dark ? Polarity::bright : Polarity::dark;
-    all.axes = {{"Polarity", {name_of(model.polarity), name_of(other)}, 0},
+    const Polarity other = own_polarity == Polarity::dark ? Polarity::bright : Polarity::dark;
+    all.axes = {{"Polarity", {name_of(own_polarity), name_of(other)}, 0},
                 {"Apparent diameter D", {}, own_diameter},
                 {"Threshold (evidence)", {}, own_threshold}};
     for (const double factor : diameter_factors) {
@@ -107,7 +107,7 @@ report::Alternatives tuned_alternatives(const Frame& frame, const tracking::Imag
     for (const double factor : threshold_factors) {
         all.axes[2].values.push_back(fmt::format("{:.3f}", threshold(factor)));
     }
-    for (const Polarity polarity : {model.polarity, other}) {
+    for (const Polarity polarity : {own_polarity, other}) {
         for (const double size : diameter_factors) {
             throw_if_interrupted("tuning");
             const double diameter = size * own;

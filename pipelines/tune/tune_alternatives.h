@@ -9,11 +9,12 @@
 namespace grainfield::pipelines {
 
 /// Tracks a part of the frame with other diameters, the other polarity and other thresholds
-/// (`detect.evidence`), each calibrated and searched afresh: what the sliders of the page show. The
-/// part is about 24 diameters wide, at the centre of the frame. `evidence`: the threshold in use.
-/// Takes a few seconds. Throws Interrupted.
-report::Alternatives tuned_alternatives(const Frame& frame, const tracking::ImageModel& model,
-                                        double evidence, const tracking::TrackOptions& options,
-                                        const Job& job);
+/// (`detect.evidence`), each calibrated and searched afresh: what the sliders of the page show.
+/// They are about `own_polarity` and the apparent diameter `own` [px]. The part is about 24 of it
+/// wide, at the centre of the frame. `evidence`: the threshold in use. Takes a few seconds. Throws
+/// Interrupted.
+report::Alternatives tuned_alternatives(const Frame& frame, tracking::Polarity own_polarity,
+                                        double own, double evidence,
+                                        const tracking::TrackOptions& options, const Job& job);
 
 }  // namespace grainfield::pipelines

@@ -156,8 +156,11 @@ TuneJobResult run_tuning(const TuneJobOptions& options, Job& job) {
         tuning_report(tuning, result.settings,
                       options.in_words ? options.in_words(result.settings) : std::string());
     if (!look.surveys.empty()) {
+        // About the size that the settings are of.
         additions.alternatives =
-            tuned_alternatives(look.previews.front().frame, tracker.model(),
+            tuned_alternatives(look.previews.front().frame,
+                               advice ? advice->better.polarity : tracker.model().polarity,
+                               advice ? advice->better.diameter : tracker.model().disc.diameter,
                                look.surveys.front().found.evidence, tracking, job);
     }
     additions.tables.push_back(candidates_table(tracker.weighed()));

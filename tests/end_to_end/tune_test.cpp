@@ -17,6 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 using ::testing::AllOf;
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using testing::Outcome;
@@ -97,6 +98,9 @@ TEST(Tune, AnswersAGivenSizeThatExplainsLittleWithTheOneThatIsThere) {
     const std::string page = testing::read_all(folder / "t.html");
     EXPECT_THAT(page, HasSubstr("Another size fits better"));
     EXPECT_THAT(page, HasSubstr("dark D = 9.")) << "a picture of it stands beside";
+    // The slider for the diameter is about the size that is there, not the one that was given.
+    EXPECT_THAT(page, ContainsRegex("\"9\\.[0-9][0-9] px\""));
+    EXPECT_THAT(page, Not(HasSubstr("\"20.00 px\"")));
 }
 
 TEST(Tune, SeesPairsThatTheCellHasNoRoomFor) {

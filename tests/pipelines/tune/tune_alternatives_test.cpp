@@ -13,11 +13,9 @@ report::Alternatives alternatives(const tracking::TrackOptions& options) {
     Frame frame;
     frame.image = testing::disc_frame(testing::few_discs(), 0);
     frame.status = FrameStatus::ok;
-    tracking::ImageModel model;
-    model.disc.diameter = testing::kApparentDiameter;
-    model.polarity = tracking::Polarity::dark;
     Job job;
-    return tuned_alternatives(frame, model, 0.05, options, job);
+    return tuned_alternatives(frame, tracking::Polarity::dark, testing::kApparentDiameter, 0.05,
+                              options, job);
 }
 
 TEST(TuneAlternatives, AreTriedForBothPolaritiesAllDiametersAndThresholds) {
