@@ -22,7 +22,7 @@ Style style_of(const Figure& figure, std::size_t run, std::size_t kind) {
     if (figure.runs.size() > 1) {
         // Without colour the symbols tell runs apart, of a histogram the dashes.
         const bool is_outline = here->mark == Mark::steps;
-        return {distinct_colour(run, figure.runs.size()), (run + place) % 4,
+        return {distinct_colour(run, figure.runs.size()), (run + (here->is_joined ? 0 : place)) % 4,
                 (place + (is_outline ? run : 0)) % 4};
     }
     const auto kinds = static_cast<std::size_t>(figure.kinds.end() - first -

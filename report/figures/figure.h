@@ -59,8 +59,8 @@ struct Figure {
 };
 
 /// How a series looks, wherever it is drawn. One run: colour by kind; several: colour by run,
-/// dashes by kind, symbols by both; outlines of histograms, which have none, dashes by both. Guides
-/// are grey.
+/// symbols by run, dashes by kind; symbols of points without lines by both, as are dashes of the
+/// outlines of histograms, which have no symbols. Guides are grey.
 struct Style {
     Colour colour;
     std::size_t symbol = 0;  ///< 0 circle, 1 square, 2 diamond, 3 triangle

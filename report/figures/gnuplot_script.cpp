@@ -164,7 +164,11 @@ std::string plot_clauses(const Figure& figure, Fits fits = Fits::named) {
         if (!kind.shown || kind.mark == Mark::guide || !is_named(figure, kind, fits)) continue;
         Style style = style_of(figure, 0, k);
         style.colour = {0x33, 0x33, 0x33};
-        add("NaN " + line_clause(kind, style, false) + " " + title_clause(kind.label));
+        // The symbols of lines are those of their runs, which have entries of their own.
+        const std::string look = kind.is_joined ? fmt::format("with lines lc rgb '{}' dt {} lw 1.2",
+                                                              hex(style.colour), style.dash + 1)
+                                                : line_clause(kind, style, false);
+        add("NaN " + look + " " + title_clause(kind.label));
     }
     return out + "\n";
 }

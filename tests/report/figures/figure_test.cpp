@@ -29,12 +29,17 @@ TEST(Figure, OfOneRunIsLabelledAndColouredByKind) {
     EXPECT_NE(style_of(figure, 0, 0).colour, style_of(figure, 0, 1).colour);
 }
 
-TEST(Figure, OfSeveralRunsIsColouredByRunAndMarkedByKind) {
+TEST(Figure, OfSeveralRunsIsColouredAndMarkedByRunAndDashedByKind) {
     Figure figure = two_kinds({"A", "B"});
     EXPECT_EQ(series_label(figure, figure.series[1]), "A, liquid");
     EXPECT_EQ(style_of(figure, 0, 0).colour, style_of(figure, 0, 1).colour);
     EXPECT_NE(style_of(figure, 0, 0).colour, style_of(figure, 1, 0).colour);
-    EXPECT_NE(style_of(figure, 0, 0).symbol, style_of(figure, 0, 1).symbol);
+    for (const std::size_t run : {0U, 1U}) {
+        EXPECT_EQ(style_of(figure, run, 0).symbol, style_of(figure, run, 1).symbol)
+            << "that of the legend of runs";
+    }
+    EXPECT_NE(style_of(figure, 0, 0).dash, style_of(figure, 0, 1).dash) << "in grey";
+    EXPECT_EQ(style_of(figure, 0, 1).dash, style_of(figure, 1, 1).dash);
     EXPECT_NE(style_of(figure, 0, 0).symbol, style_of(figure, 1, 0).symbol) << "in grey";
     figure.kinds[1].shown = false;
     EXPECT_EQ(series_label(figure, figure.series[0]), "A") << "the only kind needs no name";
