@@ -159,7 +159,7 @@ std::optional<Table> differences(const std::vector<Results>& runs,
 
 std::string time_mismatch(const std::vector<Results>& runs,
                           const std::vector<std::string>& labels) {
-    const std::string time = groups(labels, [&](std::size_t r) {
+    std::string time = groups(labels, [&](std::size_t r) {
         return has_times(runs[r]) ? std::string(typeset_text(runs[r].source.time_unit))
                                   : std::string();
     });

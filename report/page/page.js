@@ -515,8 +515,8 @@
         view.paint();
       };
 
-      // What is in sight, in diameters from the centre of the picture, y downwards: the same for all
-      // views, whatever their units.
+      // What is in sight: its centre, in diameters from that of the picture, y downwards, and how large
+      // a diameter is there [CSS pixels]. The same for all views, whatever their units and shapes.
       const centre = (range) => (range[0] + range[1]) / 2;
       view.window = () => {
         const { map } = view;
@@ -524,16 +524,16 @@
         const down = map.yDown ? 1 : -1;
         return [(centre(xaxis.range) - centre(map.x)) / map.diameter,
           down * (centre(yaxis.range) - centre(map.y)) / map.diameter,
-          Math.abs(xaxis.range[1] - xaxis.range[0]) / map.diameter];
+          view.frame().scale * map.diameter];
       };
-      view.look = ([u, v, width]) => {
+      view.look = ([u, v, size]) => {
         const { map } = view;
         const down = map.yDown ? 1 : -1;
         const x = centre(map.x) + u * map.diameter;
         const y = centre(map.y) + down * v * map.diameter;
-        const half = 0.5 * width * map.diameter;
-        const f = view.frame();
-        const tall = half * f.height / f.width;
+        const { w, h } = plot._fullLayout._size;
+        const half = 0.5 * w * map.diameter / size;
+        const tall = 0.5 * h * map.diameter / size;
         return Plotly.relayout(plot, {
           "xaxis.range": [x - half, x + half],
           "yaxis.range": map.yDown ? [y + tall, y - tall] : [y - tall, y + tall],
@@ -553,6 +553,18 @@
       following = true;
       const where = view.window();
       await Promise.all(views.filter((v) => v !== view).map((v) => v.look(where)));
+      following = false;
+    }
+
+    // All of every picture, on one scale of lengths.
+    async function showAll() {
+      following = true;
+      await Promise.all(views.map((view) => view.reset()));
+      const isField = views.map((view) => Boolean(view.map.is_field));
+      if (views.length > 1 && isField.every((is) => is === isField[0])) {
+        const smallest = Math.min(...views.map((view) => view.window()[2]));
+        await Promise.all(views.map((view) => view.look([0, 0, smallest])));
+      }
       following = false;
     }
 
@@ -616,7 +628,7 @@
       box.querySelector(".kinds").hidden = all.every((m) => m.is_field);
       select.lens.hidden = all.every((m) => m.is_field);
       showColourBar();
-      return showFrame();
+      return showFrame().then(showAll);
     }
     function showColourBar() {
       const bar = box.querySelector(".colour-bar");
@@ -653,9 +665,10 @@
     for (const button of box.querySelectorAll(".zoom button")) {
       button.addEventListener("click", async () => {
         const view = views[0];
-        const [u, v, width] = view.window();
-        await (button.value === "0" ? view.reset() : view.look([u, v, width * Number(button.value)]));
-        await (button.value === "0" && views[1] ? views[1].reset() : lead(view));
+        if (button.value === "0") { await showAll(); return; }
+        const [u, v, size] = view.window();
+        await view.look([u, v, size / Number(button.value)]);
+        await lead(view);
       });
     }
     for (const button of box.querySelectorAll(".place")) {
@@ -668,7 +681,8 @@
         await (view === views[0] ? showFrame() : view.show(map));
         const [x, y] = map.places[p];
         await view.look([(x - (map.x[0] + map.x[1]) / 2) / map.diameter,
-          (map.yDown ? 1 : -1) * (y - (map.y[0] + map.y[1]) / 2) / map.diameter, 14]);
+          (map.yDown ? 1 : -1) * (y - (map.y[0] + map.y[1]) / 2) / map.diameter,
+          view.plot._fullLayout._size.w / 14]);
         await lead(view);
         readout.textContent = button.title;
       });
@@ -700,10 +714,10 @@
           const [dx, dy] = moves[event.key];
           point(view, view.at ? x + dx * step : x, view.at ? y + dy * down * step : y);
         } else if (["+", "=", "-"].includes(event.key)) {
-          const [u, v, width] = view.window();
-          view.look([u, v, width * (event.key === "-" ? 1.25 : 0.8)]).then(() => lead(view));
+          const [u, v, size] = view.window();
+          view.look([u, v, size * (event.key === "-" ? 0.8 : 1.25)]).then(() => lead(view));
         } else if (event.key === "0") {
-          for (const each of views) each.reset();
+          showAll();
         } else if (event.key === "Escape") {
           leave();
         } else {

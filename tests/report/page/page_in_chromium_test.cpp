@@ -117,19 +117,59 @@ TEST_F(PageInChromium, LooksAtTheSamePartOfBothRunsWhicheverIsMoved) {
     const std::string dom = drawn(folder, runs, "", "1280,900", R"(
         setTimeout(async () => {
             const plots = [...document.querySelectorAll("#map .plot")];
-            const ranges = () => plots.map((p) => p._fullLayout.xaxis.range.map(Math.round).join(":"));
+            // Centre, and pixels of the screen a diameter.
+            const ranges = () => plots.map((p, i) => {
+                const { range, _length } = p._fullLayout.xaxis;
+                return Math.round((range[0] + range[1]) / 2) + ":" +
+                    (_length / (range[1] - range[0]) * (i ? 2 : 1)).toFixed(1);
+            });
             await Plotly.relayout(plots[0], {"xaxis.range": [99.5, 199.5], "yaxis.range": [199.5, 99.5]});
             await new Promise((done) => setTimeout(done, 300));
             document.body.dataset.first = ranges().join(" ");
+            document.body.dataset.width = plots[0]._fullLayout.xaxis.range.map(Math.round).join(":");
             await Plotly.relayout(plots[1], {"xaxis.range": [199.5, 299.5], "yaxis.range": [299.5, 199.5]});
             await new Promise((done) => setTimeout(done, 300));
             document.body.dataset.second = ranges().join(" ");
         }, 12000);)");
     EXPECT_THAT(dom, Not(HasSubstr("data-errors")));
-    EXPECT_EQ(count(dom, "data-first=\"(99|100):(199|200) (199|200):(399|400)\""), 1)
+    EXPECT_EQ(count(dom, "data-width=\"(99|100):(199|200)\""), 1);
+    EXPECT_EQ(count(dom, "data-first=\"(149|150):([0-9.]+) (299|300):\\2\""), 1)
         << dom.substr(dom.find("data-first"), 60);
-    EXPECT_EQ(count(dom, "data-second=\"(99|100):(149|150) (199|200):(299|300)\""), 1)
+    EXPECT_EQ(count(dom, "data-second=\"(124|125):([0-9.]+) (249|250):\\2\""), 1)
         << dom.substr(dom.find("data-second"), 60);
+}
+
+TEST_F(PageInChromium, OpensPicturesOfUnlikeShapeOnOneScaleOfLengths) {
+    const sample::TemporaryFolder folder("chromium_shapes");
+    std::vector<Results> runs{sample::results({1, 300, 80, true, "square"}),
+                              sample::results({2, 300, 80, true, "long"})};
+    for (Preview& preview : runs[1].previews) {
+        preview.snapshot.box.length.x *= 2.5;
+        preview.frame.image = {};
+    }
+    const std::string dom = drawn(folder, runs, "", "1280,900", R"(
+        setTimeout(async () => {
+            const plots = [...document.querySelectorAll("#map .plot")];
+            const scales = () => plots.map((p) => {
+                const { range, _length } = p._fullLayout.xaxis;
+                return _length / (range[1] - range[0]);
+            });
+            const ratio = () => { const [a, b] = scales(); return (a / b).toFixed(2); };
+            const wide = () => plots[1]._fullLayout.xaxis.range.map(Math.round).join(":");
+            document.body.dataset.opened = ratio();
+            document.body.dataset.wide = wide();
+            document.querySelector("#map .zoom button[value='0.5'], #map .zoom button").click();
+            await new Promise((done) => setTimeout(done, 500));
+            document.body.dataset.zoomed = ratio();
+            document.querySelector("#map .zoom button[value='0']").click();
+            await new Promise((done) => setTimeout(done, 500));
+            document.body.dataset.back = ratio();
+        }, 12000);)");
+    EXPECT_THAT(dom, Not(HasSubstr("data-errors")));
+    for (const char* fact :
+         {"data-opened=\"1.00\"", "data-zoomed=\"1.00\"", "data-back=\"1.00\""}) {
+        EXPECT_THAT(dom, HasSubstr(fact)) << dom.substr(dom.find("<body"), 300);
+    }
 }
 
 TEST_F(PageInChromium, HasALensAndAllControlsOnTheKeyboardAndFitsANarrowScreen) {
@@ -156,8 +196,10 @@ TEST_F(PageInChromium, HasALensAndAllControlsOnTheKeyboardAndFitsANarrowScreen) 
             const lens = document.querySelector("#map .lens");
             const press = (key) =>
                 stage.dispatchEvent(new KeyboardEvent("keydown", {key, bubbles: true, cancelable: true}));
-            const range = () => stage.querySelector(".plot")._fullLayout.xaxis.range;
-            const width = () => range()[1] - range()[0];
+            const axis = () => stage.querySelector(".plot")._fullLayout.xaxis;
+            const whole = axis()._length;
+            // What the whole plot would show at this scale.
+            const width = () => (axis().range[1] - axis().range[0]) * whole / axis()._length;
             const data = document.body.dataset;
             data.screen = document.querySelector(".cards").getBoundingClientRect().bottom <= 768
                 && document.querySelector("#map .pick-frame").getBoundingClientRect().bottom <= 768
@@ -176,7 +218,7 @@ TEST_F(PageInChromium, HasALensAndAllControlsOnTheKeyboardAndFitsANarrowScreen) 
             data.gone = lens.hidden;
             document.querySelector(".place").click();
             await wait();
-            data.place = (width() / 10.09).toFixed(0);
+            data.place = ((axis().range[1] - axis().range[0]) / 10.09).toFixed(0);
             const term = document.querySelector(".term");
             term.focus();
             data.meaning = getComputedStyle(term.querySelector(".meaning")).display;
