@@ -67,7 +67,8 @@ class FuzzedInput : public ::testing::TestWithParam<Reader> {
 TEST_P(FuzzedInput, SeedsAreTakenUnlessTheyAreNamedBad) {
     for (const fs::path& file : seed_files(GetParam().name)) {
         const bool is_good = !file.filename().string().starts_with("bad-");
-        EXPECT_EQ(is_taken(testing::read_all(file), file.string()), is_good) << file;
+        EXPECT_EQ(is_taken(testing::read_all(file), file.string()), is_good)
+            << file << "\nIf the format has changed on purpose, run scripts/make-fuzz-seeds.";
     }
 }
 
