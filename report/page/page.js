@@ -486,7 +486,8 @@
         const map = view.map;
         const axis = () => ({
           showgrid: false, zeroline: false,
-          ticks: "outside", showline: true, mirror: true, linecolor: "#888", constrain: "domain",
+          ticks: "outside", showline: true, mirror: true, linecolor: "#888",
+          constrain: "range",  // shows more than asked for where shapes differ, never less
         });
         return {
           font, margin, height: view.height(), dragmode: touch ? false : "pan", showlegend: false, hovermode: false,
@@ -531,9 +532,9 @@
         const down = map.yDown ? 1 : -1;
         const x = centre(map.x) + u * map.diameter;
         const y = centre(map.y) + down * v * map.diameter;
-        const { w, h } = plot._fullLayout._size;
-        const half = 0.5 * w * map.diameter / size;
-        const tall = 0.5 * h * map.diameter / size;
+        const { xaxis, yaxis } = plot._fullLayout;
+        const half = 0.5 * xaxis._length * map.diameter / size;
+        const tall = 0.5 * yaxis._length * map.diameter / size;
         return Plotly.relayout(plot, {
           "xaxis.range": [x - half, x + half],
           "yaxis.range": map.yDown ? [y + tall, y - tall] : [y - tall, y + tall],
@@ -682,7 +683,7 @@
         const [x, y] = map.places[p];
         await view.look([(x - (map.x[0] + map.x[1]) / 2) / map.diameter,
           (map.yDown ? 1 : -1) * (y - (map.y[0] + map.y[1]) / 2) / map.diameter,
-          view.plot._fullLayout._size.w / 14]);
+          Math.min(view.frame().width, view.frame().height) / 14]);
         await lead(view);
         readout.textContent = button.title;
       });

@@ -126,13 +126,14 @@ TEST_F(PageInChromium, LooksAtTheSamePartOfBothRunsWhicheverIsMoved) {
             await Plotly.relayout(plots[0], {"xaxis.range": [99.5, 199.5], "yaxis.range": [199.5, 99.5]});
             await new Promise((done) => setTimeout(done, 300));
             document.body.dataset.first = ranges().join(" ");
-            document.body.dataset.width = plots[0]._fullLayout.xaxis.range.map(Math.round).join(":");
+            document.body.dataset.height = plots[0]._fullLayout.yaxis.range.map(Math.round).join(":");
             await Plotly.relayout(plots[1], {"xaxis.range": [199.5, 299.5], "yaxis.range": [299.5, 199.5]});
             await new Promise((done) => setTimeout(done, 300));
             document.body.dataset.second = ranges().join(" ");
         }, 12000);)");
     EXPECT_THAT(dom, Not(HasSubstr("data-errors")));
-    EXPECT_EQ(count(dom, "data-width=\"(99|100):(199|200)\""), 1);
+    EXPECT_EQ(count(dom, "data-height=\"(199|200):(99|100)\""), 1)
+        << dom.substr(dom.find("data-height"), 60);
     EXPECT_EQ(count(dom, "data-first=\"(149|150):([0-9.]+) (299|300):\\2\""), 1)
         << dom.substr(dom.find("data-first"), 60);
     EXPECT_EQ(count(dom, "data-second=\"(124|125):([0-9.]+) (249|250):\\2\""), 1)
@@ -155,9 +156,7 @@ TEST_F(PageInChromium, OpensPicturesOfUnlikeShapeOnOneScaleOfLengths) {
                 return _length / (range[1] - range[0]);
             });
             const ratio = () => { const [a, b] = scales(); return (a / b).toFixed(2); };
-            const wide = () => plots[1]._fullLayout.xaxis.range.map(Math.round).join(":");
             document.body.dataset.opened = ratio();
-            document.body.dataset.wide = wide();
             document.querySelector("#map .zoom button[value='0.5'], #map .zoom button").click();
             await new Promise((done) => setTimeout(done, 500));
             document.body.dataset.zoomed = ratio();
@@ -218,7 +217,9 @@ TEST_F(PageInChromium, HasALensAndAllControlsOnTheKeyboardAndFitsANarrowScreen) 
             data.gone = lens.hidden;
             document.querySelector(".place").click();
             await wait();
-            data.place = ((axis().range[1] - axis().range[0]) / 10.09).toFixed(0);
+            const tall = stage.querySelector(".plot")._fullLayout.yaxis.range;
+            const shown = [axis().range, tall].map(([from, to]) => Math.abs(to - from));
+            data.place = (Math.min(...shown) / 10.09).toFixed(0);
             const term = document.querySelector(".term");
             term.focus();
             data.meaning = getComputedStyle(term.querySelector(".meaning")).display;

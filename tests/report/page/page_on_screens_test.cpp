@@ -116,6 +116,52 @@ TEST_F(PageOnScreens, FitsALaptopAndATelephoneWithoutScrollingSideways) {
     }
 }
 
+TEST_F(PageOnScreens, OpensEveryPictureWhollyInSight) {
+    std::vector<Results> runs{film(1, "first"), film(2, "second"), film(3, "flat"),
+                              film(4, "tall")};
+    for (Preview& preview : runs[2].previews) {
+        preview.snapshot.box.length.x *= 2.5;
+        preview.frame.image = {};
+    }
+    for (Preview& preview : runs[3].previews) {
+        preview.snapshot.box.length.y *= 2.5;
+        preview.frame.image = {};
+    }
+    const auto file = page(runs);
+    for (const auto& [width, height] : {std::pair(1366, 768), std::pair(390, 844)}) {
+        browser_->open_page(file, width, height);
+        // The first run beside each.
+        EXPECT_EQ(browser_->evaluate(R"JS((async () => {
+            const boxes = [...document.querySelectorAll("#map .view")];
+            const maps = JSON.parse(document.getElementById("report-data").textContent).maps;
+            const fault = (plot, map) => {
+                const { xaxis, yaxis } = plot._fullLayout;
+                const holds = (axis, [low, high]) => Math.min(...axis.range) <= low + 1e-6
+                    && Math.max(...axis.range) >= high - 1e-6;
+                const area = plot.getBoundingClientRect();
+                if (!holds(xaxis, map.x)) return `x cut: ${xaxis.range} of ${map.x}`;
+                if (!holds(yaxis, map.y)) return `y cut: ${yaxis.range} of ${map.y}`;
+                if (Math.abs(Math.abs(xaxis._m / yaxis._m) - 1) > 1e-6) return "x and y on unlike scales";
+                return area.right <= innerWidth && xaxis._offset + xaxis._length <= area.width ? "" : "too wide";
+            };
+            const faults = [];
+            for (let run = 0; run < 4; run++) {
+                const pick = boxes[1].querySelector(".pick-run");
+                pick.value = String(run);
+                pick.dispatchEvent(new Event("change"));
+                await new Promise((done) => setTimeout(done, 400));
+                boxes.forEach((box, v) => {
+                    const why = fault(box.querySelector(".plot"), maps.find((m) => m.run === (v ? run : 0)));
+                    if (why) faults.push(`view ${v} beside run ${run}: ${why}`);
+                });
+            }
+            return faults.join("; ");
+        })())JS"),
+                  "")
+            << "at " << width;
+    }
+}
+
 TEST_F(PageOnScreens, ShowsTheCriticalPointBeforeAnyScrolling) {
     browser_->open_page(page({critical_point(), film(1, "Γ = 3.5"), film(2, "Γ = 4")}), 1366, 768);
     for (const char* plot : {"plot-critical", "plot-critical_epsilon"}) {
