@@ -29,8 +29,10 @@ constexpr int kJudgedRounds = 2;  // of them, in which spheres are judged and th
 // A step of less than this many standard errors of an isolated sphere stays pending.
 constexpr double kPendingErrors = 8;
 // The product image is made for the positions of the fit before; in crystals the first one moves
-// some spheres far.
+// some spheres far. From frame to frame one is enough: on films of two cameras a second one changes
+// neither what is found nor the error.
 constexpr int kProductImages = 2;
+constexpr int kProductImagesWarm = 1;
 // The core of a mirror-like sphere is dark wherever no other lies above it. It is a disc of
 // diameter a/√2: rays that meet the sphere within go up again. D is 0.85 to 0.9 a, and the blur
 // takes from the core. Edges are taken sharper than they are, so that cores that touch stay apart.
@@ -317,7 +319,10 @@ void Locator::compare_with_cores(Frame& frame) {
 /// Stage 6: the fit again on the image that the product of transmissions should see.
 void Locator::fit_overlaps(Frame& frame) {
     fit_.darkness().copy_to(original_);
-    for (int round = 1; round <= kProductImages; ++round) {
+    // The spheres of the calibration are where its own fit has left them: they count as cold.
+    const bool is_warm = frame.found.warm && frame.detection.cores == CoreSearch::cold_frames;
+    const int rounds = is_warm ? kProductImagesWarm : kProductImages;
+    for (int round = 1; round <= rounds; ++round) {
         const auto begin = Clock::now();
         const std::vector<Vec2> positions = fit_.positions();
         product_image(original_, positions, model_, threads_, seen_);
@@ -325,7 +330,7 @@ void Locator::fit_overlaps(Frame& frame) {
         place_all({positions, {}}, kSweepTolerance * model_.disc.edge_width);
         frame.found.refine_seconds += seconds_since(begin);
         frame.search.forget_judgement();
-        if (!settle(frame, round == kProductImages)) sweep_to_rest(frame);
+        if (!settle(frame, round == rounds)) sweep_to_rest(frame);
     }
 }
 

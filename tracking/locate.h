@@ -60,8 +60,8 @@ struct Located {
 /// 5. Cores: on a cold frame that the model does not describe well, a second search looks for
 ///    smaller and sharper discs, and where it finds other ones the better arrangement stays
 ///    (other_arrangement.h).
-/// 6. Overlaps: where the model is not the product of transmissions, 3. is repeated, twice, on the
-///    image that the product should see there (product_image.h).
+/// 6. Overlaps: where the model is not the product of transmissions, 3. is repeated on the image
+///    that the product should see there (product_image.h): twice, on warm frames once.
 /// 7. Report: positions, standard errors, residuals; doubtful and cut spheres are left out.
 ///
 /// Pixels outside the image do not count.

@@ -73,13 +73,23 @@ TrajectoryInfo Tracker::info() const {
     return info;
 }
 
+/// Whether the second of two frames side by side would begin cold, and after the first one it
+/// would not.
+bool Tracker::is_far_for_two() const {
+    const double most = kWarmStep * model().disc.diameter;
+    return previous_.step_rms <= most &&
+           static_cast<double>(kSideBySide) * previous_.step_rms > most;
+}
+
 /// The frames that are fitted next, side by side; alone until one has said what the light of the
-/// others is compared with. A run that is taken up goes on where such a group begins.
+/// others is compared with, and where spheres go far. A run that is taken up goes on where such a
+/// group begins.
 std::vector<Tracker::Job> Tracker::read(Run& run) {
     const auto begin = RunClock::now();
     const std::int64_t first = run.next;
     const std::int64_t in_stretch = first % options_.stretch;
-    const bool is_alone = in_stretch == 0 || !light_.has_reference;
+    const bool is_alone =
+        in_stretch == 0 || !light_.has_reference || (is_calibrated() && is_far_for_two());
     const std::int64_t end = std::min(
         {span().end, first - in_stretch + options_.stretch, first + (is_alone ? 1 : kSideBySide)});
     std::vector<Job> jobs;

@@ -71,7 +71,7 @@ struct TrackResumption {
 /// fitted, so that layers and identities follow from corrected ones. Those outside of
 /// CameraMap::box, which becomes the box, are left out. Fitting itself knows nothing of it. Three
 /// frames are in memory at a time. Results do not depend on the number of threads: frames are
-/// fitted in twos on one thread as well.
+/// fitted in twos on one thread as well, or alone where the second of two would begin cold.
 class Tracker {
  public:
     /// Calibrates; what was decided goes into `plan`. The source must outlive the tracker. A source
@@ -159,6 +159,7 @@ class Tracker {
 
         bool is_usable() const { return frame.status == FrameStatus::ok && blank.empty(); }
     };
+    bool is_far_for_two() const;
     std::vector<Job> read(Run& run);
     void fit(std::vector<Job>& jobs);
     void fit(Job& job, Lane& lane) const;
