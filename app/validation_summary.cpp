@@ -23,6 +23,11 @@ ordered_json number(double value) {
     return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
 }
 
+/// For people: a dash for what is not known.
+std::string known(double value, int digits) {
+    return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : std::string("–");
+}
+
 ordered_json facts(const ClassScore& s) {
     ordered_json facts;
     facts["recall"] = number(s.recall());
@@ -94,21 +99,25 @@ ordered_json summary_facts(const ValidationOutcome& outcome, const tracking::Tra
 std::string summary_text(const std::string& output, const ValidationOutcome& outcome,
                          const std::vector<ThresholdCheck>& checks) {
     const auto& detection = outcome.scores.detection();
-    std::string text = fmt::format("{}: {}\n  {:<10}{:>10}{:>9}{:>10}{:>10}{:>8}\n", output,
+    const std::string caveat = pipelines::bound_caveat(outcome);
+    std::string text = fmt::format("{}: {}\n  {:<10}{:>10}{:>9}{:>10}{:>10}", output,
                                    counted(detection.frames(), "frame"), "", "true", "recall",
-                                   "precision", "RMSE/px", "/bound");
+                                   "precision", "RMSE/px");
+    text += caveat.empty() ? fmt::format("{:>8}\n", "/bound") : "\n";
     for (std::size_t c = 0; c < kTruthClasses; ++c) {
         const ClassScore& s = detection.classes()[c];
         if (s.matched + s.missed == 0) continue;
-        text += fmt::format("  {:<10}{:>10}{:>9.5f}{:>10.5f}{:>10.4f}{:>8.2f}\n", s.name,
-                            s.matched + s.missed, s.recall(), s.precision(), s.rmse_per_axis(),
-                            s.bound_ratio());
+        text +=
+            fmt::format("  {:<10}{:>10}{:>9}{:>10}{:>10}", s.name, s.matched + s.missed,
+                        known(s.recall(), 5), known(s.precision(), 5), known(s.rmse_per_axis(), 4));
+        text += caveat.empty() ? fmt::format("{:>8}\n", known(s.bound_ratio(), 2)) : "\n";
     }
+    if (!caveat.empty()) text += fmt::format("  {:<10}{}\n", "bound", caveat);
     if (detection.frames() > 1) {
         const auto& t = outcome.tracks;
-        text += fmt::format(
-            "  tracks    α {:.4f}, β {:.4f}, JSC {:.4f}, JSCθ {:.4f}, links {:.5f}\n", t.alpha,
-            t.beta, t.jaccard_points, t.jaccard_tracks, t.correct_link_fraction());
+        text += fmt::format("  tracks    α {}, β {}, JSC {}, JSCθ {}, links {}\n",
+                            known(t.alpha, 4), known(t.beta, 4), known(t.jaccard_points, 4),
+                            known(t.jaccard_tracks, 4), known(t.correct_link_fraction(), 5));
     }
     for (const ThresholdCheck& c : checks) {
         text += fmt::format("  {:<10}{}\n", c.met() ? "met" : "MISSED", c.text());

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "core/origin_names.h"
 #include "io/text/curve_csv.h"
 
 namespace grainfield::pipelines {
@@ -68,10 +69,35 @@ std::optional<Measurement> slope_at(const fs::path& folder, double gamma) {
                        1,    ""};
 }
 
+// What made the runs, by the table of all.
+Origin origin_in(const Curve& range, const fs::path& file) {
+    const auto column = range.text_columns.find("origin");
+    const std::vector<std::string> none;
+    const std::vector<std::string>& words =
+        column == range.text_columns.end() ? none : column->second;
+    const auto origin = words.empty() ? std::nullopt : origin_called(words.front());
+    const auto other = std::ranges::find_if(
+        words, [&](const std::string& word) { return origin_called(word) != origin; });
+    if (origin && other == words.end()) return *origin;
+    std::string known;
+    for (const auto& [value, name] : origin_names) {
+        known += fmt::format("{}{}", known.empty() ? "" : ", ", name);
+    }
+    throw InputError(
+        {.problem = fmt::format("what made the committed runs is not known: '{}'", file.string()),
+         .actual = words.empty() ? std::string("no words in a column 'origin'")
+                   : origin      ? fmt::format("origin '{}' and '{}'", words.front(), *other)
+                                 : fmt::format("origin '{}'", words.front()),
+         .expected = fmt::format("one of {}, the same in all rows", known),
+         .suggestion = {}});
+}
+
+std::string label_of(const RunIdentity& identity) {
+    return "committed " + legend_of(identity);
+}
+
 // S0/S1 against Γ, of the modes between walls.
-Results ratios(const fs::path& folder) {
-    const fs::path file = folder / "range.csv";
-    const Curve range = io::read_curve_csv(file);
+Results ratios(const Curve& range, const fs::path& file, Origin origin) {
     const auto modes = range.text_columns.find("modes");
     Curve line{"critical", "", {}, {}};
     for (const auto& [from, to] :
@@ -86,8 +112,8 @@ Results ratios(const fs::path& folder) {
         line.columns.push_back(std::move(column));
     }
     Results run;
-    run.identity = {.origin = Origin::video, .role = RunRole::critical_point};
-    run.label = "committed";
+    run.identity = {.origin = origin, .role = RunRole::critical_point};
+    run.label = label_of(run.identity);
     ObservableResult critical;
     critical.name = "critical";
     critical.curves = {std::move(line)};
@@ -110,12 +136,16 @@ std::vector<Results> committed_runs(const fs::path& folder) {
                           .suggestion = "bench/results/paper holds those of the project"});
     }
     std::ranges::sort(found);
+    const fs::path table = folder / "range.csv";
+    const Curve range = io::read_curve_csv(table);
+    const Origin origin = origin_in(range, table);
     std::vector<Results> runs;
     for (const auto& [gamma, path] : found) {
         Results run;
-        run.label = fmt::format("committed, Γ = {:.6g}", gamma);
-        run.identity = {.origin = Origin::video,
+        run.identity = {.origin = origin,
                         .control = ControlValue{ControlParameter::acceleration, gamma}};
+        run.label = label_of(run.identity);
+        run.source.origin = origin;
         run.source.length_unit = LengthUnit::diameter;
         run.observables = {
             observable(path, "sk", {"sk", "sk_neumann"}),
@@ -129,7 +159,7 @@ std::vector<Results> committed_runs(const fs::path& folder) {
         }
         runs.push_back(std::move(run));
     }
-    runs.push_back(ratios(folder));
+    runs.push_back(ratios(range, table, origin));
     return runs;
 }
 

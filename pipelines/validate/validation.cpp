@@ -231,9 +231,10 @@ ValidationOutcome validate(const ValidationCase& scene, const ValidationSettings
     outcome.tracks = outcome.scores.tracks();
     outcome.truth_is_whole = sink.is_whole();
     if (outcome.truth_is_whole) {
-        plan.warn(
+        plan.warn(fmt::format(
             "all true positions are whole pixels: if they were rounded, that alone makes an error "
-            "of 0.29 px per axis, and no score can be better");
+            "of {} px per axis, and no score can be better",
+            kRoundingError));
     }
 
     warn_of_other_truth(outcome.scores, plan);

@@ -31,12 +31,17 @@ void add_series(Figure& figure, Kind kind, Series series) {
     if (!series.x.empty()) figure.series.push_back(std::move(series));
 }
 
-Figure phase_figure(const DetectionScores& scores) {
+Figure phase_figure(const ValidationOutcome& outcome) {
+    const DetectionScores& scores = outcome.scores.detection();
     Figure figure = figure_of(
         "pixel_locking", "Error against sub-pixel phase",
         "A tracker that is drawn to the pixel grid shows a wave.",
         {"phase", "Distance of the true centre from its pixel's", "px", Scale::linear, false},
         {"error", "Mean error", "px", Scale::linear, true});
+    if (outcome.truth_is_whole) {
+        figure.absent.push_back({0, "truths in whole pixels have no sub-pixel phase"});
+        return figure;
+    }
     for (const int axis : {0, 1}) {
         Series series;
         for (const auto& bin : scores.phase_curve(axis)) {
@@ -205,6 +210,10 @@ Figure ratio_figure(const ValidationOutcome& outcome) {
         figure.absent.push_back({0, "no structure factor was measured in both runs"});
         return figure;
     }
+    if (outcome.scores.detection().frames() == 1) {
+        figure.note +=
+            " One frame: walls and mean density are in both, so that small k tell nothing.";
+    }
     add_series(figure, {"ratio", Mark::line, true}, std::move(ratio));
     return figure;
 }
@@ -213,7 +222,7 @@ Figure ratio_figure(const ValidationOutcome& outcome) {
 
 std::vector<Figure> validation_figures(const ValidationOutcome& outcome) {
     const DetectionScores& detection = outcome.scores.detection();
-    return {phase_figure(detection), pull_figure(detection), missed_figure(detection),
+    return {phase_figure(outcome),   pull_figure(detection), missed_figure(detection),
             error_figure(detection), offset_figure(outcome), ratio_figure(outcome)};
 }
 

@@ -12,7 +12,8 @@ namespace grainfield::pipelines {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kLowK = 0.3;  // [1/a]
+constexpr double kLowK = 0.3;       // [1/a]
+constexpr double kBoundSpeaks = 3;  // error over bound, at most
 
 const std::vector<double>* column(const Results& run, const char* observable, const char* curve,
                                   const char* name) {
@@ -110,6 +111,23 @@ double first_msd(const Results& run) {
 }
 
 }  // namespace
+
+std::string bound_caveat(const ValidationOutcome& outcome) {
+    const tracking::ClassScore& all = outcome.scores.detection().find("all");
+    const double ratio = all.bound_ratio();
+    if (!(ratio > kBoundSpeaks)) return {};
+    const std::string bound = fmt::format(
+        "the Cramér–Rao bound of {:.3g} px is no measure here: it knows the noise of "
+        "the camera alone, and the error is {:.0f} times as large",
+        all.bound(), ratio);
+    if (outcome.truth_is_whole) {
+        return bound +
+               fmt::format(", as truths rounded to whole pixels make {} px", kRoundingError);
+    }
+    return bound +
+           "; the rest is what the image model lacks (overlap, reflections, other optics), or an "
+           "error of the truth";
+}
 
 const std::vector<ComparedMeasurement>& compared_measurements() {
     static const std::vector<ComparedMeasurement> compared{

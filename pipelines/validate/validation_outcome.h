@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "core/results.h"
@@ -31,6 +32,14 @@ struct ValidationOutcome {
     double predicted_msd_offset = 0;  ///< 4σ², σ the RMSE per axis of class all [a²]
     bool truth_is_whole = false;      ///< true positions are whole pixels, all of them
 };
+
+/// Of whole pixels, per axis: that of a coordinate rounded to them, 1/sqrt(12) [px].
+constexpr double kRoundingError = 0.29;
+
+/// Why the Cramér–Rao bound, which knows the noise of the camera alone, says nothing here: a
+/// sentence without its full stop where the error of class all is more than three times the bound.
+/// Empty where the bound does say something, and where there is none.
+std::string bound_caveat(const ValidationOutcome& outcome);
 
 /// Names the observables and measurements that are compared, by the keys of the analysis.
 struct ComparedMeasurement {

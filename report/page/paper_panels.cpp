@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -17,7 +18,8 @@ namespace grainfield::report {
 
 namespace {
 
-constexpr double gamma_of_map = 4.5;       // Fig. 1b
+constexpr double gamma_of_map = 4.5;  // Fig. 1b
+constexpr std::array<std::string_view, 6> of_experiment{"1b", "2a", "2b", "2c", "3", "4a"};
 constexpr double exponent_of_fits = 1.12;  // alpha of all fits in Figs. 2a, d, g
 
 const RunIdentity tracked{.origin = Origin::video};
@@ -48,6 +50,15 @@ struct Subset {
     bool empty() const { return runs.empty(); }
 };
 
+// How legends name runs: by what tells those of a panel apart, or as they are labelled.
+enum class Legend { control, label };
+
+// What stands for the experiment of the paper.
+struct Experiment {
+    RunIdentity identity = tracked;
+    Legend legend = Legend::control;
+};
+
 std::string control_label(const Results& run) {
     if (!run.identity.control) return "";
     return fmt::format("{} = {:.6g}", symbol(run.identity.control->parameter),
@@ -57,7 +68,8 @@ std::string control_label(const Results& run) {
 // The runs of a series that measured an observable, by growing control parameter; their labels are
 // its value, where that tells them apart.
 Subset of_series(const std::vector<Results>& runs, const std::vector<std::string>& labels,
-                 const RunIdentity& series, const char* observable) {
+                 const RunIdentity& series, const char* observable,
+                 Legend legend = Legend::control) {
     std::vector<std::size_t> members;
     for (std::size_t r = 0; r < runs.size(); ++r) {
         if (same_series(runs[r].identity, series) && runs[r].find(observable) != nullptr) {
@@ -75,7 +87,8 @@ Subset of_series(const std::vector<Results>& runs, const std::vector<std::string
         const auto same = std::ranges::count_if(
             members, [&](std::size_t other) { return control_label(runs[other]) == own; });
         subset.runs.push_back(without_previews(runs[r]));
-        subset.labels.push_back(own.empty() || same > 1 ? labels[r] : own);
+        const bool is_labelled = legend == Legend::label || own.empty() || same > 1;
+        subset.labels.push_back(is_labelled ? labels[r] : own);
     }
     return subset;
 }
@@ -283,14 +296,13 @@ PaperPanel order_panel(const std::vector<Results>& runs, const std::vector<std::
     return panel;
 }
 
-PaperPanel motion_panel(const std::vector<Results>& runs, const std::vector<std::string>& labels,
+PaperPanel motion_panel(const Subset& subset, const std::vector<Results>& runs,
                         const std::vector<FigureHint>& hints) {
     PaperPanel panel{
         .number = "3",
         .title = "Mean squared displacement",
         .claim = "The liquid diffuses, the faster the larger Γ; the solid is subdiffusive."};
     add_lines(panel, runs);
-    const Subset subset = of_series(runs, labels, tracked, "msd");
     fill_hinted(panel, subset, hints, "msd");
     if (panel.figure) {
         for (Kind& kind : panel.figure->kinds) {
@@ -361,6 +373,48 @@ PaperPanel boundless_panel(const Subset& subset, const std::vector<FigureHint>& 
     return panel;
 }
 
+// All panels of these runs, in the order of the paper.
+std::vector<PaperPanel> panels_of(const std::vector<Results>& runs,
+                                  const std::vector<std::string>& labels,
+                                  const std::vector<FigureHint>& hints,
+                                  const Experiment& experiment) {
+    const auto [identity, legend] = experiment;
+    const auto of_films = [&, identity = identity, legend = legend](const char* observable) {
+        return of_series(runs, labels, identity, observable, legend);
+    };
+    const Subset films = of_films("sk");
+    const Subset layers = of_series(runs, labels, md, "sk");
+    const Subset fields = of_series(runs, labels, field, "sk");
+    const auto critical = [&](const RunIdentity& series, Legend named = Legend::control) {
+        return of_series(runs, labels, critical_of(series), "critical", named);
+    };
+    std::vector<PaperPanel> panels;
+    panels.push_back(order_panel(runs, labels, hints));
+    panels.push_back(
+        spectrum_panel("2a", "S grows as (ka)^1.12 from S₀/S₁ to a pre-peak.", films, runs));
+    panels.push_back(
+        critical_panel("2b", "A line through the origin of ε.", critical(identity, legend), runs));
+    panels.push_back(variance_panel("2c", "It looks like β = 2.", films, hints));
+    panels.push_back(spectrum_panel("2d", "The same in a periodic layer.", layers, runs));
+    panels.push_back(critical_panel("2e", "A line, its zero left free.", critical(md), runs));
+    panels.push_back(
+        variance_panel("2f", "Growth below β = 2 also off the critical point.", layers, hints));
+    panels.push_back(spectrum_panel("2g", "S₀ + S₁k^α at small k.", fields, runs));
+    panels.push_back(
+        critical_panel("2h", "A line that meets zero at a small finite ν.", critical(field), runs));
+    panels.push_back(variance_panel("2i", "As in the layer.", fields, hints));
+    panels.push_back(motion_panel(of_films("msd"), runs, hints));
+    panels.push_back(boxes_panel(of_films("synthetic"), hints));
+    panels.push_back(boundless_panel(of_series(runs, labels, md, "synthetic"), hints));
+    for (PaperPanel& panel : panels) {
+        if (!panel.figure && panel.absent.empty()) panel.absent = "no run measures it";
+        if (!panel.figure) continue;
+        panel.figure->absent.clear();
+        drop_hidden(*panel.figure);
+    }
+    return panels;
+}
+
 }  // namespace
 
 std::optional<std::size_t> run_of_paper_map(const std::vector<Results>& runs) {
@@ -387,44 +441,19 @@ std::vector<PaperPanel> paper_panels(const std::vector<Results>& runs,
                                      const std::vector<std::string>& labels,
                                      const std::vector<FigureHint>& hints,
                                      const std::vector<Results>& committed) {
-    const Subset films = of_series(runs, labels, tracked, "sk");
-    const Subset layers = of_series(runs, labels, md, "sk");
-    const Subset fields = of_series(runs, labels, field, "sk");
-    const auto critical = [&](const RunIdentity& series) {
-        return of_series(runs, labels, critical_of(series), "critical");
-    };
-    std::vector<PaperPanel> panels;
-    panels.push_back(order_panel(runs, labels, hints));
-    panels.push_back(
-        spectrum_panel("2a", "S grows as (ka)^1.12 from S₀/S₁ to a pre-peak.", films, runs));
-    panels.push_back(
-        critical_panel("2b", "A line through the origin of ε.", critical(tracked), runs));
-    panels.push_back(variance_panel("2c", "It looks like β = 2.", films, hints));
-    panels.push_back(spectrum_panel("2d", "The same in a periodic layer.", layers, runs));
-    panels.push_back(critical_panel("2e", "A line, its zero left free.", critical(md), runs));
-    panels.push_back(
-        variance_panel("2f", "Growth below β = 2 also off the critical point.", layers, hints));
-    panels.push_back(spectrum_panel("2g", "S₀ + S₁k^α at small k.", fields, runs));
-    panels.push_back(
-        critical_panel("2h", "A line that meets zero at a small finite ν.", critical(field), runs));
-    panels.push_back(variance_panel("2i", "As in the layer.", fields, hints));
-    panels.push_back(motion_panel(runs, labels, hints));
-    panels.push_back(boxes_panel(of_series(runs, labels, tracked, "synthetic"), hints));
-    panels.push_back(boundless_panel(of_series(runs, labels, md, "synthetic"), hints));
-    for (PaperPanel& panel : panels) {
-        if (!panel.figure && panel.absent.empty()) panel.absent = "no run measures it";
-        if (!panel.figure) continue;
-        panel.figure->absent.clear();
-        drop_hidden(*panel.figure);
-    }
+    std::vector<PaperPanel> panels = panels_of(runs, labels, hints, {});
     if (committed.empty()) return panels;
+    const Origin origin = committed.front().identity.origin;
     std::vector<std::string> names;
     for (const Results& run : committed) names.push_back(run.label);
-    std::vector<PaperPanel> kept = paper_panels(committed, names, hints);
+    std::vector<PaperPanel> kept =
+        panels_of(committed, names, hints, {{.origin = origin}, Legend::label});
     for (std::size_t p = 0; p < panels.size(); ++p) {
-        if (panels[p].figure || !kept[p].figure) continue;
+        const bool is_wanted =
+            std::ranges::find(of_experiment, panels[p].number) != of_experiment.end();
+        if (!is_wanted || panels[p].figure || !kept[p].figure) continue;
         panels[p].figure = std::move(kept[p].figure);
-        panels[p].is_committed = true;
+        panels[p].committed = origin;
     }
     return panels;
 }

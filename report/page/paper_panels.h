@@ -6,6 +6,7 @@
 
 #include "core/figure_hint.h"
 #include "core/results.h"
+#include "core/run_identity.h"
 #include "report/figures/figure.h"
 #include "report/maps/particle_map.h"
 #include "report/page/paper_table.h"
@@ -27,12 +28,13 @@ struct PaperPanel {
     std::optional<Figure> figure{};  ///< named "paper_2a"; nothing where no run has the curve
     std::string absent{};            ///< then why
     std::vector<PaperLine> lines{};
-    bool is_committed = false;  ///< the figure is of committed results: the runs have none
+    std::optional<Origin> committed{};  ///< the figure is of committed results, made by this
 };
 
 /// The panels of Figs. 1b to 4b in the order of the paper: 1b, 2a … 2i, 3, 4a, 4b. Tracked films
 /// stand for its experiment. The paper's numbers are marked in them by guides. Curves of 1b are
-/// those of the run that `map_of_paper` shows. A panel without a figure takes that of `committed`.
+/// those of the run that `run_of_paper_map` shows. `committed`: kept results of one origin. A panel
+/// of the experiment without a figure takes theirs, whose legend names them in full.
 std::vector<PaperPanel> paper_panels(const std::vector<Results>& runs,
                                      const std::vector<std::string>& labels,
                                      const std::vector<FigureHint>& hints,

@@ -40,6 +40,22 @@ std::string lines_html(const PaperPanel& panel) {
     return out;
 }
 
+const char* made_by(Origin origin) {
+    switch (origin) {
+        case Origin::video:
+            return "tracked films";
+        case Origin::md:
+            return "molecular dynamics, true positions";
+        case Origin::rendered:
+            return "true positions of rendered films";
+        case Origin::points:
+            return "points of another program";
+        case Origin::field:
+            break;
+    }
+    return "density fields";
+}
+
 std::string panel_html(const PaperPanel& panel) {
     std::string out = fmt::format(
         "<figure class=\"panel\" data-panel=\"{0}\"><div class=\"head\"><figcaption><h3>{0}: {1}"
@@ -55,12 +71,12 @@ std::string panel_html(const PaperPanel& panel) {
         out += "<div class=\"plot empty\"><p>Not drawn: " + escape_html(panel.absent) +
                ".</p></div>\n";
     }
-    if (panel.is_committed) {
-        out +=
+    if (panel.committed) {
+        out += fmt::format(
             "<p class=\"line committed\"><strong>Committed results, not of these runs</strong>: "
-            "long "
-            "runs of the walled cell, true positions (bench/results/paper). Here: " +
-            escape_html(panel.absent) + ".</p>\n";
+            "{}. "
+            "Here: {}.</p>\n",
+            made_by(*panel.committed), escape_html(panel.absent));
     }
     return out + lines_html(panel) + "</figure>\n";
 }

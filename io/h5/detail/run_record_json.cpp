@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "core/origin_names.h"
 #include "io/h5/detail/legacy_identity.h"
 
 namespace grainfield::io {
@@ -20,11 +21,6 @@ using nlohmann::json;
 template <class Enum, std::size_t n>
 using Names = std::array<std::pair<Enum, std::string_view>, n>;
 
-constexpr Names<Origin, 5> origins{{{Origin::video, "video"},
-                                    {Origin::md, "md"},
-                                    {Origin::rendered, "rendered"},
-                                    {Origin::points, "points"},
-                                    {Origin::field, "field"}}};
 constexpr Names<ControlParameter, 2> control_parameters{
     {{ControlParameter::acceleration, "acceleration"},
      {ControlParameter::critical_distance, "critical distance"}}};
@@ -169,7 +165,7 @@ json to_json(const RunRecord& record) {
 }
 
 json to_json(const TrajectoryInfo& info) {
-    return {{"origin", name_of(info.origin, origins)},
+    return {{"origin", name_of(info.origin, origin_names)},
             {"length_unit", name_of(info.length_unit, length_units)},
             {"time_unit", name_of(info.time_unit, time_units)},
             {"diameter", to_json(info.diameter)},
@@ -181,7 +177,7 @@ json to_json(const TrajectoryInfo& info) {
 }
 
 json to_json(const RunIdentity& identity) {
-    return {{"origin", name_of(identity.origin, origins)},
+    return {{"origin", name_of(identity.origin, origin_names)},
             {"role", name_of(identity.role, roles)},
             {"control", control_to_json(identity.control)},
             {"dimension", identity.dimension},
@@ -222,7 +218,7 @@ RunRecord record_from_json(const json& text, const std::string& file) {
 TrajectoryInfo info_from_json(const json& text, const std::string& file) {
     return guarded(file, "the description of the trajectory", [&] {
         TrajectoryInfo info;
-        info.origin = value_of(text.at("origin"), origins);
+        info.origin = value_of(text.at("origin"), origin_names);
         info.length_unit = value_of(text.at("length_unit"), length_units);
         info.time_unit = value_of(text.at("time_unit"), time_units);
         info.diameter = number_from_json(text.at("diameter"));
@@ -240,7 +236,7 @@ TrajectoryInfo info_from_json(const json& text, const std::string& file) {
 RunIdentity identity_from_json(const json& text, const std::string& file) {
     return guarded(file, "the identity of the run", [&] {
         RunIdentity identity;
-        identity.origin = value_of(text.at("origin"), origins);
+        identity.origin = value_of(text.at("origin"), origin_names);
         identity.role = value_of(text.at("role"), roles);
         identity.control = control_from_json(text.at("control"));
         identity.dimension = whole_from_json<int>(text.at("dimension"));

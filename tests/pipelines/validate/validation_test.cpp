@@ -15,6 +15,7 @@
 namespace grainfield::pipelines {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::Not;
 
@@ -24,6 +25,17 @@ ValidationOutcome validated(sample::Film& film, RunPlan& plan, int threads = 2) 
     settings.verbosity = Verbosity::quiet;
     tracking::TrackSummary summary;
     return validate({*film.frames, film.truth, 12.0, 30.0}, settings, summary, plan);
+}
+
+StoredTrajectory rounded(StoredTrajectory& truth) {
+    StoredTrajectory whole;
+    whole.set_info(truth.info());
+    for (std::int64_t i = 0; i < truth.count(); ++i) {
+        Snapshot snapshot = truth.read(i);
+        for (Vec2& p : snapshot.position) p = {std::round(p.x), std::round(p.y)};
+        whole.write(snapshot);
+    }
+    return whole;
 }
 
 TEST(Validation, ScoresEveryClassOfAFilm) {
@@ -253,14 +265,7 @@ TEST(Validation, TruthsInWholePixelsAreRecognisedAndSaid) {
         RunPlan plan;
         EXPECT_FALSE(validated(film, plan).truth_is_whole);
     }
-    StoredTrajectory whole;
-    whole.set_info(film.truth.info());
-    for (std::int64_t i = 0; i < film.truth.count(); ++i) {
-        Snapshot snapshot = film.truth.read(i);
-        for (Vec2& p : snapshot.position) p = {std::round(p.x), std::round(p.y)};
-        whole.write(snapshot);
-    }
-    film.truth = std::move(whole);
+    film.truth = rounded(film.truth);
     RunPlan plan;
     const ValidationOutcome outcome = validated(film, plan);
     EXPECT_TRUE(outcome.truth_is_whole);
@@ -271,6 +276,89 @@ TEST(Validation, TruthsInWholePixelsAreRecognisedAndSaid) {
     }));
     // Uniform rounding has the variance 1/12 per axis; 600 positions know it to 3 %.
     EXPECT_GT(outcome.scores.detection().find("all").rmse_per_axis(), 0.26);
+}
+
+const report::Table& table_of(const report::ReportAdditions& additions, const std::string& name) {
+    return *std::ranges::find(additions.tables, name, &report::Table::name);
+}
+
+std::vector<std::string> rows_of(const report::Table& table) {
+    std::vector<std::string> names;
+    for (const auto& row : table.rows) names.push_back(row.name);
+    return names;
+}
+
+TEST(Validation, OfOneFrameSaysInOneLineWhatOneFrameCannotGive) {
+    sample::Film film = sample::film(1);
+    RunPlan plan;
+    const auto additions = validation_report(validated(film, plan), {});
+    const report::Table& tracks = table_of(additions, "track_scores");
+    EXPECT_THAT(tracks.note, ::testing::HasSubstr("Not possible with one frame: α, β, JSC"));
+    EXPECT_THAT(rows_of(tracks), Not(Contains("α")));
+    EXPECT_THAT(rows_of(tracks), Contains("pixel locking x [px]"));
+    const report::Table& effects = table_of(additions, "downstream");
+    EXPECT_THAT(effects.note,
+                AllOf(::testing::HasSubstr("Not possible with one frame: Diffusion coefficient"),
+                      ::testing::HasSubstr("S₀/S₁"), ::testing::HasSubstr("S at the lowest k")));
+    EXPECT_THAT(rows_of(effects), Not(Contains(::testing::HasSubstr("S₀"))));
+    EXPECT_THAT(rows_of(effects), Not(Contains(::testing::HasSubstr("Diffusion"))));
+    EXPECT_THAT(rows_of(effects), Contains("Mean |Q₄|"));
+    sample::Film longer = sample::film(6);
+    const auto whole = validation_report(validated(longer, plan), {});
+    EXPECT_THAT(rows_of(table_of(whole, "track_scores")), Contains("α"));
+    EXPECT_THAT(rows_of(table_of(whole, "downstream")),
+                Contains(::testing::HasSubstr("Diffusion")));
+}
+
+TEST(Validation, ABoundThatIsNoMeasureIsExplained) {
+    sample::Film film = sample::film(2);
+    RunPlan plan;
+    const ValidationOutcome foreign = validated(film, plan);
+    ASSERT_GT(foreign.scores.detection().find("all").bound_ratio(), 3) << "of another camera";
+    EXPECT_THAT(bound_caveat(foreign), ::testing::HasSubstr("other optics"));
+    EXPECT_THAT(table_of(validation_report(foreign, {}), "scores").note,
+                ::testing::HasSubstr("The Cramér–Rao bound of 0.00"));
+    film.truth = rounded(film.truth);
+    EXPECT_THAT(bound_caveat(validated(film, plan)),
+                ::testing::EndsWith("as truths rounded to whole pixels make 0.29 px"));
+}
+
+TEST(Validation, ABoundThatIsAMeasureNeedsNoWords) {
+    sample::Film film = sample::film(1);
+    RunPlan plan;
+    ValidationOutcome outcome = validated(film, plan);
+    ScoredView view = outcome.scores.view();
+    view.noise *= 10;
+    outcome.scores = ValidationScores(view);
+    Snapshot truth = film.truth.read(0);
+    outcome.scores.add(truth, truth);
+    EXPECT_EQ(bound_caveat(outcome), "") << "no error at all";
+    view.noise = 0;
+    outcome.scores = ValidationScores(view);
+    outcome.scores.add(truth, truth);
+    EXPECT_EQ(bound_caveat(outcome), "") << "no bound";
+}
+
+TEST(Validation, WritesNoNanOntoThePage) {
+    for (const int frames : {1, 2}) {
+        sample::Film film = sample::film(frames);
+        film.truth = rounded(film.truth);
+        RunPlan plan;
+        const ValidationOutcome outcome = validated(film, plan);
+        const auto additions = validation_report(outcome, {});
+        for (const report::Table& table : additions.tables) {
+            EXPECT_THAT(table.note, Not(::testing::HasSubstr("nan"))) << table.name;
+            for (const auto& row : table.rows) {
+                for (const report::TableCell& cell : row.cells) {
+                    EXPECT_THAT(cell.text, Not(::testing::HasSubstr("nan"))) << row.name;
+                }
+            }
+        }
+        for (const report::Figure& figure : additions.figures) {
+            if (figure.name != "pixel_locking") continue;
+            EXPECT_FALSE(figure.has_data()) << "one phase";
+        }
+    }
 }
 
 TEST(Validation, ThePageBeginsWithWhatIsMissedAndFalseAndMarksIt) {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "analysis/observables.h"
+#include "report/figures/figure_files.h"
 #include "tests/report/sample_results.h"
 
 namespace grainfield::report {
@@ -55,14 +56,36 @@ const Series* mark(const Figure& figure, const std::string& words) {
 TEST(PaperPanels, WithoutOwnResultsShowCommittedOnesAndSaySo) {
     const auto panels = paper_panels({film(4)}, {"tracked, Γ = 4"}, analysis::figure_hints(),
                                      {film(3), critical_point(4, 0.2)});
-    EXPECT_FALSE(panel(panels, "2a").is_committed) << "has its own";
+    EXPECT_FALSE(panel(panels, "2a").committed) << "has its own";
     const PaperPanel& kept = panel(panels, "2b");
-    EXPECT_TRUE(kept.is_committed);
+    EXPECT_EQ(kept.committed, Origin::video);
     ASSERT_TRUE(kept.figure);
     EXPECT_EQ(kept.figure->name, "paper_2b");
     EXPECT_EQ(kept.absent, "no run has an S₀/S₁ with its error");
     EXPECT_FALSE(panel(panels, "2h").figure) << "neither has it";
-    EXPECT_FALSE(panel(panels, "2h").is_committed);
+    EXPECT_FALSE(panel(panels, "2h").committed);
+}
+
+TEST(PaperPanels, OfCommittedMolecularDynamicsNameItAndFillNoOtherRow) {
+    Results run = film(3);
+    run.identity.origin = Origin::md;
+    run.label = "committed MD, Γ = 3";
+    Results ratios = critical_point(4, 0.2);
+    ratios.identity.origin = Origin::md;
+    ratios.label = "committed MD";
+    const auto panels = paper_panels({}, {}, analysis::figure_hints(), {run, ratios});
+    for (const char* number : {"2a", "2b", "2c"}) {
+        const PaperPanel& kept = panel(panels, number);
+        EXPECT_EQ(kept.committed, Origin::md) << number;
+        ASSERT_TRUE(kept.figure) << number;
+        EXPECT_THAT(kept.figure->runs, testing::Each(testing::StartsWith("committed MD")))
+            << number;
+    }
+    EXPECT_THAT(figure_csv(*panel(panels, "2a").figure), HasSubstr("committed MD, Γ = 3"));
+    for (const char* number : {"2d", "2e", "2f"}) {
+        EXPECT_FALSE(panel(panels, number).figure) << number << ": a periodic layer";
+        EXPECT_FALSE(panel(panels, number).committed) << number;
+    }
 }
 
 TEST(PaperPanels, MarkThePaperNumbersInTheFiguresOfTheRuns) {
