@@ -386,16 +386,7 @@ std::unique_ptr<FrameSource> open_cine(const fs::path& path, const FrameFileOpti
 
 Picture read_cine(const fs::path& path, std::int64_t max_pixels) {
     CineFrames frames(path, {.fps = {}, .max_pixels = max_pixels});
-    Frame frame = frames.read(0);
-    if (frames.count() == 1 && frame.status == FrameStatus::ok) {
-        return {std::move(frame.image), frame.bit_depth};
-    }
-    throw InputError({.problem = fmt::format("'{}' is not one picture", path.string()),
-                      .actual = frame.status == FrameStatus::ok
-                                    ? fmt::format("it holds {} frames", frames.count())
-                                    : frame.message,
-                      .expected = "one frame",
-                      .suggestion = "give it as a film"});
+    return only_picture(frames, path);
 }
 
 }  // namespace

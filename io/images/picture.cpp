@@ -1,6 +1,7 @@
 #include "io/images/picture.h"
 
 #include <cctype>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -17,6 +18,19 @@ CorruptPicture::CorruptPicture(const std::filesystem::path& path,
                   .expected = "a whole picture",
                   .suggestion = "copy the file again from where it was recorded"}),
       decoder_message_(decoder_message) {}
+
+Picture only_picture(FrameSource& film, const std::filesystem::path& path) {
+    Frame frame = film.read(0);
+    if (film.count() == 1 && frame.status == FrameStatus::ok) {
+        return {std::move(frame.image), frame.bit_depth};
+    }
+    throw InputError({.problem = fmt::format("'{}' is not one picture", path.string()),
+                      .actual = frame.status == FrameStatus::ok
+                                    ? fmt::format("it holds {} frames", film.count())
+                                    : frame.message,
+                      .expected = "one frame",
+                      .suggestion = "give it as a film"});
+}
 
 std::string mosaic_warning(const std::string& file, ColourFilter filter) {
     std::string pattern;

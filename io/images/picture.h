@@ -7,6 +7,7 @@
 
 #include "core/errors.h"
 #include "core/frame.h"
+#include "core/frame_source.h"
 #include "io/colour_filter.h"
 
 namespace grainfield::io {
@@ -42,6 +43,10 @@ class CorruptPicture : public InputError {
  private:
     std::string decoder_message_;
 };
+
+/// The only frame of a film, for callers that want one picture. Throws InputError if the film has
+/// several frames or if the first one is damaged.
+Picture only_picture(FrameSource& film, const std::filesystem::path& path);
 
 /// For frames of a colour filter that the options do not name.
 std::string mosaic_warning(const std::string& file, ColourFilter filter);

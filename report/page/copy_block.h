@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace grainfield::report {
 
@@ -10,5 +11,8 @@ struct CopyBlock {
     std::string text;
     std::string note{};  ///< below it; may be empty
 };
+
+/// Each with a button that copies its text; empty without blocks.
+std::string blocks_html(const std::vector<CopyBlock>& blocks);
 
 }  // namespace grainfield::report

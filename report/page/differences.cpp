@@ -129,7 +129,7 @@ std::optional<Table> differences(const std::vector<Results>& runs,
     std::vector<RunPair> pairs = pairs_of(runs, identities);
     if (pairs.size() > most_pairs) pairs.resize(most_pairs);
     Table table;
-    table.name = "differences";
+    table.name = differences_name;
     table.title = "Differences in units of their error";
     table.note =
         "First run less second, over the root of the sum of both squared errors, which are taken "

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/quantity_titles.h"
@@ -21,6 +22,9 @@ struct RunPair {
 /// one, no fields (another dimension or b is another model). Of two runs in all, those two.
 std::vector<RunPair> pairs_of(const std::vector<Results>& runs,
                               const std::vector<RunIdentity>& identities);
+
+/// Name of their table.
+inline constexpr std::string_view differences_name = "differences";
 
 /// Differences in units of their error, one column a pair, one row a quantity that both runs of
 /// some pair measured with an error:

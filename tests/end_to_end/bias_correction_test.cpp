@@ -1,10 +1,8 @@
 // `grainfield track --correct-bias`: what it says, keeps, and gives again after an interruption.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <fmt/format.h>
@@ -13,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <signal.h>
 
+#include "tests/support/fingerprint.h"
 #include "tests/support/image_files.h"
 #include "tests/support/program.h"
 #include "tests/tracking/synthesis/rendered_layer.h"
@@ -64,10 +63,6 @@ class BiasCorrection : public ::testing::Test {
         return with(with({"track", "--json", "--sphere-diameter", "12", "--threads", "2"}, more),
                     paths);
     }
-    static std::string data(const std::string& file) {
-        return json::parse(run_grainfield({"info", "--json", "--fingerprint", file}).out)
-            .at("fingerprint");
-    }
 
     const ScratchFolder folder_;
 };
@@ -84,12 +79,12 @@ TEST_F(BiasCorrection, IsSaidAndKeptWithTheCalibrationAndGivesTheSamePositionsFr
     const Outcome again = run_grainfield(words(3, {"-o", folder_ / "b.h5", "--calibration", kept}));
     ASSERT_EQ(again.code, 0) << again.err;
     EXPECT_EQ(json::parse(again.out).at("bias"), learned);
-    EXPECT_EQ(data(folder_ / "b.h5"), data(folder_ / "a.h5"));
+    EXPECT_EQ(testing::fingerprint(folder_ / "b.h5"), testing::fingerprint(folder_ / "a.h5"));
 
     const Outcome plain = run_grainfield(words(3, {"-o", folder_ / "c.h5"}));
     ASSERT_EQ(plain.code, 0) << plain.err;
     EXPECT_TRUE(json::parse(plain.out).at("bias").is_null());
-    EXPECT_NE(data(folder_ / "c.h5"), data(folder_ / "a.h5"));
+    EXPECT_NE(testing::fingerprint(folder_ / "c.h5"), testing::fingerprint(folder_ / "a.h5"));
 
     const std::string line = fmt::format(
         "positions corrected: {:.4f} to {:.4f} a RMS on synthesised frames",
@@ -110,13 +105,11 @@ TEST_F(BiasCorrection, KilledAndTakenUpAgainGivesWhatOneRunGives) {
     };
     const Outcome whole = run_grainfield(run({}));
     ASSERT_EQ(whole.code, 0) << whole.err;
-    const std::string expected = data(output);
+    const std::string expected = testing::fingerprint(output);
     fs::remove(output);
     {
         const Process process(program(run({})));
-        for (int i = 0; i < 30000 && !fs::exists(output + ".checkpoint"); ++i) {
-            std::this_thread::sleep_for(std::chrono::milliseconds(2));
-        }
+        process.let_write(output + ".checkpoint");
         process.send(SIGKILL);
         process.wait();
     }
@@ -125,7 +118,7 @@ TEST_F(BiasCorrection, KilledAndTakenUpAgainGivesWhatOneRunGives) {
     ASSERT_EQ(resumed.code, 0) << resumed.err;
     EXPECT_EQ(json::parse(resumed.out).at("frames"), kFrames);
     EXPECT_EQ(json::parse(resumed.out).at("bias"), json::parse(whole.out).at("bias"));
-    EXPECT_EQ(data(output), expected);
+    EXPECT_EQ(testing::fingerprint(output), expected);
 }
 
 }  // namespace

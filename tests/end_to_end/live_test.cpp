@@ -21,6 +21,7 @@
 
 #include "tests/support/csv_rows.h"
 #include "tests/support/disc_sequence.h"
+#include "tests/support/disc_stream.h"
 #include "tests/support/fifo.h"
 #include "tests/support/program.h"
 
@@ -36,18 +37,25 @@ using testing::program;
 using testing::run_grainfield;
 using testing::ScratchFolder;
 
-std::string raw_frame(int index) {
-    const auto bytes = testing::bytes_of(testing::disc_frame(testing::few_discs(), index));
-    return {bytes.begin(), bytes.end()};
+/// 30 frames of 9 bit, so that a count of frame 21 may be too high.
+void write_stream_with_a_bad_count(Fifo& fifo) {
+    fifo.write(testing::disc_stream_header("mono9"));
+    for (int i = 0; i < 30; ++i) {
+        const auto bytes = testing::bytes_of(testing::disc_frame(testing::few_discs(), i));
+        std::vector<std::uint16_t> counts(bytes.begin(), bytes.end());
+        if (i == 21) counts[0] = 512;
+        fifo.write("FRAME\n" + testing::raw_bytes(counts, 9));
+    }
+    fifo.close();
+}
+
+bool is_without_test_source(const Outcome& live) {
+    return live.code == 3 && live.err.find("opens it") != std::string::npos;
 }
 
 class Live : public ::testing::Test {
  protected:
     Live() { std::signal(SIGPIPE, SIG_IGN); }
-
-    static std::string header() {
-        return testing::yuv4mpeg_header(testing::kPictureSize, testing::kPictureSize, "mono");
-    }
 
     /// Frames, identities and positions of the last run.
     std::string points(const std::string& tracks) {
@@ -71,7 +79,7 @@ TEST_F(Live, FramesFromAFifoGiveTheTracksOfTheFilm) {
     ASSERT_EQ(run_grainfield(words).code, 0);
     Fifo fifo(out_ / "camera");
     std::thread writer([&] {
-        for (int i = 0; i < frames; ++i) fifo.write(raw_frame(i));
+        for (int i = 0; i < frames; ++i) fifo.write(testing::raw_disc_frame(i));
         fifo.close();
     });
     const Outcome live = run_grainfield({"track", "--live", fifo.path(), "--live-size", "192,192",
@@ -106,8 +114,8 @@ TEST_F(Live, CtrlCKeepsAllThatWasTracked) {
     Fifo fifo(out_ / "camera");
     std::atomic<int> written{0};
     std::thread writer([&] {
-        if (!fifo.write(header())) return;
-        while (fifo.write("FRAME\n" + raw_frame(written % 200))) {
+        if (!fifo.write(testing::disc_stream_header())) return;
+        while (fifo.write(testing::disc_stream_frame(written % 200))) {
             ++written;
             std::this_thread::sleep_for(std::chrono::milliseconds(20));
         }
@@ -151,8 +159,8 @@ TEST_F(Live, ThePreviewIsRenewedEachSecond) {
     Fifo fifo(out_ / "camera");
     std::atomic<bool> is_over{false};
     std::thread writer([&] {
-        fifo.write(header());
-        for (int i = 0; !is_over && fifo.write("FRAME\n" + raw_frame(i % 200)); ++i) {
+        fifo.write(testing::disc_stream_header());
+        for (int i = 0; !is_over && fifo.write(testing::disc_stream_frame(i % 200)); ++i) {
             std::this_thread::sleep_for(std::chrono::milliseconds(20));
         }
         fifo.close();
@@ -187,8 +195,7 @@ TEST_F(Live, ThePreviewIsRenewedEachSecond) {
 TEST_F(Live, ThePreviewMayBeAJpeg) {
     Fifo fifo(out_ / "camera");
     std::thread writer([&] {
-        fifo.write(header());
-        for (int i = 0; i < 12; ++i) fifo.write("FRAME\n" + raw_frame(i));
+        testing::write_disc_stream(fifo, 12);
         fifo.close();
     });
     const Outcome live = run_grainfield({"track", "--live", fifo.path(), "--live-wait", "-o",
@@ -205,9 +212,9 @@ TEST_F(Live, FramesThatComeTooFastAreDroppedAndCounted) {
     Fifo fifo(out_ / "camera");
     constexpr int all = 3000;
     std::thread writer([&] {
-        fifo.write(header());
-        const std::string first = raw_frame(0);
-        const std::string second = raw_frame(1);
+        fifo.write(testing::disc_stream_header());
+        const std::string first = testing::raw_disc_frame(0);
+        const std::string second = testing::raw_disc_frame(1);
         for (int i = 0; i < all; ++i) fifo.write("FRAME\n" + (i % 2 == 0 ? first : second));
         fifo.close();
     });
@@ -230,9 +237,9 @@ TEST_F(Live, FramesThatComeTooFastAreDroppedAndCounted) {
 TEST_F(Live, TheRateIsThatOfAllFramesWhereOnlySomeAreWanted) {
     Fifo fifo(out_ / "camera");
     std::thread writer([&] {
-        fifo.write(header());
+        fifo.write(testing::disc_stream_header());
         for (int i = 0; i < 61; ++i) {
-            fifo.write("FRAME\n" + raw_frame(i));
+            fifo.write(testing::disc_stream_frame(i));
             std::this_thread::sleep_for(std::chrono::milliseconds(50));
         }
         fifo.close();
@@ -252,18 +259,8 @@ TEST_F(Live, TheRateIsThatOfAllFramesWhereOnlySomeAreWanted) {
 }
 
 TEST_F(Live, AFailureKeepsWhatWasTracked) {
-    // Of 9 bit, so that a count may be too high.
     Fifo fifo(out_ / "camera");
-    std::thread writer([&] {
-        fifo.write(testing::yuv4mpeg_header(testing::kPictureSize, testing::kPictureSize, "mono9"));
-        for (int i = 0; i < 30; ++i) {
-            const auto bytes = testing::bytes_of(testing::disc_frame(testing::few_discs(), i));
-            std::vector<std::uint16_t> counts(bytes.begin(), bytes.end());
-            if (i == 21) counts[0] = 512;
-            fifo.write("FRAME\n" + testing::raw_bytes(counts, 9));
-        }
-        fifo.close();
-    });
+    std::thread writer([&] { write_stream_with_a_bad_count(fifo); });
     const Outcome live = run_grainfield(
         {"track", "--live", fifo.path(), "--live-wait", "--strict", "-o", out_ / "live.h5"});
     writer.join();
@@ -278,8 +275,7 @@ TEST_F(Live, AFullDiskLeavesWhatCouldBeWrittenAndItIsRead) {
     for (const int limit : {300, 340, 512}) {
         Fifo fifo(out_ / fmt::format("camera{}", limit));
         std::thread writer([&] {
-            fifo.write(header());
-            for (int i = 0; i < 200 && fifo.write("FRAME\n" + raw_frame(i)); ++i) continue;
+            testing::write_disc_stream(fifo, 200);
             fifo.close();
         });
         const Outcome live = testing::shell(
@@ -302,16 +298,7 @@ TEST_F(Live, AFullDiskLeavesWhatCouldBeWrittenAndItIsRead) {
 
 TEST_F(Live, AFailureKeepsFramesThatWaitForLongerTracks) {
     Fifo fifo(out_ / "camera");
-    std::thread writer([&] {
-        fifo.write(testing::yuv4mpeg_header(testing::kPictureSize, testing::kPictureSize, "mono9"));
-        for (int i = 0; i < 30; ++i) {
-            const auto bytes = testing::bytes_of(testing::disc_frame(testing::few_discs(), i));
-            std::vector<std::uint16_t> counts(bytes.begin(), bytes.end());
-            if (i == 21) counts[0] = 512;
-            fifo.write("FRAME\n" + testing::raw_bytes(counts, 9));
-        }
-        fifo.close();
-    });
+    std::thread writer([&] { write_stream_with_a_bad_count(fifo); });
     const Outcome live = run_grainfield({"track", "--live", fifo.path(), "--live-wait", "--strict",
                                          "--minimum-length", "100", "-o", out_ / "live.h5"});
     writer.join();
@@ -323,10 +310,10 @@ TEST_F(Live, ASourceThatFallsSilentEndsWithWhatCame) {
     Fifo fifo(out_ / "camera");
     // Drawn before the run: the time that takes must not count as silence.
     std::vector<std::string> frames;
-    for (int i = 0; i < 15; ++i) frames.push_back("FRAME\n" + raw_frame(i));
+    for (int i = 0; i < 15; ++i) frames.push_back(testing::disc_stream_frame(i));
     std::atomic<bool> is_over{false};
     std::thread writer([&] {
-        fifo.write(header());
+        fifo.write(testing::disc_stream_header());
         for (const std::string& frame : frames) fifo.write(frame);
         while (!is_over) std::this_thread::sleep_for(std::chrono::milliseconds(20));
         fifo.close();
@@ -346,15 +333,14 @@ TEST_F(Live, TheRecordingGoesOnWithoutThePreview) {
     Fifo fifo(out_ / "camera");
     std::filesystem::create_directory(out_ / "pictures");
     std::thread writer([&] {
-        fifo.write(header());
-        for (int i = 0; i < 20; ++i) fifo.write("FRAME\n" + raw_frame(i));
+        testing::write_disc_stream(fifo, 20);
         // The first picture is there; the next one finds its folder gone.
         for (int i = 0; i < 600 && !std::filesystem::exists(out_ / "pictures/now.png"); ++i) {
             std::this_thread::sleep_for(std::chrono::milliseconds(100));
         }
         std::filesystem::remove_all(out_ / "pictures");
         std::this_thread::sleep_for(std::chrono::milliseconds(1500));
-        for (int i = 20; i < 40; ++i) fifo.write("FRAME\n" + raw_frame(i));
+        for (int i = 20; i < 40; ++i) fifo.write(testing::disc_stream_frame(i));
         fifo.close();
     });
     const Outcome live =
@@ -372,8 +358,7 @@ TEST_F(Live, ACheckpointOfTheOutputThatIsReplacedIsRemoved) {
     }
     Fifo fifo(out_ / "camera");
     std::thread writer([&] {
-        fifo.write(header());
-        for (int i = 0; i < 12; ++i) fifo.write("FRAME\n" + raw_frame(i));
+        testing::write_disc_stream(fifo, 12);
         fifo.close();
     });
     const Outcome live =
@@ -391,7 +376,7 @@ TEST_F(Live, AGStreamerPipelineIsACamera) {
     const Outcome live =
         run_grainfield({"track", "--live", pipeline, "--live-wait", "--polarity", "bright",
                         "--disc-diameter", "40", "-o", out_ / "live.h5", "--json", "-v"});
-    if (live.code == 3 && live.err.find("opens it") != std::string::npos) {
+    if (is_without_test_source(live)) {
         GTEST_SKIP() << "GStreamer has no videotestsrc here";
     }
     ASSERT_EQ(live.code, 0) << live.err;
@@ -411,7 +396,7 @@ TEST_F(Live, APipelineThatStallsEnds) {
     const Outcome live =
         run_grainfield({"track", "--live", pipeline, "--polarity", "bright", "--disc-diameter",
                         "40", "--live-silence", "4", "-o", out_ / "live.h5"});
-    if (live.code == 3 && live.err.find("opens it") != std::string::npos) {
+    if (is_without_test_source(live)) {
         GTEST_SKIP() << "GStreamer has no videotestsrc here";
     }
     EXPECT_EQ(live.code, 3) << live.err;
@@ -421,8 +406,7 @@ TEST_F(Live, APipelineThatStallsEnds) {
 TEST_F(Live, ASourceThatBreaksOffIsSaidAndWhatCameIsKept) {
     Fifo fifo(out_ / "camera");
     std::thread writer([&] {
-        fifo.write(header());
-        for (int i = 0; i < 12; ++i) fifo.write("FRAME\n" + raw_frame(i));
+        testing::write_disc_stream(fifo, 12);
         fifo.write("ERROR the camera gives no more frames\n");
         fifo.close();
     });

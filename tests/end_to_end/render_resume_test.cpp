@@ -12,6 +12,8 @@
 #include <signal.h>
 
 #include "core/support/random.h"
+#include "tests/support/fingerprint.h"
+#include "tests/support/md_words.h"
 #include "tests/support/program.h"
 
 namespace grainfield {
@@ -26,15 +28,15 @@ using testing::program;
 using testing::read_all;
 using testing::ScratchFolder;
 using testing::with;
-using Words = std::vector<std::string>;
+using testing::Words;
 
 /// A cell with periodic sides, which spheres cross, under a camera that loses frames.
 class RenderResume : public ::testing::TestWithParam<const char*> {
  protected:
     void SetUp() override {
         const Outcome outcome = testing::run_grainfield(
-            {"simulate", "md", "-o", layer_, "--grains", "90", "--length-x", "10", "--length-y",
-             "10", "--periods", "7", "--discard", "1", "--snapshot-every", "0.2"});
+            with(testing::md_words("90", "10"),
+                 {"-o", layer_, "--periods", "7", "--discard", "1", "--snapshot-every", "0.2"}));
         ASSERT_EQ(outcome.code, 0) << outcome.err;
     }
 
@@ -60,9 +62,7 @@ class RenderResume : public ::testing::TestWithParam<const char*> {
         } else {
             bytes = read_all(output_);
         }
-        const Outcome info = testing::run_grainfield({"info", truth_, "--fingerprint", "--json"});
-        EXPECT_EQ(info.code, 0) << info.err;
-        return bytes + json::parse(info.out).value("fingerprint", "none");
+        return bytes + testing::fingerprint(truth_);
     }
 
     void remove_output() const {
@@ -89,9 +89,7 @@ class RenderResume : public ::testing::TestWithParam<const char*> {
     void kill_after_checkpoint() const {
         const Process process(program(run()));
         // That of the first frame may be the second one of a folder.
-        for (int i = 0; i < 20000 && !is_there(); ++i) {
-            std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        }
+        process.let_work_until([&] { return is_there(); });
         process.send(SIGKILL);
         process.wait();
         ASSERT_TRUE(fs::exists(output_ + ".checkpoint"));
@@ -201,9 +199,8 @@ TEST_P(RenderResume, ResumedWhenItIsCompleteItSaysSo) {
 
 TEST_P(RenderResume, AnotherTrajectoryUnderTheSameNameIsRefused) {
     kill_after_checkpoint();
-    const Outcome md =
-        testing::run_grainfield({"simulate", "md", "-o", layer_, "--grains", "80", "--length-x",
-                                 "10", "--length-y", "10", "--periods", "2", "--force"});
+    const Outcome md = testing::run_grainfield(
+        with(testing::md_words("80", "10"), {"-o", layer_, "--periods", "2", "--force"}));
     ASSERT_EQ(md.code, 0) << md.err;
     const Outcome refused = testing::run_grainfield(run({"--resume"}));
     EXPECT_EQ(refused.code, 3);
@@ -218,9 +215,7 @@ TEST_P(RenderResumeFolder, PicturesThatAreGoneOrDamagedAreMadeAgain) {
     const std::string name = output_.substr(0, output_.size() - 1);
     {
         const Process process(program(run()));
-        for (int i = 0; i < 20000 && !fs::exists(name + "/frame-000012.tif"); ++i) {
-            std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        }
+        process.let_write(name + "/frame-000012.tif");
         process.send(SIGKILL);
         process.wait();
     }

@@ -20,7 +20,7 @@ using testing::Outcome;
 using testing::run_grainfield;
 using testing::ScratchFolder;
 
-using Words = std::vector<std::string>;
+using testing::Words;
 
 /// A small job; what stands in `more` as "--name value" replaces the default.
 Words job(const std::string& output, const Words& more = {}) {

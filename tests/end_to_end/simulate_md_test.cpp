@@ -4,7 +4,6 @@
 #include <fstream>
 #include <map>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <fmt/format.h>
@@ -13,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <signal.h>
 
+#include "tests/support/md_words.h"
 #include "tests/support/program.h"
 
 namespace grainfield {
@@ -29,9 +29,8 @@ using testing::ScratchFolder;
 using testing::with;
 
 std::vector<std::string> small_run(const std::string& output, const std::string& periods = "400") {
-    return {"simulate",         "md",   "-o",         output, "--grains",  "400",
-            "--length-x",       "20.5", "--length-y", "20.5", "--periods", periods,
-            "--snapshot-every", "7.3",  "--json"};
+    return with(testing::small_md(),
+                {"-o", output, "--periods", periods, "--snapshot-every", "7.3", "--json"});
 }
 
 /// Everything a run leaves: snapshots and time series as text.
@@ -125,10 +124,9 @@ TEST(SimulateMd, ThePresetOfAMinuteEndsInAReport) {
 
 TEST(SimulateMd, TakesTheVibrationInTheUnitsOfALab) {
     const ScratchFolder folder;
-    const std::vector<std::string> run{
-        "simulate",   "md",      "--grains",  "40", "--length-x",   "10",
-        "--length-y", "10",      "--periods", "2",  "--force",      "--snapshot-every",
-        "1",          "--gamma", "2.5",       "-o", folder / "a.h5"};
+    const auto run =
+        with(testing::md_words("40", "10"), {"--periods", "2", "--force", "--snapshot-every", "1",
+                                             "--gamma", "2.5", "-o", folder / "a.h5"});
     const Outcome lab =
         testing::run_grainfield(with(run, {"--frequency", "80", "--sphere-mm", "1"}));
     ASSERT_EQ(lab.code, 0) << lab.err;
@@ -170,9 +168,8 @@ TEST(SimulateMd, TakesGammaOfTheCommandLineWithAFileThatHasAmplitudeAndFrequency
 
 TEST(SimulateMd, SaysBeforeItRunsThatNoSnapshotWillBeWritten) {
     const ScratchFolder folder;
-    const std::vector<std::string> run{
-        "simulate", "md",        "-o", folder / "a.h5", "--grains", "40",        "--length-x",
-        "10",       "--periods", "3",  "--length-y",    "10",       "--discard", "5"};
+    const auto run = with(testing::md_words("40", "10"),
+                          {"-o", folder / "a.h5", "--periods", "3", "--discard", "5"});
     const Outcome plan = testing::run_grainfield(with(run, {"--explain"}));
     EXPECT_THAT(plan.out, HasSubstr("skip snapshots"));
     const Outcome done = testing::run_grainfield(run);
@@ -257,28 +254,10 @@ TEST(SimulateMd, RefusesForeignAndDamagedCheckpoints) {
 
 TEST(SimulateMd, KeepsWhatWasSampledBeforeACollapse) {
     const ScratchFolder folder;
-    const Outcome outcome = testing::run_grainfield({"simulate",
-                                                     "md",
-                                                     "-o",
-                                                     folder / "a.h5",
-                                                     "--grains",
-                                                     "200",
-                                                     "--length-x",
-                                                     "20.5",
-                                                     "--length-y",
-                                                     "20.5",
-                                                     "--periods",
-                                                     "400",
-                                                     "--snapshot-every",
-                                                     "0.5",
-                                                     "--amplitude",
-                                                     "0",
-                                                     "--plate-restitution",
-                                                     "0.5",
-                                                     "--grain-restitution",
-                                                     "0.9",
-                                                     "--event-limit",
-                                                     "20000"});
+    const Outcome outcome = testing::run_grainfield(with(
+        testing::md_words("200", "20.5"),
+        {"-o", folder / "a.h5", "--periods", "400", "--snapshot-every", "0.5", "--amplitude", "0",
+         "--plate-restitution", "0.5", "--grain-restitution", "0.9", "--event-limit", "20000"}));
     EXPECT_EQ(outcome.code, 5);
     EXPECT_THAT(outcome.err, HasSubstr("inelastic collapse: grain"));
     EXPECT_EQ(folder.entries(), 1U) << "no snapshots, no checkpoint";
@@ -307,24 +286,9 @@ TEST(SimulateMd, StopsWhileItMeltsTheLattice) {
 // Grains at rest hop millions of times in the first window.
 TEST(SimulateMd, StopsWithinAWindowThatLastsLong) {
     const ScratchFolder folder;
-    const std::vector<std::string> run{"simulate",
-                                       "md",
-                                       "-o",
-                                       folder / "a.h5",
-                                       "--grains",
-                                       "300",
-                                       "--length-x",
-                                       "20",
-                                       "--length-y",
-                                       "20",
-                                       "--gravity",
-                                       "1e5",
-                                       "--contact-time",
-                                       "1e-5",
-                                       "--event-limit",
-                                       "4000000000",
-                                       "--periods",
-                                       "20"};
+    const auto run = with(testing::md_words("300", "20"),
+                          {"-o", folder / "a.h5", "--gravity", "1e5", "--contact-time", "1e-5",
+                           "--event-limit", "4000000000", "--periods", "20"});
     const Process process(program(run));
     process.let_work(std::chrono::milliseconds(700), SIGTERM);
     const auto start = std::chrono::steady_clock::now();
@@ -355,14 +319,10 @@ TEST(SimulateMd, StopsWhileItStarts) {
 // The first checkpoint is made when the run is done; then its snapshots go to the output.
 TEST(SimulateMd, StopsWhileItWritesTheSnapshots) {
     const ScratchFolder folder;
-    const std::vector<std::string> run{"simulate",         "md",    "-o",         folder / "a.h5",
-                                       "--grains",         "400",   "--length-x", "20.5",
-                                       "--length-y",       "20.5",  "--periods",  "2",
-                                       "--snapshot-every", "0.001", "--order"};
+    const auto run = with(testing::small_md(), {"-o", folder / "a.h5", "--periods", "2",
+                                                "--snapshot-every", "0.001", "--order"});
     const Process process(program(run));
-    for (int i = 0; i < 12000 && !std::filesystem::exists(folder / "a.h5.checkpoint"); ++i) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
+    process.let_write(folder / "a.h5.checkpoint");
     const auto start = std::chrono::steady_clock::now();
     process.send(SIGINT);
     const Outcome outcome = process.wait();

@@ -84,9 +84,7 @@ class TrackResume : public ::testing::Test {
 
     Outcome stop_after_checkpoint(const std::vector<std::string>& words, int signal) {
         const Process process(program(words));
-        for (int i = 0; i < 3000 && !fs::exists(folder_ / "t.h5.checkpoint"); ++i) {
-            std::this_thread::sleep_for(std::chrono::milliseconds(2));
-        }
+        process.let_write(folder_ / "t.h5.checkpoint");
         process.send(signal);
         return process.wait();
     }

@@ -5,7 +5,6 @@
 #include <fstream>
 #include <sstream>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -17,6 +16,7 @@
 #include "core/version.h"
 #include "io/h5/checkpoint_file.h"
 #include "tests/support/disc_sequence.h"
+#include "tests/support/md_words.h"
 #include "tests/support/program.h"
 
 namespace grainfield {
@@ -33,7 +33,7 @@ using testing::program;
 using testing::run_grainfield;
 using testing::ScratchFolder;
 using testing::with;
-using Words = std::vector<std::string>;
+using testing::Words;
 
 /// Two columns of a table with a header.
 std::vector<Vec2> columns(const std::string& csv, const std::string& x, const std::string& y) {
@@ -122,9 +122,7 @@ TEST(Case21, AFitOfACurveThatIsImpossibleGivesAReasonAndNoNumber) {
 }
 
 Words small_layer(const std::string& output) {
-    return {"simulate",         "md",   "-o",         output, "--grains",  "400",
-            "--length-x",       "20.5", "--length-y", "20.5", "--periods", "400",
-            "--snapshot-every", "7.3"};
+    return with(testing::small_md(), {"-o", output, "--periods", "400", "--snapshot-every", "7.3"});
 }
 
 TEST(Case22, InelasticCollapseAndAStalledClockEndWithFiveGrainAndTime) {
@@ -200,9 +198,7 @@ class Case25 : public ::testing::Test {
 
     void interrupt(const Words& words) {
         const Process process(program(with(words, {"-o", folder_ / "a.h5"})));
-        for (int i = 0; i < 6000 && !fs::exists(checkpoint_); ++i) {
-            std::this_thread::sleep_for(std::chrono::milliseconds(5));
-        }
+        process.let_write(checkpoint_);
         process.send(SIGKILL);
         process.wait();
         ASSERT_TRUE(fs::exists(checkpoint_));
@@ -228,8 +224,7 @@ class Case25 : public ::testing::Test {
 };
 
 TEST_F(Case25, ACheckpointOfAnotherConfigurationIsRefusedWithTheDifference) {
-    Words md{"simulate",   "md",   "--grains",  "400",    "--length-x",         "20.5",
-             "--length-y", "20.5", "--periods", "100000", "--checkpoint-every", "0"};
+    const Words md = with(testing::small_md(), {"--periods", "100000", "--checkpoint-every", "0"});
     interrupt(md);
     expect_refused(with(md, {"--amplitude", "0.09"}),
                    "--amplitude: 0.08 in the checkpoint, 0.09 now");
@@ -244,8 +239,7 @@ TEST_F(Case25, ACheckpointOfAnotherConfigurationIsRefusedWithTheDifference) {
 
 // The signature is followed by the format's version.
 TEST_F(Case25, ACheckpointOfAnotherFormatVersionIsRefusedWithBoth) {
-    const Words md{"simulate",   "md",   "--grains",  "400",    "--length-x",         "20.5",
-                   "--length-y", "20.5", "--periods", "100000", "--checkpoint-every", "0"};
+    const Words md = with(testing::small_md(), {"--periods", "100000", "--checkpoint-every", "0"});
     interrupt(md);
     const std::string good = testing::read_all(checkpoint_);
     using namespace std::string_literals;
@@ -259,8 +253,7 @@ TEST_F(Case25, ACheckpointOfAnotherFormatVersionIsRefusedWithBoth) {
 
 // A sound checkpoint in every other respect: its numbers may mean something else to this program.
 TEST_F(Case25, ACheckpointOfAnotherProgramVersionIsRefusedWithBoth) {
-    const Words md{"simulate",   "md",   "--grains",  "400",    "--length-x",         "20.5",
-                   "--length-y", "20.5", "--periods", "100000", "--checkpoint-every", "0"};
+    const Words md = with(testing::small_md(), {"--periods", "100000", "--checkpoint-every", "0"});
     interrupt(md);
     Checkpoint other = io::read_checkpoint(checkpoint_);
     ASSERT_EQ(other.texts["program version"], std::vector<std::string>{kVersion});

@@ -8,29 +8,25 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 #include <signal.h>
 
 #include "core/support/random.h"
 #include "tests/support/disc_sequence.h"
+#include "tests/support/fingerprint.h"
+#include "tests/support/md_words.h"
 #include "tests/support/program.h"
 
 namespace grainfield {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::fingerprint;
 using testing::Outcome;
 using testing::Process;
 using testing::program;
 using testing::ScratchFolder;
 using testing::with;
-using Words = std::vector<std::string>;
-
-std::string fingerprint(const std::string& file) {
-    const Outcome outcome = testing::run_grainfield({"info", file, "--fingerprint", "--json"});
-    EXPECT_EQ(outcome.code, 0) << outcome.err;
-    return nlohmann::json::parse(outcome.out).value("fingerprint", "");
-}
+using testing::Words;
 
 int kills_wanted() {
     const char* given = std::getenv("GRAINFIELD_KILLS");
@@ -72,9 +68,8 @@ void expect_same_after_kills(const Words& job) {
 }
 
 TEST(Case16, MolecularDynamicsKilledAtRandomTimesEndsInTheSameData) {
-    expect_same_after_kills({"simulate", "md", "--grains", "400", "--length-x", "20.5",
-                             "--length-y", "20.5", "--snapshot-every", "7", "--periods", "150",
-                             "--checkpoint-every", "0"});
+    expect_same_after_kills(with(testing::small_md(), {"--snapshot-every", "7", "--periods", "150",
+                                                       "--checkpoint-every", "0"}));
 }
 
 TEST(Case16, AFieldRunKilledAtRandomTimesEndsInTheSameData) {
@@ -93,9 +88,7 @@ TEST(Case16, TrackingKilledAtRandomTimesEndsInTheSameData) {
 TEST(Case16, ARunKilledBeforeItsFirstCheckpointStartsAnew) {
     const ScratchFolder folder;
     const auto run_of = [&](const char* periods) {
-        return Words{"simulate",   "md",   "--grains",  "400",   "--length-x", "20.5",
-                     "--length-y", "20.5", "--periods", periods, "-o",         folder / "a.h5",
-                     "--resume"};
+        return with(testing::small_md(), {"--periods", periods, "-o", folder / "a.h5", "--resume"});
     };
     const Process process(program(run_of("100000")));  // minutes: it cannot end before the kill
     process.let_work(std::chrono::milliseconds(100), SIGINT);

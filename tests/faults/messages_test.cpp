@@ -1,16 +1,15 @@
 // Also cases 18 and 19 of docs/reliability.md. What is said when something is wrong names the file,
 // and is safe to print.
-#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <string>
-#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 
 #include "tests/support/disc_sequence.h"
+#include "tests/support/md_words.h"
 #include "tests/support/program.h"
 
 namespace grainfield {
@@ -24,6 +23,7 @@ using testing::Outcome;
 using testing::Process;
 using testing::program;
 using testing::ScratchFolder;
+using testing::with;
 
 TEST(Messages, OfAnErrorInAnInputNameIt) {
     const ScratchFolder folder;
@@ -58,9 +58,7 @@ TEST(Case19, ASecondWriterIsRefusedAndNotToldOfAnInterruptedRun) {
         "simulate",           "field", "--nx", "256",          "--record", "1e5",
         "--checkpoint-every", "0.05",  "-o",   folder / "x.h5"};
     const Process first(program(job));
-    for (int i = 0; i < 6000 && !fs::exists(folder / "x.h5.checkpoint"); ++i) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
+    first.let_write(folder / "x.h5.checkpoint");
     const Outcome second = testing::run_grainfield(job);
     EXPECT_EQ(second.code, 4);
     EXPECT_THAT(second.err,
@@ -78,9 +76,8 @@ TEST(Case19, ASecondWriterIsRefusedAndNotToldOfAnInterruptedRun) {
 TEST(Messages, OfTruthAndOutputOfOneNameSaySo) {
     const ScratchFolder folder;
     const std::string file = folder / "md.h5";
-    ASSERT_EQ(testing::run_grainfield({"simulate", "md", "--grains", "20", "--length-x", "8",
-                                       "--length-y", "8", "--periods", "1", "--snapshot-every", "1",
-                                       "-o", file})
+    ASSERT_EQ(testing::run_grainfield(with(testing::md_words("20", "8"),
+                                           {"--periods", "1", "--snapshot-every", "1", "-o", file}))
                   .code,
               0);
     const std::string same = folder / "x.avi";
@@ -103,9 +100,9 @@ TEST(Messages, TwoHyphensEndTheOptions) {
 // libtiff spoke for itself.
 TEST(Case18, MessagesOfAFullDiskAreOnesOfTheProgram) {
     const ScratchFolder folder;
-    ASSERT_EQ(testing::run_grainfield({"simulate", "md", "--grains", "20", "--length-x", "8",
-                                       "--length-y", "8", "--periods", "1", "--snapshot-every", "1",
-                                       "-o", folder / "md.h5"})
+    ASSERT_EQ(testing::run_grainfield(
+                  with(testing::md_words("20", "8"),
+                       {"--periods", "1", "--snapshot-every", "1", "-o", folder / "md.h5"}))
                   .code,
               0);
     const Outcome outcome =

@@ -6,25 +6,21 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 #include "tests/support/disc_sequence.h"
+#include "tests/support/fingerprint.h"
+#include "tests/support/md_words.h"
 #include "tests/support/program.h"
 
 namespace grainfield {
 namespace {
 
+using testing::fingerprint;
 using ::testing::HasSubstr;
 using testing::Outcome;
 using testing::ScratchFolder;
 using testing::with;
-using Words = std::vector<std::string>;
-
-std::string fingerprint(const std::string& file) {
-    const Outcome outcome = testing::run_grainfield({"info", file, "--fingerprint", "--json"});
-    EXPECT_EQ(outcome.code, 0) << outcome.err;
-    return nlohmann::json::parse(outcome.out).value("fingerprint", "");
-}
+using testing::Words;
 
 class SameData : public ::testing::Test {
  protected:
@@ -72,16 +68,14 @@ TEST_F(Case24, TrackingAndItsAnalysisGiveTheSameDataWithOneTwoAndEightThreads) {
 }
 
 TEST_F(SameData, OfAnotherSeedHaveAnotherFingerprint) {
-    const Words job{"simulate", "md",         "--grains", "40",        "--length-x",
-                    "8",        "--length-y", "8",        "--periods", "2"};
+    const Words job = with(testing::md_words("40", "8"), {"--periods", "2"});
     const std::string one = made_with("1", with(job, {"--seed", "1"}), "a");
     const std::string other = made_with("1", with(job, {"--seed", "2"}), "b");
     EXPECT_NE(fingerprint(one), fingerprint(other));
 }
 
 TEST_F(SameData, OfAFileThatWasChangedAreRefused) {
-    const Words job{"simulate", "md",         "--grains", "40",        "--length-x",
-                    "8",        "--length-y", "8",        "--periods", "2"};
+    const Words job = with(testing::md_words("40", "8"), {"--periods", "2"});
     const std::string file = made_with("1", job, "a");
     const std::string good = testing::read_all(file);
     // The stored digest itself, as text: any other digit is a lie.

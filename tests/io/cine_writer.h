@@ -98,7 +98,7 @@ struct CineWriter {
     }
 
     void append_pixels(std::string& out, int frame) const {
-        std::string packed;  // one character a bit
+        std::string bits_in_a_row;
         for (int row = 0; row < height; ++row) {
             const int y = packing != 0 || is_upright ? row : height - 1 - row;
             for (int x = 0; x < width; ++x) {
@@ -110,14 +110,10 @@ struct CineWriter {
                     }
                     continue;
                 }
-                for (int bit = bits_a_pixel() - 1; bit >= 0; --bit) {
-                    packed += (count >> static_cast<unsigned>(bit) & 1U) != 0 ? '1' : '0';
-                }
+                bits_in_a_row += picture_files::bits_of(count, bits_a_pixel());
             }
         }
-        for (std::size_t i = 0; i < packed.size(); i += 8) {
-            out += static_cast<char>(std::stoi(packed.substr(i, 8), nullptr, 2));
-        }
+        out += picture_files::packed(bits_in_a_row);
     }
 };
 

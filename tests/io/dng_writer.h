@@ -128,21 +128,16 @@ struct DngWriter {
     std::string packed_rows() const {
         std::string out;
         for (int y = 0; y < height; ++y) {
-            std::string row;  // one character a bit
+            std::string row;  // of bits
             for (int x = 0; x < width; ++x) {
                 const unsigned count = picture_files::count_at(x, y, bits, frame);
                 if (bits == 16) {
                     append(out, count, 2);
                     continue;
                 }
-                for (int bit = bits - 1; bit >= 0; --bit) {
-                    row += (count >> static_cast<unsigned>(bit) & 1U) != 0 ? '1' : '0';
-                }
+                row += picture_files::bits_of(count, bits);
             }
-            while (row.size() % 8 != 0) row += '0';
-            for (std::size_t i = 0; i < row.size(); i += 8) {
-                out += static_cast<char>(std::stoi(row.substr(i, 8), nullptr, 2));
-            }
+            out += picture_files::packed(row);
         }
         return out;
     }

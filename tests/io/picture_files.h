@@ -42,6 +42,25 @@ inline std::vector<std::uint8_t> row_bytes(int width, int y, int depth, int fram
     return row;
 }
 
+/// The lowest `bits` of a count, highest first, one character a bit.
+inline std::string bits_of(unsigned count, int bits) {
+    std::string out;
+    for (int bit = bits - 1; bit >= 0; --bit) {
+        out += (count >> static_cast<unsigned>(bit) & 1U) != 0 ? '1' : '0';
+    }
+    return out;
+}
+
+/// Such bits as bytes, zeros behind the last ones.
+inline std::string packed(std::string bits) {
+    while (bits.size() % 8 != 0) bits += '0';
+    std::string out;
+    for (std::size_t i = 0; i < bits.size(); i += 8) {
+        out += static_cast<char>(std::stoi(bits.substr(i, 8), nullptr, 2));
+    }
+    return out;
+}
+
 struct TiffStyle {
     int depth = 8;
     int samples = 1;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
@@ -20,6 +21,8 @@ extern char** environ;
 
 namespace grainfield::testing {
 
+using Words = std::vector<std::string>;
+
 inline std::string read_all(const std::filesystem::path& path) {
     std::ifstream file(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
@@ -35,7 +38,7 @@ struct Outcome {
 /// A process with captured output; the first word is the program.
 class Process {
  public:
-    explicit Process(std::vector<std::string> words) {
+    explicit Process(Words words) {
         posix_spawn_file_actions_t files;
         posix_spawn_file_actions_init(&files);
         const int flags = O_WRONLY | O_CREAT | O_TRUNC;
@@ -63,6 +66,21 @@ class Process {
         std::this_thread::sleep_for(time);
     }
 
+    /// Lets the program work until the condition is met, which is asked each millisecond. A minute
+    /// at most.
+    template <class Condition>
+    void let_work_until(const Condition& is_met) const {
+        const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+        while (!is_met() && std::chrono::steady_clock::now() < end) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+    }
+
+    /// Lets the program work until there is such a file. A minute at most.
+    void let_write(const std::filesystem::path& file) const {
+        let_work_until([&] { return std::filesystem::exists(file); });
+    }
+
     Outcome wait() const {
         int status = 0;
         ::waitpid(pid_, &status, 0);
@@ -87,20 +105,19 @@ class Process {
     pid_t pid_ = -1;
 };
 
-inline std::vector<std::string> with(std::vector<std::string> words,
-                                     const std::vector<std::string>& more) {
+inline Words with(Words words, const Words& more) {
     words.insert(words.end(), more.begin(), more.end());
     return words;
 }
 
 /// The grainfield program of this build with these words.
-inline std::vector<std::string> program(std::vector<std::string> words) {
+inline Words program(Words words) {
     words.insert(words.begin(), GRAINFIELD_PROGRAM);
     return words;
 }
 
 /// Runs it to its end.
-inline Outcome run_grainfield(std::vector<std::string> words) {
+inline Outcome run_grainfield(Words words) {
     return Process(program(std::move(words))).wait();
 }
 

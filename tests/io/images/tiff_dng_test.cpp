@@ -10,6 +10,7 @@
 #include "core/support/random.h"
 #include "io/frame_files.h"
 #include "tests/io/dng_writer.h"
+#include "tests/io/film_file.h"
 #include "tests/io/picture_files.h"
 
 namespace grainfield::io {
@@ -24,16 +25,9 @@ using ::testing::ThrowsMessage;
 
 constexpr int width = DngWriter::width, height = DngWriter::height;
 
-class Dng : public ::testing::Test {
+class Dng : public FilmFile {
  protected:
-    std::unique_ptr<FrameSource> open(const std::string& content,
-                                      const FrameFileOptions& options = {}) {
-        write_content(path_, content);
-        return open_frames({path_}, options);
-    }
-
-    testing::ScratchFolder folder_;
-    std::string path_ = folder_ / "shot.dng";
+    Dng() : FilmFile("shot.dng") {}
 };
 
 TEST_F(Dng, KeepsEveryBitOfTheSensor) {
@@ -194,12 +188,7 @@ TEST_F(Dng, WithRandomBytesChangedNeverCrashes) {
         for (int n = 0; n < 2; ++n) {
             damaged[random.below(whole.size())] = static_cast<char>(random.below(256));
         }
-        try {
-            open(damaged, {.fps = {}, .max_pixels = 1 << 20})->read(0);
-            ++opened;
-        } catch (const InputError& error) {
-            EXPECT_THAT(error.what(), HasSubstr("shot.dng"));
-        }
+        if (opens_or_is_refused(damaged, {.fps = {}, .max_pixels = 1 << 20})) ++opened;
     }
     EXPECT_GT(opened, 0);
     EXPECT_LT(opened, 1000);

@@ -8,7 +8,7 @@
 #include "core/errors.h"
 #include "io/h5/results_file.h"
 #include "io/h5/trajectory_file.h"
-#include "tests/io/h5/cut_column.h"
+#include "tests/io/h5/cut_off_run.h"
 #include "tests/support/scratch_folder.h"
 
 namespace grainfield::pipelines {
@@ -104,20 +104,8 @@ TEST(AnalyzeJob, RepeatsTheWarningsOfATrackThatStillHold) {
 
 TEST(AnalyzeJob, WarnsOfTheFramesThatAKilledRunDidNotFinish) {
     const testing::ScratchFolder folder;
-    {
-        io::TrajectoryWriter writer(folder / "t.h5", TrajectoryInfo{}, Overwrite::force);
-        Snapshot snapshot;
-        snapshot.box.length = {100, 100};
-        snapshot.position = {{10, 10}, {30, 40}};
-        for (snapshot.frame = 0; snapshot.frame < 4; ++snapshot.frame) {
-            snapshot.time = static_cast<double>(snapshot.frame);
-            writer.write(snapshot);
-        }
-        std::filesystem::copy_file(folder / "t.h5.partial", folder / "left.h5");
-    }
-    io::cut_column(folder / "left.h5", "/particles/trajectory/position/time", 1);
     Job job;
-    job.inputs = {folder / "left.h5"};
+    job.inputs = {io::write_cut_off_run(folder)};
     AnalyzeJobOptions options;
     options.output = folder / "r.h5";
     plan_analysis(options, job);

@@ -12,7 +12,7 @@
 #include "core/support/progress.h"
 #include "io/video/live_frames.h"
 #include "tests/support/collect.h"
-#include "tests/support/disc_sequence.h"
+#include "tests/support/disc_stream.h"
 #include "tests/support/fifo.h"
 #include "tests/support/scratch_folder.h"
 #include "tracking/tracker.h"
@@ -35,12 +35,7 @@ LiveRun run_with_gap(int dropped, const tracking::TrackOptions& options) {
     testing::Fifo fifo(folder / "camera");
     const int all = opening + dropped + queue;
     std::thread writer([&] {
-        const testing::LayerScene scene = testing::few_discs();
-        fifo.write(testing::yuv4mpeg_header(testing::kPictureSize, testing::kPictureSize, "mono"));
-        for (int i = 0; i < all; ++i) {
-            const auto bytes = testing::bytes_of(testing::disc_frame(scene, i));
-            fifo.write("FRAME\n" + std::string(bytes.begin(), bytes.end()));
-        }
+        testing::write_disc_stream(fifo, all);
         fifo.close();
     });
     io::LiveOptions live;
