@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "io/file_kind.h"
 #include "io/images/file_numbering.h"
 #include "io/images/image_sequence.h"
 #include "io/images/photron_raw.h"
@@ -78,6 +79,33 @@ void require_same_kind(const std::filesystem::path& path, const std::filesystem:
                       .suggestion = "give the files of one film"});
 }
 
+/// Positions and results are no film, and libraries for videos would only say that data are wrong.
+void require_pictures(const std::filesystem::path& path, std::span<const ImageFormat> formats) {
+    if (format_of(path, formats) != nullptr) return;
+    const auto refuse = [&](const char* what, const char* suggestion) {
+        throw InputError({.problem = fmt::format("'{}' is not a film", path.string()),
+                          .actual = what,
+                          .expected = "a video or images",
+                          .suggestion = suggestion});
+    };
+    switch (identify(path)) {
+        case FileKind::trajectory:
+            refuse("positions", "analyze them, or render frames of a simulation first");
+            break;
+        case FileKind::points:
+            refuse("a list of points", "analyze them");
+            break;
+        case FileKind::field:
+            refuse("fields", "analyze them");
+            break;
+        case FileKind::results:
+            refuse("results of an analysis", "compare them");
+            break;
+        case FileKind::unknown:
+            break;
+    }
+}
+
 }  // namespace
 
 std::unique_ptr<FrameSource> open_frames(const std::vector<std::filesystem::path>& given,
@@ -90,7 +118,10 @@ std::unique_ptr<FrameSource> open_frames(const std::vector<std::filesystem::path
                           .expected = "one video or a list of images",
                           .suggestion = "name the files, e.g. run7/*.tif"});
     }
-    for (const auto& input : given) require_input_file(input);
+    for (const auto& input : given) {
+        require_input_file(input);
+        require_pictures(input, formats);
+    }
     const std::vector<std::filesystem::path> inputs = each_photron_once(given);
     // The first part of a recording is a full one; the last may hold a single page.
     const auto& first = *std::ranges::min_element(

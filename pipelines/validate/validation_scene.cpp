@@ -81,6 +81,15 @@ OptionError needs(const char* problem, const char* suggestion) {
 
 ValidationScene given_scene(const SceneOptions& options, Job& job) {
     if (options.truth.empty()) {
+        for (const auto& input : job.inputs) {
+            if (std::filesystem::is_directory(input) || !std::filesystem::exists(input)) continue;
+            const io::FileKind kind = io::identify(input);
+            if (kind != io::FileKind::points && kind != io::FileKind::trajectory) continue;
+            throw OptionError({.problem = "frames were given without their truth",
+                               .actual = fmt::format("'{}' among the frames", input.string()),
+                               .expected = {},
+                               .suggestion = "give it as option 'truth'"});
+        }
         throw needs("frames were given without their truth",
                     "name the file of the true positions: option 'truth'");
     }

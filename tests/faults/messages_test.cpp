@@ -86,6 +86,22 @@ TEST(Messages, OfTruthAndOutputOfOneNameSaySo) {
     EXPECT_THAT(outcome.err, AllOf(HasSubstr("--truth"), HasSubstr(same)));
 }
 
+TEST(Messages, OfPositionsGivenAsAFilmSayWhatTheyAre) {
+    const ScratchFolder folder;
+    const std::string points = folder / "points.csv";
+    std::ofstream(points) << "frame,x,y\n0,1,2\n";
+    const Outcome film =
+        testing::run_grainfield({"track", points, "-o", folder / "t.h5", "--fps", "25"});
+    EXPECT_EQ(film.code, 3);
+    EXPECT_THAT(film.err, AllOf(HasSubstr(points), HasSubstr("a list of points"),
+                                HasSubstr("a video or images"), HasSubstr("analyze")));
+    const std::string frame = testing::write_disc_sequence(folder, 1)[0];
+    const Outcome truth =
+        testing::run_grainfield({"validate", frame, points, "-o", folder / "v.html"});
+    EXPECT_EQ(truth.code, 2);
+    EXPECT_THAT(truth.err, AllOf(HasSubstr(points), HasSubstr("--truth")));
+}
+
 TEST(Messages, TwoHyphensEndTheOptions) {
     const ScratchFolder folder;
     const std::string points = folder / "points.csv";
