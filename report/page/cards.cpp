@@ -161,11 +161,29 @@ CardValue diffusion(const Results& run, std::optional<double> /*sphere_mm*/) {
 
 CardValue at_long_waves(const Results& run, std::optional<double> /*sphere_mm*/) {
     if (const Measurement* s0 = known(run, "fit", "s0")) return {number(*s0), "S₀ of the fit"};
+    return {};
+}
+
+// Without a fit. Between walls of the modes that fit there: plane waves leak.
+CardValue at_lowest_k(const Results& run, std::optional<double> /*sphere_mm*/) {
+    if (known(run, "fit", "s0") != nullptr) return {};
+    const auto card = [&](const Measurement& s, double k, const Unit& unit, const char* modes) {
+        const Measurement at{"k", unit, k, std::nullopt, 0, ""};
+        return CardValue{number(s), fmt::format("k = {}{}",
+                                                with_unit(fmt::format("{:.3g}", k), run, at),
+                                                modes)};
+    };
+    const Measurement* walled = known(run, "sk", "s_neumann_lowest_k");
+    const Curve* curve = walled == nullptr ? nullptr : run.find("sk")->find_curve("sk_neumann");
+    const Column* of_curve = curve == nullptr ? nullptr : curve->find("k");
+    if (of_curve != nullptr && !of_curve->values.empty()) {
+        return card(*walled, of_curve->values.front(), of_curve->unit,
+                    ", modes that fit between the walls");
+    }
     const Measurement* s = known(run, "sk", "s_lowest_k");
     const Measurement* k = known(run, "sk", "lowest_k");
     if (s == nullptr || k == nullptr) return {};
-    return {number(*s), fmt::format("S(k) at the lowest k, {}",
-                                    with_unit(fmt::format("{:.3g}", *k->value), run, *k))};
+    return card(*s, *k->value, k->unit, "");
 }
 
 CardValue residual(const Results& run, std::optional<double> /*sphere_mm*/) {
@@ -220,6 +238,7 @@ std::vector<Card> make_cards(const std::vector<Results>& runs, std::optional<dou
         {"Lattice spacing", spacing},
         {"Diffusion coefficient", diffusion},
         {"S(k→0)", at_long_waves, true},
+        {"S at the lowest k", at_lowest_k, true},
         {"residual", residual},
         {"Mean |Q₄|", order},
         {"Number density", density},

@@ -22,8 +22,8 @@ struct Card {
 };
 
 /// At most six cards that some run has a value for, in this order: spheres a frame, diameter, frame
-/// rate, shares of the phases with the rest, lattice spacing, diffusion coefficient or S(k→0); then
-/// residual, mean order and number density for those that are missing. `sphere_mm`: true diameter
+/// rate, shares of the phases with the rest, lattice spacing, diffusion coefficient or S(k→0), or S
+/// at the lowest k; then residual, mean order and number density for those that are missing. `sphere_mm`: true diameter
 /// of the spheres [mm], for lengths in mm.
 std::vector<Card> make_cards(const std::vector<Results>& runs, std::optional<double> sphere_mm);
 

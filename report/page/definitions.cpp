@@ -24,6 +24,9 @@ constexpr std::array entries{
           "S₀ over S₁ of the fit S(k) = S₀ + S₁ (ka)^α. It goes to zero at the critical "
           "point."},
     Entry{"S(k→0)", "What S(k) tends to at long waves, S₀ of the fit S₀ + S₁ (ka)^α."},
+    Entry{"S at the lowest k",
+          "S(k) of the longest waves that were measured. It is no limit k → 0. Between walls it is "
+          "that of the modes that fit there: plane waves leak and give too little."},
     Entry{"S(k)",
           "Structure factor: the mean squared amplitude of density waves with wavevector "
           "k, over the number of spheres. 1 if spheres ignored one another."},

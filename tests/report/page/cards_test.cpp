@@ -93,6 +93,55 @@ TEST(Cards, OfOneFrameShowOtherNumbersInPlaceOfThoseThatItCannotHave) {
     EXPECT_THAT(titles, testing::Contains("residual"));
 }
 
+// A film without D, so that the card of long waves has its place.
+Results without_diffusion() {
+    Results run = film();
+    std::erase_if(run.observables, [](const auto& o) { return o.name == "msd"; });
+    return run;
+}
+
+ObservableResult& spectrum_of(Results& run) {
+    return *std::ranges::find(run.observables, "sk", &ObservableResult::name);
+}
+
+const Card* card_called(const std::vector<Card>& cards, const std::string& title) {
+    const auto card = std::ranges::find(cards, title, &Card::title);
+    return card == cards.end() ? nullptr : &*card;
+}
+
+TEST(Cards, BetweenWallsShowTheModesThatFitThereAtTheirOwnK) {
+    Results run = without_diffusion();
+    ObservableResult& sk = spectrum_of(run);
+    sk.measurements = {{"s_lowest_k", "-", 0.02, 0.001, 40, ""},
+                       {"s_neumann_lowest_k", "-", 0.03, 0.001, 40, ""},
+                       {"lowest_k", "1/a", 0.0314, std::nullopt, 0, ""}};
+    for (Curve& curve : sk.curves) {
+        if (curve.name == "sk_neumann") curve.columns[0].values.front() = 0.0157;
+    }
+    std::vector<Card> cards = make_cards({run}, std::nullopt);
+    EXPECT_EQ(card_called(cards, "S(k→0)"), nullptr) << "there is no fit";
+    const Card* card = card_called(cards, "S at the lowest k");
+    ASSERT_NE(card, nullptr);
+    EXPECT_EQ(card->values[0].value, "0.0300 ± 0.0010");
+    EXPECT_THAT(card->values[0].detail, HasSubstr("k = 0.0157"));
+    EXPECT_THAT(card->values[0].detail, HasSubstr("walls"));
+    std::erase_if(sk.measurements, [](const auto& m) { return m.name == "s_neumann_lowest_k"; });
+    cards = make_cards({run}, std::nullopt);
+    card = card_called(cards, "S at the lowest k");
+    ASSERT_NE(card, nullptr);
+    EXPECT_EQ(card->values[0].value, "0.0200 ± 0.0010");
+    EXPECT_THAT(card->values[0].detail, HasSubstr("k = 0.0314"));
+}
+
+TEST(Cards, ShowTheLimitOfTheFitWhereThereIsOne) {
+    Results run = without_diffusion();
+    run.observables.push_back({"fit", {{"s0", "-", 0.011, 0.002, 9, ""}}, {}, {}, "", 0});
+    const std::vector<Card> cards = make_cards({run}, std::nullopt);
+    ASSERT_NE(card_called(cards, "S(k→0)"), nullptr);
+    EXPECT_EQ(card_called(cards, "S(k→0)")->values[0].value, "0.0110 ± 0.0020");
+    EXPECT_EQ(card_called(cards, "S at the lowest k"), nullptr);
+}
+
 TEST(Cards, OfSeveralRunsNameEach) {
     const std::string html = cards_html(make_cards({film(), film()}, std::nullopt), {"A", "<B>"});
     EXPECT_THAT(html, HasSubstr("&lt;B&gt;"));
