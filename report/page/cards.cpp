@@ -1,6 +1,7 @@
 #include "report/page/cards.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 
@@ -227,6 +228,17 @@ std::optional<double> misfit_of_spheres(const Results& run, double residual) {
     return residual > much * misfit ? std::optional(misfit) : std::nullopt;
 }
 
+// "Field, 2D, b = 4, ν = 0.01; S₀ = 0.0110 ± 0.0020"
+std::string field_verdict(const Results& run) {
+    std::string text = legend_of(run.identity);
+    if (!text.empty()) text[0] = static_cast<char>(std::toupper(text[0]));
+    if (const Measurement* s0 = known(run, "fit", "s0")) return text + "; S₀ = " + number(*s0);
+    if (const Measurement* density = known(run, "field", "mean_density")) {
+        return text + "; mean density " + with_unit(number(*density), run, *density);
+    }
+    return text;
+}
+
 }  // namespace
 
 std::vector<Card> make_cards(const std::vector<Results>& runs, std::optional<double> sphere_mm) {
@@ -324,7 +336,7 @@ std::string verdict(const Results& run, std::optional<std::size_t> places) {
         text.pop_back();  // the full stop
         return text;
     }
-    if (run.identity.is_field()) return "fields";
+    if (run.identity.is_field()) return field_verdict(run);
     std::string text =
         fmt::format("{} sphere{} a frame", count_text(std::round(run.particles_mean)),
                     std::round(run.particles_mean) == 1 ? "" : "s");
@@ -336,10 +348,12 @@ std::string verdict(const Results& run, std::optional<std::size_t> places) {
         text += fmt::format("; {} place{} to look at", *places, *places == 1 ? "" : "s");
     } else if (places && residual != nullptr) {
         const std::optional<double> misfit = misfit_of_spheres(run, *residual->value);
-        text += misfit ? fmt::format(
-                             "; {:.3f} about the spheres: --region or --mask leaves the rest out",
-                             *misfit)
-                       : "; no place stands out";
+        if (misfit) {
+            text += fmt::format("; {:.3f} about the spheres: --region or --mask leaves the rest out",
+                                *misfit);
+        } else if (*residual->value <= fair_residual) {
+            text += "; no place stands out";
+        }
     }
     return text;
 }

@@ -32,6 +32,8 @@ std::string cards_html(const std::vector<Card>& cards, const std::vector<std::st
 
 /// One sentence: "10,314 spheres a frame; residual 0.059, good; 3 places to look at". A residual up
 /// to 0.07 of the contrast is good, up to 0.12 fair, poor beyond; only frames of a camera have one.
+/// That no place stands out is said where the residual is not poor. A field run: "Field, 2D, b = 4,
+/// ν = 0.01; S₀ = 0.0110 ± 0.0020", or its mean density.
 /// `places`: of all maps of the run; where none was drawn they are not known, and not spoken of.
 std::string verdict(const Results& run, std::optional<std::size_t> places);
 
