@@ -38,12 +38,13 @@ bool is_given_to_track(const RunRecord& record, const std::string& name) {
 
 }  // namespace
 
-Curve calibration_curve(double diameter, double edge_width, double residual) {
+Curve calibration_curve(double diameter, double edge_width, double residual, double noise) {
     return {curve_name,
             "Discs as the tracker sees them",
             {{"apparent_diameter", "px", "Apparent diameter D", {diameter}},
              {"edge_width", "px", "Edge width w", {edge_width}},
-             {"residual", "-", "Residual (RMS, of the contrast)", {residual}}},
+             {"residual", "-", "Residual (RMS, of the contrast)", {residual}},
+             {"noise", "-", "Noise of the camera (RMS, of the contrast)", {noise}}},
             {}};
 }
 
@@ -87,7 +88,8 @@ ObservableTitles lengths_titles() {
              {"sphere_mm", "True diameter a of the spheres"},
              {"apparent_diameter", "Apparent diameter D of the discs"},
              {"edge_width", "Edge width w of the discs"},
-             {"residual", "Residual of the image model (RMS, of the contrast)"}}};
+             {"residual", "Residual of the image model (RMS, of the contrast)"},
+             {"noise", "Noise of the camera (RMS, of the contrast)"}}};
 }
 
 }  // namespace grainfield::pipelines

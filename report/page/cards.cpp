@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "core/fit_quality.h"
 #include "core/run_identity.h"
 #include "report/figures/colours.h"
 #include "report/page/definitions.h"
@@ -17,8 +18,6 @@ namespace grainfield::report {
 namespace {
 
 constexpr std::size_t most_cards = 6;
-constexpr double good_residual = 0.07;  // of the contrast
-constexpr double fair_residual = 0.12;
 
 const Measurement* known(const Results& run, const char* observable, const std::string& name) {
     const ObservableResult* result = run.find(observable);
@@ -187,10 +186,20 @@ CardValue at_lowest_k(const Results& run, std::optional<double> /*sphere_mm*/) {
     return card(*s, *k->value, k->unit, "");
 }
 
+// Of the camera [contrast]; 0: the file does not say it.
+double noise_of(const Results& run) {
+    const Measurement* m = known(run, "lengths", "noise");
+    return m == nullptr ? 0 : *m->value;
+}
+
 CardValue residual(const Results& run, std::optional<double> /*sphere_mm*/) {
     const Measurement* m = known(run, "lengths", "residual");
     if (m == nullptr) return {};
-    return {fmt::format("{:.3f}", *m->value), "of the contrast, picture less image model"};
+    CardValue card{fmt::format("{:.3f}", *m->value), "of the contrast, picture less image model"};
+    if (const double noise = noise_of(run); noise > 0) {
+        card.detail += fmt::format("; noise {:.3f}", noise);
+    }
+    return card;
 }
 
 CardValue order(const Results& run, std::optional<double> /*sphere_mm*/) {
@@ -223,7 +232,7 @@ std::optional<double> misfit_of_spheres(const Results& run, double residual) {
             ++count;
         }
     }
-    if (residual <= fair_residual || count == 0) return std::nullopt;
+    if (fit_quality(residual, noise_of(run)) != FitQuality::poor || count == 0) return std::nullopt;
     const double misfit = std::sqrt(squares / count);
     return residual > much * misfit ? std::optional(misfit) : std::nullopt;
 }
@@ -323,11 +332,21 @@ std::string critical_sentence(const Results& run) {
     return text + ".";
 }
 
-std::string residual_words(double residual) {
-    const char* word = residual <= good_residual   ? "good"
-                       : residual <= fair_residual ? "fair"
-                                                   : "poor";
-    return fmt::format("residual {:.3f}, {}", residual, word);
+std::string residual_words(double residual, double noise) {
+    const auto word = [&] {
+        switch (fit_quality(residual, noise)) {
+            case FitQuality::good:
+                return "good";
+            case FitQuality::fair:
+                return "fair";
+            case FitQuality::poor:
+                break;
+        }
+        return "poor";
+    };
+    std::string text = fmt::format("residual {:.3f}, ", residual);
+    if (noise > 0) text += fmt::format("noise {:.3f}, ", noise);
+    return text + word();
 }
 
 std::string verdict(const Results& run, std::optional<std::size_t> places) {
@@ -342,7 +361,7 @@ std::string verdict(const Results& run, std::optional<std::size_t> places) {
                     std::round(run.particles_mean) == 1 ? "" : "s");
     const Measurement* residual = known(run, "lengths", "residual");
     if (residual != nullptr) {
-        text += "; " + residual_words(*residual->value);
+        text += "; " + residual_words(*residual->value, noise_of(run));
     }
     if (places && *places > 0) {
         text += fmt::format("; {} place{} to look at", *places, *places == 1 ? "" : "s");
@@ -351,7 +370,7 @@ std::string verdict(const Results& run, std::optional<std::size_t> places) {
         if (misfit) {
             text += fmt::format("; {:.3f} about the spheres: --region or --mask leaves the rest out",
                                 *misfit);
-        } else if (*residual->value <= fair_residual) {
+        } else if (fit_quality(*residual->value, noise_of(run)) != FitQuality::poor) {
             text += "; no place stands out";
         }
     }

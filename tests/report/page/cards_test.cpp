@@ -168,6 +168,21 @@ TEST(Verdict, JudgesTheResidualAndCountsPlaces) {
     EXPECT_EQ(verdict(run, 0), "10,274 spheres a frame") << "no camera, no residual";
 }
 
+TEST(Verdict, OfAFilmThatIsFittedToItsNoiseIsGood) {
+    EXPECT_EQ(residual_words(0.13, 0.12), "residual 0.130, noise 0.120, good");
+    EXPECT_EQ(residual_words(0.20, 0.12), "residual 0.200, noise 0.120, fair");
+    EXPECT_EQ(residual_words(0.13, 0.01), "residual 0.130, noise 0.010, poor");
+    EXPECT_EQ(residual_words(0.26, 0.26), "residual 0.260, noise 0.260, poor");
+    EXPECT_EQ(residual_words(0.13, 0), "residual 0.130, poor") << "an old file";
+    Results run = film();
+    run.particles_mean = 10274;
+    run.observables.back().measurements[1].value = 0.13;
+    EXPECT_EQ(verdict(run, 0), "10,274 spheres a frame; residual 0.130, poor");
+    run.observables.back().measurements.push_back({"noise", "-", 0.12, std::nullopt, 0, ""});
+    EXPECT_EQ(verdict(run, 0),
+              "10,274 spheres a frame; residual 0.130, noise 0.120, good; no place stands out");
+}
+
 TEST(Verdict, OfAFieldSaysItsParametersAndWhatItTendsTo) {
     Results run;
     run.identity = {.origin = Origin::field, .dimension = 2, .gradient_order = 4};
