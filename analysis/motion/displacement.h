@@ -41,7 +41,7 @@ OptionTable describe(DisplacementOptions& options);
 ///
 /// Errors: jackknife over 16 groups of particles (particles as independent; overlapping start
 /// times are thereby allowed for). D = slope/4 over the last decade of lags with free offset, so
-/// that localisation noise (4σ²) and exposure do not enter; exponent = d ln MSD/d ln τ there. What
+/// that localisation noise (4σ²) and exposure do not enter; exponent = d ln(MSD − 4σ²)/d ln τ there, σ = 0 unless given. What
 /// the offset says when exposure or noise are given: add_msd.
 ///
 /// On request the self part of the van Hove function, curve `van_hove`: the density of the

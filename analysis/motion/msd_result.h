@@ -29,7 +29,7 @@ struct MsdTable {
 /// (diffusion coefficient) and `exponent_*`, with jackknife errors over the groups.
 ///
 /// Both are fitted over the last decade of lags: MSD = 4 D t + c with weights 1/t² (equal relative
-/// errors), ln MSD = exponent · ln t + const. At least three lags are needed. Curve `msd_fit`: the
+/// errors), ln(MSD − 4 σ²) = exponent · ln t + const, where σ is 0 unless it is given. At least three lags are needed. Curve `msd_fit`: the
 /// lines. `offset_*` is c, which a position with noise σ per axis, averaged over an exposure t_e,
 /// makes (`savin2005`, `berglund2010`; for Brownian motion and lags t ≥ t_e)
 ///
