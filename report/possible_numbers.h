@@ -10,7 +10,8 @@ namespace grainfield::report {
 ///
 /// - of one frame: phases, S at the lowest k, the fit of S(k), and curves of these fits;
 /// - an averaging time of the phases that is longer than the film;
-/// - diffusion coefficient and offset where the MSD grows faster than t^1.5, which is flight;
+/// - diffusion coefficient and offset where the exponent of the MSD says flight or a cage
+///   (judge_diffusion);
 /// - number variance of other boxes where its error is half of it and more, and the whole of a box
 ///   of which less than half of the windows are left;
 /// - a number of samples below 2, of which no error can be made.

@@ -9,6 +9,7 @@
 
 #include "core/fit_quality.h"
 #include "core/run_identity.h"
+#include "report/diffusion.h"
 #include "report/figures/colours.h"
 #include "report/page/definitions.h"
 #include "report/text.h"
@@ -148,12 +149,14 @@ CardValue spacing(const Results& run, std::optional<double> sphere_mm) {
 CardValue diffusion(const Results& run, std::optional<double> /*sphere_mm*/) {
     for (const char* phase : {"liquid", "all"}) {
         const Measurement* d = known(run, "msd", std::string("d_") + phase);
-        if (d == nullptr) continue;
+        const Measurement* e = known(run, "msd", std::string("exponent_") + phase);
+        if (d == nullptr && e == nullptr) continue;
+        // All spheres do not stand for a liquid that was followed.
+        const DiffusionVerdict said = judge_diffusion(*run.find("msd"), phase);
+        if (d == nullptr || !said.is_diffusion) return {};
         std::string detail = std::string(phase) == "all" ? "all spheres" : phase;
-        if (const Measurement* e = known(run, "msd", std::string("exponent_") + phase)) {
-            detail += fmt::format("; MSD grows as t^{:.2f}", *e->value);
-            if (std::abs(*e->value - 1) > 0.1) detail += ", which is not yet diffusion";
-        }
+        if (e != nullptr) detail += fmt::format("; MSD grows as t^{:.2f}", *e->value);
+        if (!said.words.empty()) detail += ", " + said.words;
         return {with_unit(number(*d), run, *d), detail};
     }
     return {};

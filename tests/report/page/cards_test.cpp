@@ -133,6 +133,25 @@ TEST(Cards, BetweenWallsShowTheModesThatFitThereAtTheirOwnK) {
     EXPECT_THAT(card->values[0].detail, HasSubstr("k = 0.0314"));
 }
 
+TEST(Cards, ShowNoDiffusionOfAllSpheresInPlaceOfALiquidThatFlies) {
+    Results run = film();
+    ObservableResult& msd = *std::ranges::find(run.observables, "msd", &ObservableResult::name);
+    msd.measurements = {{"d_all", "a^2/time unit", 2, 0.1, 9, ""},
+                        {"d_liquid", "a^2/time unit", 3, 0.1, 9, ""},
+                        {"exponent_liquid", "-", 1.3, 0.01, 9, ""}};
+    EXPECT_EQ(card_called(make_cards({run}, std::nullopt), "Diffusion coefficient"), nullptr);
+    run = with_possible_numbers(run);
+    EXPECT_EQ(card_called(make_cards({run}, std::nullopt), "Diffusion coefficient"), nullptr);
+    ObservableResult& rest = *std::ranges::find(run.observables, "msd", &ObservableResult::name);
+    rest.measurements = {{"d_all", "a^2/time unit", 2, 0.1, 9, ""},
+                         {"exponent_all", "-", 1.05, 0.01, 9, ""},
+                         {"d_liquid", "a^2/time unit", std::nullopt, std::nullopt, 0, "no phases"}};
+    const std::vector<Card> cards = make_cards({run}, std::nullopt);
+    const Card* card = card_called(cards, "Diffusion coefficient");
+    ASSERT_NE(card, nullptr);
+    EXPECT_EQ(card->values[0].detail, "all spheres; MSD grows as t^{1.05}");
+}
+
 TEST(Cards, ShowTheLimitOfTheFitWhereThereIsOne) {
     Results run = without_diffusion();
     run.observables.push_back({"fit", {{"s0", "-", 0.011, 0.002, 9, ""}}, {}, {}, "", 0});
