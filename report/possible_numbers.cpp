@@ -42,12 +42,6 @@ void withhold_of_one_frame(ObservableResult& observable) {
     std::erase_if(observable.curves, [](const Curve& curve) { return curve.name == "fit"; });
 }
 
-// [time unit]; 0: not known
-double length_of_film(const Results& run) {
-    const double rate = run.source.frame_rate.value_or(0);
-    return rate > 0 ? static_cast<double>(run.frames) / rate : 0;
-}
-
 void withhold_long_window(ObservableResult& phase, double film) {
     for (Measurement& m : phase.measurements) {
         if (m.name != "averaging_time" || !m.value || film <= 0 || *m.value <= film) continue;
@@ -168,6 +162,15 @@ void withhold_uncertain_boxes(ObservableResult& synthetic) {
 }
 
 }  // namespace
+
+double length_of_film(const Results& run) {
+    const ObservableResult* lengths = run.find("lengths");
+    const Measurement* length =
+        lengths == nullptr ? nullptr : lengths->find_measurement("film_length");
+    if (length != nullptr && length->value) return *length->value;
+    const double rate = run.source.frame_rate.value_or(0);
+    return rate > 0 ? static_cast<double>(run.frames) / rate : 0;
+}
 
 Results with_possible_numbers(Results run) {
     for (ObservableResult& observable : run.observables) {

@@ -81,6 +81,15 @@ ObservableResult lengths_of(const SnapshotSource& file, const TrajectoryInfo& in
     return result;
 }
 
+void add_times(AdjustedSnapshots& snapshots, ObservableResult& lengths) {
+    const std::optional<FilmTimes> times = snapshots.times();
+    if (!times) return;
+    lengths.measurements.push_back({"film_length", "time unit", times->length, std::nullopt, 0,
+                                    "from the first to the last time stamp"});
+    lengths.measurements.push_back({"frame_interval", "time unit", times->interval, std::nullopt, 0,
+                                    "median of the time stamps"});
+}
+
 ObservableTitles lengths_titles() {
     return {"lengths",
             "Lengths",
@@ -89,7 +98,9 @@ ObservableTitles lengths_titles() {
              {"apparent_diameter", "Apparent diameter D of the discs"},
              {"edge_width", "Edge width w of the discs"},
              {"residual", "Residual of the image model (RMS, of the contrast)"},
-             {"noise", "Noise of the camera (RMS, of the contrast)"}}};
+             {"noise", "Noise of the camera (RMS, of the contrast)"},
+             {"film_length", "Length of the film"},
+             {"frame_interval", "Time from frame to frame"}}};
 }
 
 }  // namespace grainfield::pipelines

@@ -16,6 +16,9 @@ Curve calibration_curve(double diameter, double edge_width, double residual, dou
 ObservableResult lengths_of(const SnapshotSource& file, const TrajectoryInfo& info,
                             const Adjustment& adjustment);
 
+/// Adds the length of the film and the interval of its frames [time unit], by the time stamps.
+void add_times(AdjustedSnapshots& snapshots, ObservableResult& lengths);
+
 /// Of what has no file: a with the word alone.
 ObservableResult lengths_of(const TrajectoryInfo& info, const Adjustment& adjustment);
 

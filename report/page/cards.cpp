@@ -12,6 +12,7 @@
 #include "report/diffusion.h"
 #include "report/figures/colours.h"
 #include "report/page/definitions.h"
+#include "report/possible_numbers.h"
 #include "report/text.h"
 
 namespace grainfield::report {
@@ -113,9 +114,13 @@ CardValue frame_rate(const Results& run, std::optional<double> /*sphere_mm*/) {
     const bool in_frames = run.source.time_unit == TimeUnit::frame;
     if (!is_of_particles(run) || run.frames < 2 || in_frames || rate <= 0) return {};
     const std::string time = typeset_text(Unit("time unit"), run.source.time_unit);
+    // The rate is that of the camera, of which a selection takes some frames.
+    const Measurement* interval = known(run, "lengths", "frame_interval");
+    const double step = interval == nullptr ? 1 : std::round(*interval->value * rate);
+    const std::string taken = step > 1 ? fmt::format("; one frame in {:.0f} taken", step) : "";
     return {fmt::format("{:.4g} frames/{}", rate, time),
-            fmt::format("{}; {:.3g} {} in all{}", origin_of_rate(run),
-                        static_cast<double>(run.frames) / rate, time, vibration(run))};
+            fmt::format("{}{}; {:.3g} {} in all{}", origin_of_rate(run), taken, length_of_film(run),
+                        time, vibration(run))};
 }
 
 CardValue phases(const Results& run, std::optional<double> /*sphere_mm*/) {

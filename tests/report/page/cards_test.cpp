@@ -61,6 +61,18 @@ TEST(Cards, SayWhereTheFrameRateComesFrom) {
     EXPECT_THAT(make_cards({run}, std::nullopt)[2].values[0].detail, HasSubstr("as the film says"));
 }
 
+TEST(Cards, SayHowLongAFilmIsOfWhichOneFrameInTenWasTaken) {
+    Results run = film();
+    run.frames = 31;
+    EXPECT_THAT(make_cards({run}, std::nullopt)[2].values[0].detail, HasSubstr("; 0.062 s in all"));
+    run.observables.back().measurements.push_back(
+        {"film_length", "time unit", 0.62, std::nullopt, 0, ""});
+    run.observables.back().measurements.push_back(
+        {"frame_interval", "time unit", 0.02, std::nullopt, 0, ""});
+    EXPECT_THAT(make_cards({run}, std::nullopt)[2].values[0].detail,
+                HasSubstr("; one frame in 10 taken; 0.62 s in all"));
+}
+
 TEST(Cards, SayHowTheFilmWasVibrated) {
     Results run = film();
     run.source.origin = Origin::video;
