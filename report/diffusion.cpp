@@ -13,7 +13,7 @@ namespace grainfield::report {
 
 namespace {
 
-constexpr double most_apart = 0.1;   // of an exponent from that of diffusion
+constexpr double most_apart = 0.1;    // of an exponent from that of diffusion
 constexpr double large_offset = 0.1;  // of the MSD at the start of the decade
 // The slope of the MSD is that of t^0.8 or steeper. A cage of t^0.5 gives 0.5.
 constexpr double least_straight = 0.8;
@@ -32,8 +32,7 @@ Rows rows_of(const ObservableResult& msd, const char* name, const std::string& p
     if (t == nullptr || m == nullptr) return rows;
     const auto words = curve->text_columns.find("phase");
     if (words == curve->text_columns.end()) return rows;
-    const std::size_t n =
-        std::min({t->values.size(), m->values.size(), words->second.size()});
+    const std::size_t n = std::min({t->values.size(), m->values.size(), words->second.size()});
     for (std::size_t i = 0; i < n; ++i) {
         if (words->second[i] != phase || !std::isfinite(m->values[i])) continue;
         rows.t.push_back(t->values[i]);
@@ -72,8 +71,8 @@ std::optional<double> exponent_without_offset(const Rows& all, double first, dou
     }
     if (rows.t.size() < least_rows || !std::ranges::is_sorted(rows.t)) return std::nullopt;
     const double middle = std::sqrt(first * last);
-    const auto split = static_cast<std::size_t>(
-        std::ranges::upper_bound(rows.t, middle) - rows.t.begin());
+    const auto split =
+        static_cast<std::size_t>(std::ranges::upper_bound(rows.t, middle) - rows.t.begin());
     if (split < 2 || rows.t.size() - split < 2) return std::nullopt;
     const Half early = line_through(rows, 0, split);
     const Half late = line_through(rows, split, rows.t.size());

@@ -19,8 +19,8 @@ namespace grainfield::report {
 /// Files written by `analyze` keep all of them.
 Results with_possible_numbers(Results run);
 
-/// By its time stamps [time unit]; by the frame rate in files that do not hold it, where every frame
-/// of the film was taken. 0: not known.
+/// By its time stamps [time unit]; by the frame rate in files that do not hold it, where every
+/// frame of the film was taken. 0: not known.
 double length_of_film(const Results& run);
 
 /// Beside runs that have S(k), a walled run of one frame, whose mean density cannot be subtracted,

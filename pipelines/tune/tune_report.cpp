@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "pipelines/job.h"
 #include "core/fit_quality.h"
+#include "pipelines/job.h"
 #include "report/figures/figure_source.h"
 #include "report/page/cards.h"
 #include "report/text.h"
@@ -253,10 +253,10 @@ Table calibration_table(const Tuning& tuning) {
 
 std::string verdict(const Tuning& tuning) {
     const double spheres = std::round(tuning.particles_mean());
-    return fmt::format("{} sphere{} a frame; {} discs of {:.2f} px; {}",
-                       report::count_text(spheres), spheres == 1 ? "" : "s",
-                       tuning.model.polarity == Polarity::dark ? "dark" : "bright",
-                       tuning.model.disc.diameter, report::residual_words(tuning.residual_rms(), tuning.noise()));
+    return fmt::format(
+        "{} sphere{} a frame; {} discs of {:.2f} px; {}", report::count_text(spheres),
+        spheres == 1 ? "" : "s", tuning.model.polarity == Polarity::dark ? "dark" : "bright",
+        tuning.model.disc.diameter, report::residual_words(tuning.residual_rms(), tuning.noise()));
 }
 
 }  // namespace

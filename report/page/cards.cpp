@@ -177,9 +177,9 @@ CardValue at_lowest_k(const Results& run, std::optional<double> /*sphere_mm*/) {
     if (known(run, "fit", "s0") != nullptr) return {};
     const auto card = [&](const Measurement& s, double k, const Unit& unit, const char* modes) {
         const Measurement at{"k", unit, k, std::nullopt, 0, ""};
-        return CardValue{number(s), fmt::format("k = {}{}",
-                                                with_unit(fmt::format("{:.3g}", k), run, at),
-                                                modes)};
+        return CardValue{
+            number(s),
+            fmt::format("k = {}{}", with_unit(fmt::format("{:.3g}", k), run, at), modes)};
     };
     const Measurement* walled = known(run, "sk", "s_neumann_lowest_k");
     const Curve* curve = walled == nullptr ? nullptr : run.find("sk")->find_curve("sk_neumann");
@@ -260,16 +260,11 @@ std::string field_verdict(const Results& run) {
 
 std::vector<Card> make_cards(const std::vector<Results>& runs, std::optional<double> sphere_mm) {
     static constexpr Kind kinds[] = {
-        {"Spheres a frame", spheres},
-        {"Particle diameter a", diameter},
-        {"Frame rate", frame_rate},
-        {"Phases", phases},
-        {"Lattice spacing", spacing},
-        {"Diffusion coefficient", diffusion},
-        {"S(k→0)", at_long_waves, true},
-        {"S at the lowest k", at_lowest_k, true},
-        {"residual", residual},
-        {"Mean |Q₄|", order},
+        {"Spheres a frame", spheres},    {"Particle diameter a", diameter},
+        {"Frame rate", frame_rate},      {"Phases", phases},
+        {"Lattice spacing", spacing},    {"Diffusion coefficient", diffusion},
+        {"S(k→0)", at_long_waves, true}, {"S at the lowest k", at_lowest_k, true},
+        {"residual", residual},          {"Mean |Q₄|", order},
         {"Number density", density},
     };
     std::vector<Card> cards;
@@ -376,8 +371,8 @@ std::string verdict(const Results& run, std::optional<std::size_t> places) {
     } else if (places && residual != nullptr) {
         const std::optional<double> misfit = misfit_of_spheres(run, *residual->value);
         if (misfit) {
-            text += fmt::format("; {:.3f} about the spheres: --region or --mask leaves the rest out",
-                                *misfit);
+            text += fmt::format(
+                "; {:.3f} about the spheres: --region or --mask leaves the rest out", *misfit);
         } else if (fit_quality(*residual->value, noise_of(run)) != FitQuality::poor) {
             text += "; no place stands out";
         }

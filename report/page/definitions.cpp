@@ -34,9 +34,10 @@ constexpr std::array entries{
           "S(k) at k → 0 by the fit S₀ + S₁ (ka)^α: fluctuations of density at the largest "
           "scale."},
     Entry{"S₁", "Prefactor of the fit S(k) = S₀ + S₁ (ka)^α at small k."},
-    Entry{"MSD exponent",
-          "Slope of ln MSD against ln t over the last decade of lag times. 1: diffusion, 2: flight, "
-          "below 1: a cage, or an offset c of MSD = 4 D t + c, which only --localisation removes."},
+    Entry{
+        "MSD exponent",
+        "Slope of ln MSD against ln t over the last decade of lag times. 1: diffusion, 2: flight, "
+        "below 1: a cage, or an offset c of MSD = 4 D t + c, which only --localisation removes."},
     Entry{"MSD", "Mean squared displacement of a sphere in a lag time."},
     Entry{"Γ", "Acceleration of the vibration over gravity, A ω²/g."},
     Entry{"ε", "Distance to the critical acceleration, (Γc − Γ)/Γc: above zero in the liquid."},

@@ -161,12 +161,12 @@ void add_lines(PaperPanel& panel, const std::vector<Results>& runs,
         const PaperMeasurement found = paper_measurement(paper, runs);
         const Measurement* m = found.measurement;
         const Verdict said = verdict(paper, m);
-        panel.lines.push_back({fmt::format("{}: paper {}, ours {}", paper.name, paper_text(paper),
-                                           m != nullptr && m->value
-                                               ? fmt::format("{} ({})", measured_text(*m),
-                                                             labels[found.run])
-                                               : "not measured"),
-                               said.agreement, said.text()});
+        panel.lines.push_back(
+            {fmt::format("{}: paper {}, ours {}", paper.name, paper_text(paper),
+                         m != nullptr && m->value
+                             ? fmt::format("{} ({})", measured_text(*m), labels[found.run])
+                             : "not measured"),
+             said.agreement, said.text()});
     }
 }
 
@@ -401,18 +401,19 @@ std::vector<PaperPanel> paper_panels(const std::vector<Results>& runs,
     };
     std::vector<PaperPanel> panels;
     panels.push_back(order_panel(runs, labels, hints));
-    panels.push_back(
-        spectrum_panel("2a", "S grows as (ka)^1.12 from S₀/S₁ to a pre-peak.", films, runs, labels));
+    panels.push_back(spectrum_panel("2a", "S grows as (ka)^1.12 from S₀/S₁ to a pre-peak.", films,
+                                    runs, labels));
     panels.push_back(
         critical_panel("2b", "A line through the origin of ε.", critical(tracked), runs, labels));
     panels.push_back(variance_panel("2c", "It looks like β = 2.", films, hints));
     panels.push_back(spectrum_panel("2d", "The same in a periodic layer.", layers, runs, labels));
-    panels.push_back(critical_panel("2e", "A line, its zero left free.", critical(md), runs, labels));
+    panels.push_back(
+        critical_panel("2e", "A line, its zero left free.", critical(md), runs, labels));
     panels.push_back(
         variance_panel("2f", "Growth below β = 2 also off the critical point.", layers, hints));
     panels.push_back(spectrum_panel("2g", "S₀ + S₁k^α at small k.", fields, runs, labels));
-    panels.push_back(
-        critical_panel("2h", "A line that meets zero at a small finite ν.", critical(field), runs, labels));
+    panels.push_back(critical_panel("2h", "A line that meets zero at a small finite ν.",
+                                    critical(field), runs, labels));
     panels.push_back(variance_panel("2i", "As in the layer.", fields, hints));
     panels.push_back(motion_panel(runs, labels, hints));
     panels.push_back(boxes_panel(of_series(runs, labels, tracked, "synthetic"), hints));

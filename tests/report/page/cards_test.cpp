@@ -161,7 +161,7 @@ TEST(Cards, ShowNoDiffusionOfAllSpheresInPlaceOfALiquidThatFlies) {
     const std::vector<Card> cards = make_cards({run}, std::nullopt);
     const Card* card = card_called(cards, "Diffusion coefficient");
     ASSERT_NE(card, nullptr);
-    EXPECT_EQ(card->values[0].detail, "all spheres; MSD grows as t^{1.05}");
+    EXPECT_EQ(card->values[0].detail, "all spheres; MSD grows as t^1.05");
 }
 
 TEST(Cards, ShowTheLimitOfTheFitWhereThereIsOne) {

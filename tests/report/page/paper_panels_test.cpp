@@ -79,7 +79,8 @@ TEST(PaperPanels, MarkThePaperNumbersInTheFiguresOfTheRuns) {
     EXPECT_NEAR(std::ranges::min(peak->x), 0.15, 1e-12);
     EXPECT_NEAR(std::ranges::max(peak->x), 0.25, 1e-12);
     ASSERT_EQ(spectrum.lines.size(), 1U);
-    EXPECT_THAT(spectrum.lines[0].words, HasSubstr("paper ≈ 0.2, ours 0.260 ± 0.030 (tracked, Γ = 4)"));
+    EXPECT_THAT(spectrum.lines[0].words,
+                HasSubstr("paper ≈ 0.2, ours 0.260 ± 0.030 (tracked, Γ = 4)"));
     EXPECT_EQ(spectrum.lines[0].verdict, "agrees");
 }
 
