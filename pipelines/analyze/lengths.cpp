@@ -71,7 +71,9 @@ ObservableResult lengths_of(const SnapshotSource& file, const TrajectoryInfo& in
             const bool is_given = is_given_to_track(tracks->record(), column.name);
             result.measurements.push_back({column.name, column.unit, column.values.front(),
                                            std::nullopt, 0,
-                                           is_given ? "given to track" : "fitted by track"});
+                                           is_given                 ? "given to track"
+                                           : column.name == "noise" ? "measured by track"
+                                                                    : "fitted by track"});
         }
     }
     if (const auto mm = lab_units_in(tracks->curves()).sphere_mm) {

@@ -63,6 +63,7 @@ TEST(Lengths, HoldTheCalibrationBesideTheParticleDiameter) {
     EXPECT_EQ(lengths.find_measurement("apparent_diameter")->value, 9);
     EXPECT_EQ(lengths.find_measurement("residual")->value, 0.13);
     EXPECT_EQ(lengths.find_measurement("noise")->value, 0.12);
+    EXPECT_EQ(lengths.find_measurement("noise")->reason, "measured by track");
 }
 
 TEST(RunIdentity, OfMolecularDynamicsArrivesWhateverTheOptionsAreCalled) {
