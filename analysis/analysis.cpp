@@ -77,7 +77,8 @@ void plan_measurement(SnapshotSource& source, const AnalysisOptions& options, Ru
     }
     if (first.size() == 0) plan.warn("no frame has a particle");
     warn_if_unfilled(first, plan);
-    const PlanSetup setup{options, source.info(), frames, first};
+    const double interval = frames > 1 ? source.read(1).time - source.read(0).time : 0;
+    const PlanSetup setup{options, source.info(), frames, first, interval};
     for (const Observable& observable : wanted) observable.plan(setup, plan);
 }
 

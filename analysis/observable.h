@@ -38,6 +38,7 @@ struct PlanSetup {
     const TrajectoryInfo& info;
     std::int64_t frames = 0;
     const Pattern& first;
+    double interval = 0;  ///< from the first snapshot to the second [time unit]; 0: one
     bool is_linked() const { return !first.id.empty(); }
 };
 

@@ -102,7 +102,8 @@ std::string words(const Session& session, const TrackJobResult& result, const La
         text += "  weighed    " + tracking::in_words(result.weighed) + "\n";
     }
     if (result.has_residual()) {
-        text += fmt::format("  residual   {:.4f} of the contrast (RMS)\n", summary.residual_rms);
+        text += fmt::format("  residual   {:.4f} of the contrast (RMS), noise {:.4f}\n",
+                            summary.residual_rms, summary.noise);
     }
     if (summary.layers.spheres > 0) {
         text += fmt::format("  layers     {}; {} left out as impossible\n",

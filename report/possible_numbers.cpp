@@ -6,13 +6,11 @@
 #include <string_view>
 #include <utility>
 
-#include <fmt/format.h>
+#include "report/diffusion.h"
 
 namespace grainfield::report {
 
 namespace {
-
-constexpr double most_diffusive = 1.5;  // exponent of the MSD; 1: diffusion, 2: free flight
 
 void withhold(Measurement& m, const std::string& reason) {
     if (!m.value) return;
@@ -44,12 +42,6 @@ void withhold_of_one_frame(ObservableResult& observable) {
     std::erase_if(observable.curves, [](const Curve& curve) { return curve.name == "fit"; });
 }
 
-// [time unit]; 0: not known
-double length_of_film(const Results& run) {
-    const double rate = run.source.frame_rate.value_or(0);
-    return rate > 0 ? static_cast<double>(run.frames) / rate : 0;
-}
-
 void withhold_long_window(ObservableResult& phase, double film) {
     for (Measurement& m : phase.measurements) {
         if (m.name != "averaging_time" || !m.value || film <= 0 || *m.value <= film) continue;
@@ -73,19 +65,18 @@ void erase_line(ObservableResult& msd, const std::string& phase) {
     }
 }
 
-void withhold_flight(ObservableResult& msd) {
+void withhold_what_is_no_diffusion(ObservableResult& msd) {
     constexpr std::string_view prefix = "exponent_";
-    std::vector<std::pair<std::string, double>> in_flight;
+    std::vector<std::pair<std::string, std::string>> reasons;
     for (const Measurement& m : msd.measurements) {
-        if (m.name.starts_with(prefix) && m.value && *m.value > most_diffusive) {
-            in_flight.emplace_back(m.name.substr(prefix.size()), *m.value);
-        }
+        if (!m.name.starts_with(prefix)) continue;
+        std::string phase = m.name.substr(prefix.size());
+        const DiffusionVerdict said = judge_diffusion(msd, phase);
+        if (!said.is_diffusion) reasons.emplace_back(std::move(phase), said.words);
     }
-    for (const auto& [phase, exponent] : in_flight) {
+    for (const auto& [phase, reason] : reasons) {
         for (Measurement& m : msd.measurements) {
-            if (m.name != "d_" + phase && m.name != "offset_" + phase) continue;
-            withhold(m,
-                     fmt::format("the MSD grows as t^{:.2f}: flight, not yet diffusion", exponent));
+            if (m.name == "d_" + phase || m.name == "offset_" + phase) withhold(m, reason);
         }
         erase_line(msd, phase);
     }
@@ -172,11 +163,20 @@ void withhold_uncertain_boxes(ObservableResult& synthetic) {
 
 }  // namespace
 
+double length_of_film(const Results& run) {
+    const ObservableResult* lengths = run.find("lengths");
+    const Measurement* length =
+        lengths == nullptr ? nullptr : lengths->find_measurement("film_length");
+    if (length != nullptr && length->value) return *length->value;
+    const double rate = run.source.frame_rate.value_or(0);
+    return rate > 0 ? static_cast<double>(run.frames) / rate : 0;
+}
+
 Results with_possible_numbers(Results run) {
     for (ObservableResult& observable : run.observables) {
         if (run.frames == 1 && !run.identity.is_field()) withhold_of_one_frame(observable);
         if (observable.name == "phase") withhold_long_window(observable, length_of_film(run));
-        if (observable.name == "msd") withhold_flight(observable);
+        if (observable.name == "msd") withhold_what_is_no_diffusion(observable);
         if (observable.name == "synthetic") withhold_uncertain_boxes(observable);
         for (Measurement& m : observable.measurements) {
             if (m.samples < 2) m.samples = 0;

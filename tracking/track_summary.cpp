@@ -5,22 +5,20 @@
 
 #include <fmt/format.h>
 
+#include "core/fit_quality.h"
+
 namespace grainfield::tracking {
 namespace {
 
 /// A change of the contrast that is said [1].
 constexpr double kNotableLight = 0.05;
-/// A frame is badly explained where its RMS residual is above twice the noise, but not below the
-/// first nor above the second [contrast].
-constexpr double kPoorInNoise = 2;
-constexpr double kPoorResidual = 0.12;
-constexpr double kBadResidual = 0.25;
 
 }  // namespace
 
 void judge(const Located& found, const Frame& frame, TrackSummary& summary,
            RepeatedWarnings& repeated, RunPlan& plan) {
     summary.residual_rms += found.residual_rms;
+    summary.noise += found.noise;
     summary.unsettled += found.unsettled;
     summary.rejected += found.rejected;
     if (!found.settled_detection) {
@@ -33,8 +31,7 @@ void judge(const Located& found, const Frame& frame, TrackSummary& summary,
     }
     if (found.position.empty()) {
         repeated.add(frame.index, "no spheres found");
-    } else if (found.residual_rms >
-               std::clamp(kPoorInNoise * found.noise, kPoorResidual, kBadResidual)) {
+    } else if (fit_quality(found.residual_rms, found.noise) == FitQuality::poor) {
         ++summary.poor_frames;
         if (found.residual_rms > summary.worst_residual) {
             summary.worst_residual = found.residual_rms;
@@ -47,6 +44,7 @@ void average(TrackSummary& summary, double particles, const LinkSummary& links) 
     const double n = std::max<double>(1, static_cast<double>(summary.frames));
     summary.particles_mean = particles / n;
     summary.residual_rms /= n;
+    summary.noise /= n;
     for (double* t :
          {&summary.ms_per_frame.read, &summary.ms_per_frame.detect, &summary.ms_per_frame.refine,
           &summary.ms_per_frame.synthesis, &summary.ms_per_frame.link, &summary.ms_per_frame.write,

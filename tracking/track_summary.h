@@ -23,6 +23,7 @@ struct TrackSummary {
     std::int64_t frames_corrupt = 0, frames_missing = 0;
     double particles_mean = 0;
     double residual_rms = 0;     ///< of image − model, mean over frames [contrast]
+    double noise = 0;            ///< of the camera, mean over frames [contrast]
     double step_rms = 0;         ///< RMS displacement between consecutive frames [px]; 0: one frame
     std::int64_t unsettled = 0;  ///< spheres still moving after the last sweep, all frames
     std::int64_t rejected = 0;   ///< of those, left out: they moved by more than their error

@@ -70,11 +70,11 @@ void transfer(NumberArchive& archive, FrameTimes& times) {
 }
 
 void transfer(NumberArchive& archive, TrackSummary& summary) {
-    auto& [frames, frames_corrupt, frames_missing, particles_mean, residual_rms, step_rms,
+    auto& [frames, frames_corrupt, frames_missing, particles_mean, residual_rms, noise, step_rms,
            unsettled, rejected, warm_frames, repeated, poor_frames, worst_frame, worst_residual,
            dimmest, brightest, layers, synthesis, ms_per_frame] = summary;
     archive.members<TrackSummary>(frames, frames_corrupt, frames_missing, particles_mean,
-                                  residual_rms, step_rms, unsettled, rejected, warm_frames,
+                                  residual_rms, noise, step_rms, unsettled, rejected, warm_frames,
                                   repeated, poor_frames, worst_frame, worst_residual, dimmest,
                                   brightest, layers, synthesis, ms_per_frame);
 }

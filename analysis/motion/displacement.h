@@ -41,8 +41,8 @@ OptionTable describe(DisplacementOptions& options);
 ///
 /// Errors: jackknife over 16 groups of particles (particles as independent; overlapping start
 /// times are thereby allowed for). D = slope/4 over the last decade of lags with free offset, so
-/// that localisation noise (4σ²) and exposure do not enter; exponent = d ln MSD/d ln τ there. What
-/// the offset says when exposure or noise are given: add_msd.
+/// that localisation noise (4σ²) and exposure do not enter; exponent = d ln(MSD − 4σ²)/d ln τ
+/// there, σ = 0 unless given. What the offset says when exposure or noise are given: add_msd.
 ///
 /// On request the self part of the van Hove function, curve `van_hove`: the density of the
 /// displacements Δx and Δy at given lags, of all particles,

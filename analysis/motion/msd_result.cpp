@@ -114,6 +114,8 @@ Fits fit_last_decade(const std::vector<double>& time, const std::vector<double>&
     for (std::size_t i = 0; i < time.size(); ++i) {
         if (std::isfinite(msd[i]) && std::isfinite(time[i])) last = std::max(last, time[i]);
     }
+    const double sigma = positions.localisation.value_or(0);
+    const double noise = 4 * sigma * sigma;
     std::vector<double> t, m, relative, log_t, log_m, one;
     for (std::size_t i = 0; i < time.size(); ++i) {
         if (!std::isfinite(msd[i]) || !(time[i] >= 0.1 * last) || time[i] <= 0) continue;
@@ -122,7 +124,8 @@ Fits fit_last_decade(const std::vector<double>& time, const std::vector<double>&
         m.push_back(msd[i]);
         relative.push_back(1 / (time[i] * time[i]));
         log_t.push_back(std::log(time[i]));
-        log_m.push_back(msd[i] > 0 ? std::log(msd[i]) : undefined);
+        const double moved = msd[i] - noise;
+        log_m.push_back(moved > 0 ? std::log(moved) : undefined);
         one.push_back(1);
     }
     const Line line = fit_line(t, m, relative);

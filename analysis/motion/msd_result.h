@@ -29,9 +29,10 @@ struct MsdTable {
 /// (diffusion coefficient) and `exponent_*`, with jackknife errors over the groups.
 ///
 /// Both are fitted over the last decade of lags: MSD = 4 D t + c with weights 1/t² (equal relative
-/// errors), ln MSD = exponent · ln t + const. At least three lags are needed. Curve `msd_fit`: the
-/// lines. `offset_*` is c, which a position with noise σ per axis, averaged over an exposure t_e,
-/// makes (`savin2005`, `berglund2010`; for Brownian motion and lags t ≥ t_e)
+/// errors), ln(MSD − 4 σ²) = exponent · ln t + const, where σ is 0 unless it is given. At least
+/// three lags are needed. Curve `msd_fit`: the lines. `offset_*` is c, which a position with noise
+/// σ per axis, averaged over an exposure t_e, makes (`savin2005`, `berglund2010`; for Brownian
+/// motion and lags t ≥ t_e)
 ///
 ///   MSD(t) = 4 D (t − t_e/3) + 4 σ²,   c = 4 σ² − (4/3) D t_e.
 ///

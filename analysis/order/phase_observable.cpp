@@ -24,10 +24,10 @@ void PhaseObservable::plan(const PlanSetup& setup, RunPlan& plan) {
     std::string why = setup.frames == 1    ? "one frame"
                       : !setup.is_linked() ? "not linked"
                                            : window.reason;
-    const double rate = setup.info.frame_rate.value_or(0);
-    if (why.empty() && *window.length * rate > 0 && *window.length * rate < 1 - 1e-9) {
+    // By the time stamps: the frame rate is that of the camera, also where some frames are taken.
+    if (why.empty() && *window.length > 0 && *window.length < (1 - 1e-9) * setup.interval) {
         why = fmt::format("the averaging time {:.4g} is shorter than the frame interval {:.4g}",
-                          *window.length, 1 / rate);
+                          *window.length, setup.interval);
     }
     plan.run("phase", why.empty() ? fmt::format("average over {:.4g}", *window.length)
                                   : "every frame alone: " + why);

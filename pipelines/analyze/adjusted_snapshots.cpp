@@ -1,6 +1,8 @@
 #include "pipelines/analyze/adjusted_snapshots.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <numeric>
 
@@ -93,6 +95,20 @@ std::vector<std::string> AdjustedSnapshots::warnings() const {
         last = k;
     }
     return warnings;
+}
+
+std::optional<FilmTimes> AdjustedSnapshots::times() {
+    if (time_.size() < 2) return std::nullopt;
+    for (std::size_t i = 0; i < time_.size(); ++i) {
+        if (particles_[i] < 0) read(static_cast<std::int64_t>(i));
+    }
+    std::vector<double> steps;
+    for (std::size_t i = 1; i < time_.size(); ++i) steps.push_back(time_[i] - time_[i - 1]);
+    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+    std::ranges::nth_element(steps, middle);
+    const FilmTimes times{.interval = *middle, .length = time_.back() - time_.front() + *middle};
+    const bool grow = times.interval > 0 && times.length > times.interval;
+    return grow && std::isfinite(times.length) ? std::optional(times) : std::nullopt;
 }
 
 double AdjustedSnapshots::particles_mean() {

@@ -21,6 +21,12 @@ struct Adjustment {
     void apply_to(Snapshot& snapshot) const;
 };
 
+/// How long a trajectory is by its time stamps [time unit].
+struct FilmTimes {
+    double interval = 0;  ///< median from snapshot to snapshot
+    double length = 0;    ///< from the first to the last, and one interval
+};
+
 /// Snapshots of another source as the adjustment says they are; counts particles as they pass and
 /// stops with Interrupted at the next snapshot once a signal was caught.
 class AdjustedSnapshots : public SnapshotSource {
@@ -33,6 +39,9 @@ class AdjustedSnapshots : public SnapshotSource {
 
     /// Mean over the snapshots; reads those that were not read yet.
     double particles_mean();
+    /// By all time stamps; reads those that were not read yet. Empty: fewer than two snapshots, or
+    /// times that do not grow.
+    std::optional<FilmTimes> times();
     /// What is strange in those read so far: points beside the box, times that do not grow.
     std::vector<std::string> warnings() const;
 

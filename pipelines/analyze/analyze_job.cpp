@@ -144,6 +144,7 @@ Results measure(const AnalyzeJobOptions& options, const fs::path& path, Job& job
     results.identity = identity_of(results.source);
     results.observables.insert(results.observables.begin(),
                                lengths_of(*input.file, results.source, options.adjustment));
+    add_times(snapshots, results.observables.front());
     if (input.trajectory != nullptr) {
         if (!input.trajectory->record().command.empty()) {
             results.sources = {input.trajectory->record()};

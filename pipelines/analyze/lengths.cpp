@@ -38,12 +38,13 @@ bool is_given_to_track(const RunRecord& record, const std::string& name) {
 
 }  // namespace
 
-Curve calibration_curve(double diameter, double edge_width, double residual) {
+Curve calibration_curve(double diameter, double edge_width, double residual, double noise) {
     return {curve_name,
             "Discs as the tracker sees them",
             {{"apparent_diameter", "px", "Apparent diameter D", {diameter}},
              {"edge_width", "px", "Edge width w", {edge_width}},
-             {"residual", "-", "Residual (RMS, of the contrast)", {residual}}},
+             {"residual", "-", "Residual (RMS, of the contrast)", {residual}},
+             {"noise", "-", "Noise of the camera (RMS, of the contrast)", {noise}}},
             {}};
 }
 
@@ -70,7 +71,9 @@ ObservableResult lengths_of(const SnapshotSource& file, const TrajectoryInfo& in
             const bool is_given = is_given_to_track(tracks->record(), column.name);
             result.measurements.push_back({column.name, column.unit, column.values.front(),
                                            std::nullopt, 0,
-                                           is_given ? "given to track" : "fitted by track"});
+                                           is_given                 ? "given to track"
+                                           : column.name == "noise" ? "measured by track"
+                                                                    : "fitted by track"});
         }
     }
     if (const auto mm = lab_units_in(tracks->curves()).sphere_mm) {
@@ -80,6 +83,15 @@ ObservableResult lengths_of(const SnapshotSource& file, const TrajectoryInfo& in
     return result;
 }
 
+void add_times(AdjustedSnapshots& snapshots, ObservableResult& lengths) {
+    const std::optional<FilmTimes> times = snapshots.times();
+    if (!times) return;
+    lengths.measurements.push_back({"film_length", "time unit", times->length, std::nullopt, 0,
+                                    "from the first to the last time stamp"});
+    lengths.measurements.push_back({"frame_interval", "time unit", times->interval, std::nullopt, 0,
+                                    "median of the time stamps"});
+}
+
 ObservableTitles lengths_titles() {
     return {"lengths",
             "Lengths",
@@ -87,7 +99,10 @@ ObservableTitles lengths_titles() {
              {"sphere_mm", "True diameter a of the spheres"},
              {"apparent_diameter", "Apparent diameter D of the discs"},
              {"edge_width", "Edge width w of the discs"},
-             {"residual", "Residual of the image model (RMS, of the contrast)"}}};
+             {"residual", "Residual of the image model (RMS, of the contrast)"},
+             {"noise", "Noise of the camera (RMS, of the contrast)"},
+             {"film_length", "Length of the film"},
+             {"frame_interval", "Time from frame to frame"}}};
 }
 
 }  // namespace grainfield::pipelines

@@ -141,7 +141,7 @@ void add_curves(const TrackJobResult& result, KeptTracks& tracks) {
     const tracking::TrackSummary& summary = result.summary;
     if (result.has_residual()) {
         tracks.add_curve(calibration_curve(result.spheres->diameter, result.spheres->edge_width,
-                                           summary.residual_rms));
+                                           summary.residual_rms, summary.noise));
     }
     if (const auto units = curve_of(result.lab)) tracks.add_curve(*units);
     if (result.camera) tracks.add_curve(curve_of(*result.camera));

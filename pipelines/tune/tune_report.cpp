@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "core/fit_quality.h"
 #include "pipelines/job.h"
 #include "report/figures/figure_source.h"
 #include "report/page/cards.h"
@@ -223,15 +224,13 @@ Table calibration_table(const Tuning& tuning) {
                        ? std::string(model.disc.shape->name())
                        : fmt::format("learned, up to {:.3f} of the contrast off {}",
                                      model.correction.largest(), model.disc.shape->name()));
-    double noise = 0;
     std::int64_t unsettled = 0;
     for (const Survey& survey : tuning.surveys) {
-        noise += survey.found.noise / static_cast<double>(tuning.surveys.size());
         unsettled += survey.found.unsettled;
     }
-    row("Noise", fmt::format("{:.4f} of the contrast", noise));
+    row("Noise", fmt::format("{:.4f} of the contrast", tuning.noise()));
     row("RMS residual", fmt::format("{:.4f} of the contrast", tuning.residual_rms()),
-        tuning.residual_rms() > 0.12 && tuning.residual_rms() > 2 * noise);
+        fit_quality(tuning.residual_rms(), tuning.noise()) == FitQuality::poor);
     row("Standard error, median", fmt::format("{:.4f} px", tuning.median_error()));
     std::vector<Vec2> all;
     for (const Survey& survey : tuning.surveys) {
@@ -254,10 +253,10 @@ Table calibration_table(const Tuning& tuning) {
 
 std::string verdict(const Tuning& tuning) {
     const double spheres = std::round(tuning.particles_mean());
-    return fmt::format("{} sphere{} a frame; {} discs of {:.2f} px; {}",
-                       report::count_text(spheres), spheres == 1 ? "" : "s",
-                       tuning.model.polarity == Polarity::dark ? "dark" : "bright",
-                       tuning.model.disc.diameter, report::residual_words(tuning.residual_rms()));
+    return fmt::format(
+        "{} sphere{} a frame; {} discs of {:.2f} px; {}", report::count_text(spheres),
+        spheres == 1 ? "" : "s", tuning.model.polarity == Polarity::dark ? "dark" : "bright",
+        tuning.model.disc.diameter, report::residual_words(tuning.residual_rms(), tuning.noise()));
 }
 
 }  // namespace

@@ -35,6 +35,12 @@ double Tuning::residual_rms() const {
     return sum / std::max<double>(1, static_cast<double>(surveys.size()));
 }
 
+double Tuning::noise() const {
+    double sum = 0;
+    for (const Survey& survey : surveys) sum += survey.found.noise;
+    return sum / std::max<double>(1, static_cast<double>(surveys.size()));
+}
+
 double Tuning::diameter() const {
     return options.sphere_diameter.value_or(model.disc.diameter);
 }

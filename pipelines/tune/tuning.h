@@ -16,6 +16,7 @@ struct Tuning {
 
     double particles_mean() const;
     double residual_rms() const;  ///< mean over the frames [contrast]
+    double noise() const;         ///< of the camera, mean over the frames [contrast]
     /// Unit of the analysis: the sphere, or its disc [px].
     double diameter() const;
     /// No two spheres are closer in projection [px]; 0 without a height of the cell.

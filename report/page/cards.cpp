@@ -1,14 +1,18 @@
 #include "report/page/cards.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 
 #include <fmt/format.h>
 
+#include "core/fit_quality.h"
 #include "core/run_identity.h"
+#include "report/diffusion.h"
 #include "report/figures/colours.h"
 #include "report/page/definitions.h"
+#include "report/possible_numbers.h"
 #include "report/text.h"
 
 namespace grainfield::report {
@@ -16,8 +20,6 @@ namespace grainfield::report {
 namespace {
 
 constexpr std::size_t most_cards = 6;
-constexpr double good_residual = 0.07;  // of the contrast
-constexpr double fair_residual = 0.12;
 
 const Measurement* known(const Results& run, const char* observable, const std::string& name) {
     const ObservableResult* result = run.find(observable);
@@ -112,9 +114,13 @@ CardValue frame_rate(const Results& run, std::optional<double> /*sphere_mm*/) {
     const bool in_frames = run.source.time_unit == TimeUnit::frame;
     if (!is_of_particles(run) || run.frames < 2 || in_frames || rate <= 0) return {};
     const std::string time = typeset_text(Unit("time unit"), run.source.time_unit);
+    // The rate is that of the camera, of which a selection takes some frames.
+    const Measurement* interval = known(run, "lengths", "frame_interval");
+    const double step = interval == nullptr ? 1 : std::round(*interval->value * rate);
+    const std::string taken = step > 1 ? fmt::format("; one frame in {:.0f} taken", step) : "";
     return {fmt::format("{:.4g} frames/{}", rate, time),
-            fmt::format("{}; {:.3g} {} in all{}", origin_of_rate(run),
-                        static_cast<double>(run.frames) / rate, time, vibration(run))};
+            fmt::format("{}{}; {:.3g} {} in all{}", origin_of_rate(run), taken, length_of_film(run),
+                        time, vibration(run))};
 }
 
 CardValue phases(const Results& run, std::optional<double> /*sphere_mm*/) {
@@ -148,12 +154,14 @@ CardValue spacing(const Results& run, std::optional<double> sphere_mm) {
 CardValue diffusion(const Results& run, std::optional<double> /*sphere_mm*/) {
     for (const char* phase : {"liquid", "all"}) {
         const Measurement* d = known(run, "msd", std::string("d_") + phase);
-        if (d == nullptr) continue;
+        const Measurement* e = known(run, "msd", std::string("exponent_") + phase);
+        if (d == nullptr && e == nullptr) continue;
+        // All spheres do not stand for a liquid that was followed.
+        const DiffusionVerdict said = judge_diffusion(*run.find("msd"), phase);
+        if (d == nullptr || !said.is_diffusion) return {};
         std::string detail = std::string(phase) == "all" ? "all spheres" : phase;
-        if (const Measurement* e = known(run, "msd", std::string("exponent_") + phase)) {
-            detail += fmt::format("; MSD grows as t^{:.2f}", *e->value);
-            if (std::abs(*e->value - 1) > 0.1) detail += ", which is not yet diffusion";
-        }
+        if (e != nullptr) detail += fmt::format("; MSD grows as t^{:.2f}", *e->value);
+        if (!said.words.empty()) detail += ", " + said.words;
         return {with_unit(number(*d), run, *d), detail};
     }
     return {};
@@ -161,17 +169,45 @@ CardValue diffusion(const Results& run, std::optional<double> /*sphere_mm*/) {
 
 CardValue at_long_waves(const Results& run, std::optional<double> /*sphere_mm*/) {
     if (const Measurement* s0 = known(run, "fit", "s0")) return {number(*s0), "S₀ of the fit"};
+    return {};
+}
+
+// Without a fit. Between walls of the modes that fit there: plane waves leak.
+CardValue at_lowest_k(const Results& run, std::optional<double> /*sphere_mm*/) {
+    if (known(run, "fit", "s0") != nullptr) return {};
+    const auto card = [&](const Measurement& s, double k, const Unit& unit, const char* modes) {
+        const Measurement at{"k", unit, k, std::nullopt, 0, ""};
+        return CardValue{
+            number(s),
+            fmt::format("k = {}{}", with_unit(fmt::format("{:.3g}", k), run, at), modes)};
+    };
+    const Measurement* walled = known(run, "sk", "s_neumann_lowest_k");
+    const Curve* curve = walled == nullptr ? nullptr : run.find("sk")->find_curve("sk_neumann");
+    const Column* of_curve = curve == nullptr ? nullptr : curve->find("k");
+    if (of_curve != nullptr && !of_curve->values.empty()) {
+        return card(*walled, of_curve->values.front(), of_curve->unit,
+                    ", modes that fit between the walls");
+    }
     const Measurement* s = known(run, "sk", "s_lowest_k");
     const Measurement* k = known(run, "sk", "lowest_k");
     if (s == nullptr || k == nullptr) return {};
-    return {number(*s), fmt::format("S(k) at the lowest k, {}",
-                                    with_unit(fmt::format("{:.3g}", *k->value), run, *k))};
+    return card(*s, *k->value, k->unit, "");
+}
+
+// Of the camera [contrast]; 0: the file does not say it.
+double noise_of(const Results& run) {
+    const Measurement* m = known(run, "lengths", "noise");
+    return m == nullptr ? 0 : *m->value;
 }
 
 CardValue residual(const Results& run, std::optional<double> /*sphere_mm*/) {
     const Measurement* m = known(run, "lengths", "residual");
     if (m == nullptr) return {};
-    return {fmt::format("{:.3f}", *m->value), "of the contrast, picture less image model"};
+    CardValue card{fmt::format("{:.3f}", *m->value), "of the contrast, picture less image model"};
+    if (const double noise = noise_of(run); noise > 0) {
+        card.detail += fmt::format("; noise {:.3f}", noise);
+    }
+    return card;
 }
 
 CardValue order(const Results& run, std::optional<double> /*sphere_mm*/) {
@@ -204,24 +240,31 @@ std::optional<double> misfit_of_spheres(const Results& run, double residual) {
             ++count;
         }
     }
-    if (residual <= fair_residual || count == 0) return std::nullopt;
+    if (fit_quality(residual, noise_of(run)) != FitQuality::poor || count == 0) return std::nullopt;
     const double misfit = std::sqrt(squares / count);
     return residual > much * misfit ? std::optional(misfit) : std::nullopt;
+}
+
+// "Field, 2D, b = 4, ν = 0.01; S₀ = 0.0110 ± 0.0020"
+std::string field_verdict(const Results& run) {
+    std::string text = legend_of(run.identity);
+    if (!text.empty()) text[0] = static_cast<char>(std::toupper(text[0]));
+    if (const Measurement* s0 = known(run, "fit", "s0")) return text + "; S₀ = " + number(*s0);
+    if (const Measurement* density = known(run, "field", "mean_density")) {
+        return text + "; mean density " + with_unit(number(*density), run, *density);
+    }
+    return text;
 }
 
 }  // namespace
 
 std::vector<Card> make_cards(const std::vector<Results>& runs, std::optional<double> sphere_mm) {
     static constexpr Kind kinds[] = {
-        {"Spheres a frame", spheres},
-        {"Particle diameter a", diameter},
-        {"Frame rate", frame_rate},
-        {"Phases", phases},
-        {"Lattice spacing", spacing},
-        {"Diffusion coefficient", diffusion},
-        {"S(k→0)", at_long_waves, true},
-        {"residual", residual},
-        {"Mean |Q₄|", order},
+        {"Spheres a frame", spheres},    {"Particle diameter a", diameter},
+        {"Frame rate", frame_rate},      {"Phases", phases},
+        {"Lattice spacing", spacing},    {"Diffusion coefficient", diffusion},
+        {"S(k→0)", at_long_waves, true}, {"S at the lowest k", at_lowest_k, true},
+        {"residual", residual},          {"Mean |Q₄|", order},
         {"Number density", density},
     };
     std::vector<Card> cards;
@@ -292,11 +335,21 @@ std::string critical_sentence(const Results& run) {
     return text + ".";
 }
 
-std::string residual_words(double residual) {
-    const char* word = residual <= good_residual   ? "good"
-                       : residual <= fair_residual ? "fair"
-                                                   : "poor";
-    return fmt::format("residual {:.3f}, {}", residual, word);
+std::string residual_words(double residual, double noise) {
+    const auto word = [&] {
+        switch (fit_quality(residual, noise)) {
+            case FitQuality::good:
+                return "good";
+            case FitQuality::fair:
+                return "fair";
+            case FitQuality::poor:
+                break;
+        }
+        return "poor";
+    };
+    std::string text = fmt::format("residual {:.3f}, ", residual);
+    if (noise > 0) text += fmt::format("noise {:.3f}, ", noise);
+    return text + word();
 }
 
 std::string verdict(const Results& run, std::optional<std::size_t> places) {
@@ -305,22 +358,24 @@ std::string verdict(const Results& run, std::optional<std::size_t> places) {
         text.pop_back();  // the full stop
         return text;
     }
-    if (run.identity.is_field()) return "fields";
+    if (run.identity.is_field()) return field_verdict(run);
     std::string text =
         fmt::format("{} sphere{} a frame", count_text(std::round(run.particles_mean)),
                     std::round(run.particles_mean) == 1 ? "" : "s");
     const Measurement* residual = known(run, "lengths", "residual");
     if (residual != nullptr) {
-        text += "; " + residual_words(*residual->value);
+        text += "; " + residual_words(*residual->value, noise_of(run));
     }
     if (places && *places > 0) {
         text += fmt::format("; {} place{} to look at", *places, *places == 1 ? "" : "s");
     } else if (places && residual != nullptr) {
         const std::optional<double> misfit = misfit_of_spheres(run, *residual->value);
-        text += misfit ? fmt::format(
-                             "; {:.3f} about the spheres: --region or --mask leaves the rest out",
-                             *misfit)
-                       : "; no place stands out";
+        if (misfit) {
+            text += fmt::format(
+                "; {:.3f} about the spheres: --region or --mask leaves the rest out", *misfit);
+        } else if (fit_quality(*residual->value, noise_of(run)) != FitQuality::poor) {
+            text += "; no place stands out";
+        }
     }
     return text;
 }

@@ -24,6 +24,9 @@ constexpr std::array entries{
           "S₀ over S₁ of the fit S(k) = S₀ + S₁ (ka)^α. It goes to zero at the critical "
           "point."},
     Entry{"S(k→0)", "What S(k) tends to at long waves, S₀ of the fit S₀ + S₁ (ka)^α."},
+    Entry{"S at the lowest k",
+          "S(k) of the longest waves that were measured. It is no limit k → 0. Between walls it is "
+          "that of the modes that fit there: plane waves leak and give too little."},
     Entry{"S(k)",
           "Structure factor: the mean squared amplitude of density waves with wavevector "
           "k, over the number of spheres. 1 if spheres ignored one another."},
@@ -31,6 +34,10 @@ constexpr std::array entries{
           "S(k) at k → 0 by the fit S₀ + S₁ (ka)^α: fluctuations of density at the largest "
           "scale."},
     Entry{"S₁", "Prefactor of the fit S(k) = S₀ + S₁ (ka)^α at small k."},
+    Entry{
+        "MSD exponent",
+        "Slope of ln MSD against ln t over the last decade of lag times. 1: diffusion, 2: flight, "
+        "below 1: a cage, or an offset c of MSD = 4 D t + c, which only --localisation removes."},
     Entry{"MSD", "Mean squared displacement of a sphere in a lag time."},
     Entry{"Γ", "Acceleration of the vibration over gravity, A ω²/g."},
     Entry{"ε", "Distance to the critical acceleration, (Γc − Γ)/Γc: above zero in the liquid."},

@@ -166,15 +166,19 @@ std::string measured_text(const Measurement& m) {
     return with_error(*m.value, m.error ? &*m.error : nullptr);
 }
 
-// The paper's numbers that the panel shows.
-void add_lines(PaperPanel& panel, const std::vector<Results>& runs) {
+// The paper's numbers that the panel shows, each with the run that ours is of: one of `runs`.
+void add_lines(PaperPanel& panel, const std::vector<Results>& runs,
+               const std::vector<std::string>& labels) {
     for (const PaperValue& paper : paper_values()) {
         if (paper.panel != panel.number) continue;
-        const Measurement* ours = paper_measurement(paper, runs).measurement;
-        const Verdict said = verdict(paper, ours);
+        const PaperMeasurement found = paper_measurement(paper, runs);
+        const Measurement* m = found.measurement;
+        const Verdict said = verdict(paper, m);
         panel.lines.push_back(
             {fmt::format("{}: paper {}, ours {}", paper.name, paper_text(paper),
-                         ours != nullptr && ours->value ? measured_text(*ours) : "not measured"),
+                         m != nullptr && m->value
+                             ? fmt::format("{} ({})", measured_text(*m), labels[found.run])
+                             : "not measured"),
              said.agreement, said.text()});
     }
 }
@@ -220,9 +224,10 @@ void add_crossover(PaperPanel& panel, const Subset& subset) {
 }
 
 PaperPanel spectrum_panel(std::string number, std::string claim, const Subset& subset,
-                          const std::vector<Results>& runs) {
+                          const std::vector<Results>& runs,
+                          const std::vector<std::string>& labels) {
     PaperPanel panel{.number = std::move(number), .title = "S/S₁", .claim = std::move(claim)};
-    add_lines(panel, runs);
+    add_lines(panel, runs, labels);
     if (subset.empty()) return panel;
     fill(panel, scaled_spectrum(subset.runs, subset.labels));
     if (!panel.figure) return panel;
@@ -233,9 +238,10 @@ PaperPanel spectrum_panel(std::string number, std::string claim, const Subset& s
 
 // Against the distance to the critical value where that is known, else against the parameter.
 PaperPanel critical_panel(std::string number, std::string claim, const Subset& subset,
-                          const std::vector<Results>& runs) {
+                          const std::vector<Results>& runs,
+                          const std::vector<std::string>& labels) {
     PaperPanel panel{.number = std::move(number), .title = "S₀/S₁", .claim = std::move(claim)};
-    add_lines(panel, runs);
+    add_lines(panel, runs, labels);
     if (subset.empty()) {
         panel.absent = "no run has an S₀/S₁ with its error";
         return panel;
@@ -279,12 +285,12 @@ PaperPanel order_panel(const std::vector<Results>& runs, const std::vector<std::
     PaperPanel panel{.number = "1b",
                      .title = "|Q₄| of the frame",
                      .claim = "Solid patches in a liquid: the distribution has two maxima."};
-    add_lines(panel, runs);
     Subset subset;
     if (const auto r = run_of_paper_map(runs)) {
         subset.runs.push_back(without_previews(runs[*r]));
         subset.labels.push_back(labels[*r]);
     }
+    add_lines(panel, subset.runs, subset.labels);  // of the run that is drawn
     fill_hinted(panel, subset, hints, "q4_histogram");
     if (!panel.figure) return panel;
     const auto [low, high] = extent(*panel.figure, panel.figure->y, &Series::y);
@@ -297,12 +303,13 @@ PaperPanel order_panel(const std::vector<Results>& runs, const std::vector<std::
 }
 
 PaperPanel motion_panel(const Subset& subset, const std::vector<Results>& runs,
+                        const std::vector<std::string>& labels,
                         const std::vector<FigureHint>& hints) {
     PaperPanel panel{
         .number = "3",
         .title = "Mean squared displacement",
         .claim = "The liquid diffuses, the faster the larger Γ; the solid is subdiffusive."};
-    add_lines(panel, runs);
+    add_lines(panel, runs, labels);
     fill_hinted(panel, subset, hints, "msd");
     if (panel.figure) {
         for (Kind& kind : panel.figure->kinds) {
@@ -390,20 +397,21 @@ std::vector<PaperPanel> panels_of(const std::vector<Results>& runs,
     };
     std::vector<PaperPanel> panels;
     panels.push_back(order_panel(runs, labels, hints));
-    panels.push_back(
-        spectrum_panel("2a", "S grows as (ka)^1.12 from S₀/S₁ to a pre-peak.", films, runs));
-    panels.push_back(
-        critical_panel("2b", "A line through the origin of ε.", critical(identity, legend), runs));
+    panels.push_back(spectrum_panel("2a", "S grows as (ka)^1.12 from S₀/S₁ to a pre-peak.", films,
+                                    runs, labels));
+    panels.push_back(critical_panel("2b", "A line through the origin of ε.",
+                                    critical(identity, legend), runs, labels));
     panels.push_back(variance_panel("2c", "It looks like β = 2.", films, hints));
-    panels.push_back(spectrum_panel("2d", "The same in a periodic layer.", layers, runs));
-    panels.push_back(critical_panel("2e", "A line, its zero left free.", critical(md), runs));
+    panels.push_back(spectrum_panel("2d", "The same in a periodic layer.", layers, runs, labels));
+    panels.push_back(
+        critical_panel("2e", "A line, its zero left free.", critical(md), runs, labels));
     panels.push_back(
         variance_panel("2f", "Growth below β = 2 also off the critical point.", layers, hints));
-    panels.push_back(spectrum_panel("2g", "S₀ + S₁k^α at small k.", fields, runs));
-    panels.push_back(
-        critical_panel("2h", "A line that meets zero at a small finite ν.", critical(field), runs));
+    panels.push_back(spectrum_panel("2g", "S₀ + S₁k^α at small k.", fields, runs, labels));
+    panels.push_back(critical_panel("2h", "A line that meets zero at a small finite ν.",
+                                    critical(field), runs, labels));
     panels.push_back(variance_panel("2i", "As in the layer.", fields, hints));
-    panels.push_back(motion_panel(of_films("msd"), runs, hints));
+    panels.push_back(motion_panel(of_films("msd"), runs, labels, hints));
     panels.push_back(boxes_panel(of_films("synthetic"), hints));
     panels.push_back(boundless_panel(of_series(runs, labels, md, "synthetic"), hints));
     for (PaperPanel& panel : panels) {

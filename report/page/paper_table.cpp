@@ -44,6 +44,11 @@ std::string paper_text(const PaperValue& paper) {
                             : with_error(paper.value, &paper.error);
 }
 
+std::string paper_text_with_error(const PaperValue& paper) {
+    if (!paper.is_rounded) return paper_text(paper);
+    return fmt::format("{}, taken as ± {:g}", paper_text(paper), paper.error);
+}
+
 std::string Verdict::text() const {
     switch (agreement) {
         case Agreement::agrees:
@@ -71,8 +76,7 @@ Table paper_table(const std::vector<Results>& runs, const std::vector<std::strin
     table.note =
         "Paper: Castillo et al., Phys. Rev. E 100, 032902 (2019). Molecular dynamics of its walled "
         "cell, rendered and tracked, stand in for the experiment. σ: standard errors of both "
-        "together, of rounded values (≈) half of the last digit. What the text leaves open: "
-        "docs/paper.md.";
+        "together. What the text leaves open: docs/paper.md.";
     table.columns = {{"paper", "Paper", "", true},
                      {"ours", "Ours", "", true},
                      {"run", "Run", "", true},
@@ -88,7 +92,7 @@ Table paper_table(const std::vector<Results>& runs, const std::vector<std::strin
         TableCell judged = words(judgement.text());
         judged.failed = judgement.agreement == Agreement::differs;
         table.rows.push_back({paper.name,
-                              {words(paper_text(paper)), words(ours),
+                              {words(paper_text_with_error(paper)), words(ours),
                                words(m == nullptr ? "–" : labels[found.run]), judged}});
     }
     return table;

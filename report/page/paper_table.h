@@ -16,7 +16,7 @@ struct PaperValue {
     std::string observable;   ///< "critical"
     std::string measurement;  ///< "critical_value"
     double value = 0;         ///< [-]
-    double error = 0;         ///< as the paper gives it, or half of its last digit
+    double error = 0;         ///< as the paper gives it; of a rounded value what it is taken for
     bool is_rounded = false;  ///< the paper gives no error, and "about"
     std::string panel{};      ///< of the paper's figures, where it is marked: "2b"; may be empty
 };
@@ -41,6 +41,9 @@ Verdict verdict(const PaperValue& paper, const Measurement* ours);
 
 /// The paper's number with its error, "≈" before a rounded one.
 std::string paper_text(const PaperValue& paper);
+
+/// The same with the error that it is compared with: "≈ 0.95, taken as ± 0.025".
+std::string paper_text_with_error(const PaperValue& paper);
 
 /// What the runs say about it: of several runs that measure it the one with the largest control
 /// parameter, one with an error before those without.

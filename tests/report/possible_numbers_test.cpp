@@ -75,6 +75,26 @@ TEST(PossibleNumbers, HaveNoAveragingTimeLongerThanTheFilm) {
     EXPECT_TRUE(number(with_possible_numbers(run), "phase", "averaging_time").value);
 }
 
+TEST(PossibleNumbers, KnowTheLengthOfAFilmOfWhichOneFrameInTenWasTaken) {
+    Results run = sample::results({1, 120, 40, true, "A"});
+    run.frames = 31;
+    run.source.frame_rate = 500;
+    EXPECT_NEAR(length_of_film(run), 0.062, 1e-12) << "an old file";
+    run.observables.push_back({"lengths",
+                               {{"film_length", "time unit", 0.62, std::nullopt, 0, ""},
+                                {"frame_interval", "time unit", 0.02, std::nullopt, 0, ""}},
+                               {},
+                               {},
+                               "",
+                               0});
+    EXPECT_NEAR(length_of_film(run), 0.62, 1e-12);
+    for (ObservableResult& observable : run.observables) {
+        if (observable.name != "phase") continue;
+        observable.measurements = {{"averaging_time", "time unit", 0.4, std::nullopt, 0, ""}};
+    }
+    EXPECT_TRUE(number(with_possible_numbers(run), "phase", "averaging_time").value);
+}
+
 TEST(PossibleNumbers, HaveNoDiffusionOfAFlightNorItsLine) {
     Results run = sample::results({1, 120, 40, true, "A"});
     for (ObservableResult& observable : run.observables) {

@@ -51,12 +51,14 @@ TEST(TrackSummary, GivesMeansOverFrames) {
     TrackSummary summary;
     summary.frames = 4;
     summary.residual_rms = 0.2;
+    summary.noise = 0.12;
     summary.ms_per_frame.refine = 60;
     LinkSummary links;
     links.consecutive = 8;
     links.squared_steps = 32;
     average(summary, 100, links);
     EXPECT_DOUBLE_EQ(summary.residual_rms, 0.05);
+    EXPECT_DOUBLE_EQ(summary.noise, 0.03);
     EXPECT_DOUBLE_EQ(summary.ms_per_frame.refine, 15);
     EXPECT_DOUBLE_EQ(summary.particles_mean, 25);
     EXPECT_DOUBLE_EQ(summary.step_rms, 2);

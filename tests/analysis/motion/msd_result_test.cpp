@@ -94,6 +94,17 @@ TEST(MsdResult, FitsTheExponentOfAPowerLaw) {
     EXPECT_EQ(curve->text_columns.at("phase")[6], "liquid");
 }
 
+TEST(MsdResult, TakesTheGivenLocalisationErrorOutOfTheExponent) {
+    MsdTable t = table([](double lag) { return std::pow(lag, 0.8) + 4 * 0.5 * 0.5; });
+    ObservableResult with_offset;
+    add_msd(t, with_offset);
+    EXPECT_LT(*with_offset.find_measurement("exponent_all")->value, 0.75);
+    t.localisation = 0.5;
+    ObservableResult result;
+    add_msd(t, result);
+    EXPECT_NEAR(*result.find_measurement("exponent_all")->value, 0.8, 1e-12);
+}
+
 TEST(MsdResult, WithoutPairsIsAReason) {
     MsdTable t = table([](double) { return 0.0; });
     for (auto& series : t.series) {

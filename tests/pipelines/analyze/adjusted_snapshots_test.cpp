@@ -87,6 +87,17 @@ TEST(AdjustedSnapshots, SayPointsBesideTheBoxAndTimesThatStandStill) {
     EXPECT_TRUE(folded.warnings().empty());
 }
 
+TEST(AdjustedSnapshots, KnowTheLengthOfAFilmByItsTimeStamps) {
+    TwoSnapshots file;
+    EXPECT_FALSE(AdjustedSnapshots(file, {}).times()) << "times that stand still";
+    Adjustment adjustment;
+    adjustment.frame_rate = 4;
+    AdjustedSnapshots snapshots(file, adjustment);
+    ASSERT_TRUE(snapshots.times());
+    EXPECT_DOUBLE_EQ(snapshots.times()->interval, 0.5) << "frames 10 and 12";
+    EXPECT_DOUBLE_EQ(snapshots.times()->length, 1);
+}
+
 TEST(AdjustedSnapshots, MeanNumberOfParticlesReadsOnlyWhatWasNotRead) {
     TwoSnapshots file;
     AdjustedSnapshots snapshots(file, {});

@@ -20,7 +20,7 @@ TrajectoryInfo info_of(Origin origin) {
 io::TrajectoryFile through_file(const testing::ScratchFolder& folder, const TrajectoryInfo& info,
                                 const RunRecord& record) {
     io::TrajectoryWriter writer(folder / "t.h5", info, Overwrite::force);
-    writer.add_curve(calibration_curve(9, 1.5, 0.01));
+    writer.add_curve(calibration_curve(9, 1.5, 0.13, 0.12));
     writer.finish(record);
     return io::TrajectoryFile(folder / "t.h5");
 }
@@ -58,9 +58,12 @@ TEST(Lengths, HoldTheCalibrationBesideTheParticleDiameter) {
     const TrajectoryInfo info = info_of(Origin::video);
     const io::TrajectoryFile file = through_file(folder, info, {});
     const ObservableResult lengths = lengths_of(file, info, {});
-    ASSERT_EQ(lengths.measurements.size(), 4U);
+    ASSERT_EQ(lengths.measurements.size(), 5U);
     EXPECT_EQ(lengths.measurements[0].unit, Unit("px"));
     EXPECT_EQ(lengths.find_measurement("apparent_diameter")->value, 9);
+    EXPECT_EQ(lengths.find_measurement("residual")->value, 0.13);
+    EXPECT_EQ(lengths.find_measurement("noise")->value, 0.12);
+    EXPECT_EQ(lengths.find_measurement("noise")->reason, "measured by track");
 }
 
 TEST(RunIdentity, OfMolecularDynamicsArrivesWhateverTheOptionsAreCalled) {

@@ -14,8 +14,10 @@ struct Seen : ::testing::Test {
         surveys.resize(2);
         surveys[0].found.position = {{1, 1}, {2, 2}, {3, 3}};
         surveys[0].found.residual_rms = 0.02;
+        surveys[0].found.noise = 0.01;
         surveys[1].found.position = {{1, 1}};
         surveys[1].found.residual_rms = 0.04;
+        surveys[1].found.noise = 0.02;
     }
     tracking::ImageModel model;
     tracking::TrackOptions options;
@@ -26,6 +28,7 @@ struct Seen : ::testing::Test {
 TEST_F(Seen, MeansAreOverTheFrames) {
     EXPECT_DOUBLE_EQ(tuning.particles_mean(), 2);
     EXPECT_DOUBLE_EQ(tuning.residual_rms(), 0.03);
+    EXPECT_DOUBLE_EQ(tuning.noise(), 0.015);
     surveys.clear();
     EXPECT_EQ(tuning.particles_mean(), 0);
 }

@@ -102,7 +102,8 @@ TEST(PaperPanels, MarkThePaperNumbersInTheFiguresOfTheRuns) {
     EXPECT_NEAR(std::ranges::min(peak->x), 0.15, 1e-12);
     EXPECT_NEAR(std::ranges::max(peak->x), 0.25, 1e-12);
     ASSERT_EQ(spectrum.lines.size(), 1U);
-    EXPECT_THAT(spectrum.lines[0].words, HasSubstr("paper ≈ 0.2, ours 0.260 ± 0.030"));
+    EXPECT_THAT(spectrum.lines[0].words,
+                HasSubstr("paper ≈ 0.2, ours 0.260 ± 0.030 (tracked, Γ = 4)"));
     EXPECT_EQ(spectrum.lines[0].verdict, "agrees");
 }
 
@@ -125,6 +126,31 @@ TEST(PaperPanels, MarkItOnTheAxisOfTheParameterWhereOursIsNotKnown) {
     ASSERT_NE(band, nullptr);
     EXPECT_NEAR(std::ranges::min(band->x), 4.58, 1e-12);
     EXPECT_EQ(panel(panels, "2b").lines[0].verdict, "not resolved at this scale");
+}
+
+// Two films with a minimum of |Q4| each: one at the acceleration of the map, one above.
+TEST(PaperPanels, SayTheNumbersOfTheRunThatIsDrawnUnderTheOrder) {
+    std::vector<Results> runs{film(4.5), film(6)};
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        for (ObservableResult& observable : runs[r].observables) {
+            for (Measurement& m : observable.measurements) {
+                if (m.name == "q4_minimum") m.value = r == 0 ? 0.71 : 0.83;
+            }
+        }
+    }
+    const auto panels =
+        paper_panels(runs, {"tracked, Γ = 4.5", "tracked, Γ = 6"}, analysis::figure_hints());
+    const PaperPanel& order = panel(panels, "1b");
+    ASSERT_TRUE(order.figure);
+    EXPECT_THAT(order.figure->runs, testing::ElementsAre("tracked, Γ = 4.5"));
+    std::size_t measured = 0;
+    for (const auto& line : order.lines) {
+        EXPECT_THAT(line.words, testing::Not(HasSubstr("Γ = 6")));
+        measured += line.words.find("ours 0.710 ± 0.020 (tracked, Γ = 4.5)") != std::string::npos;
+    }
+    EXPECT_EQ(measured, 1U);
+    ASSERT_FALSE(panel(panels, "2a").lines.empty());
+    EXPECT_THAT(panel(panels, "2a").lines[0].words, HasSubstr("(tracked, Γ = 6)"));
 }
 
 TEST(PaperPanels, ShowNoKindThatIsHidden) {

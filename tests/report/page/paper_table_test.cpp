@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 namespace grainfield::report {
@@ -43,6 +44,22 @@ TEST(PaperTable, HoldsEveryValueAndTakesTheRunOfTheCriticalPoint) {
     EXPECT_EQ(row->cells[3].text, "agrees");
     EXPECT_EQ(table.rows[0].cells[1].text, "not measured");
     EXPECT_EQ(table.rows[0].cells[3].text, "not resolved at this scale");
+}
+
+TEST(PaperTable, PrintsTheErrorThatARoundedValueIsComparedWith) {
+    const Table table = paper_table({}, {});
+    for (const PaperValue& value : paper_values()) {
+        if (!value.is_rounded) continue;
+        const auto row = std::ranges::find(table.rows, value.name, &Table::Row::name);
+        ASSERT_NE(row, table.rows.end());
+        EXPECT_EQ(row->cells[0].text.find("≈ "), 0U);
+        EXPECT_NE(row->cells[0].text.find(fmt::format(", taken as ± {:g}", value.error)),
+                  std::string::npos)
+            << row->cells[0].text;
+    }
+    const PaperValue narrow{"", critical_point, "q4", "q4_high_mode", 0.95, 0.025, true};
+    EXPECT_EQ(paper_text_with_error(narrow), "≈ 0.95, taken as ± 0.025");
+    EXPECT_EQ(paper_text_with_error(paper), "2.300 ± 0.030");
 }
 
 TEST(PaperTable, LetsTheRunWithTheLargestControlParameterSpeak) {
