@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "app/session.h"
+#include "report/text.h"
 
 namespace grainfield::app {
 
@@ -12,6 +13,7 @@ using pipelines::DownstreamEffect;
 using pipelines::kTruthClasses;
 using pipelines::ThresholdCheck;
 using pipelines::ValidationOutcome;
+using report::number_text;
 
 namespace {
 
@@ -100,15 +102,18 @@ std::string summary_text(const std::string& output, const ValidationOutcome& out
     for (std::size_t c = 0; c < kTruthClasses; ++c) {
         const ClassScore& s = detection.classes()[c];
         if (s.matched + s.missed == 0) continue;
-        text += fmt::format("  {:<10}{:>10}{:>9.5f}{:>10.5f}{:>10.4f}{:>8.2f}\n", s.name,
-                            s.matched + s.missed, s.recall(), s.precision(), s.rmse_per_axis(),
-                            s.bound_ratio());
+        text += fmt::format("  {:<10}{:>10}{:>9}{:>10}{:>10}{:>8}\n", s.name, s.matched + s.missed,
+                            number_text(s.recall(), "{:.5f}"), number_text(s.precision(), "{:.5f}"),
+                            number_text(s.rmse_per_axis(), "{:.4f}"),
+                            number_text(s.bound_ratio(), "{:.2f}"));
     }
     if (detection.frames() > 1) {
         const auto& t = outcome.tracks;
-        text += fmt::format(
-            "  tracks    α {:.4f}, β {:.4f}, JSC {:.4f}, JSCθ {:.4f}, links {:.5f}\n", t.alpha,
-            t.beta, t.jaccard_points, t.jaccard_tracks, t.correct_link_fraction());
+        text += fmt::format("  tracks    α {}, β {}, JSC {}, JSCθ {}, links {}\n",
+                            number_text(t.alpha, "{:.4f}"), number_text(t.beta, "{:.4f}"),
+                            number_text(t.jaccard_points, "{:.4f}"),
+                            number_text(t.jaccard_tracks, "{:.4f}"),
+                            number_text(t.correct_link_fraction(), "{:.5f}"));
     }
     for (const ThresholdCheck& c : checks) {
         text += fmt::format("  {:<10}{}\n", c.met() ? "met" : "MISSED", c.text());

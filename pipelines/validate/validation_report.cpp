@@ -98,12 +98,17 @@ Table track_table(const ValidationOutcome& outcome) {
         const auto locking = outcome.scores.detection().pixel_locking(axis);
         row(axis == 0 ? "pixel locking x [px]" : "pixel locking y [px]",
             number(locking.amplitude, "{:.5f}"),
-            fmt::format("chance: {:.5f}; RMS of the whole curve {:.5f}", locking.error,
-                        locking.rms));
+            std::isnan(locking.amplitude)
+                ? fmt::format("too few spheres: {} sub-pixel phases need two each",
+                              DetectionScores::kPhaseBins)
+                : fmt::format("chance: {:.5f}; RMS of the whole curve {:.5f}", locking.error,
+                              locking.rms));
     }
     row("|Q₄| error", number(outcome.scores.q4_rms(), "{:.4f}"),
-        fmt::format("RMS over {} particles; mean {:+.5f}", outcome.scores.q4_samples(),
-                    outcome.scores.q4_bias()));
+        outcome.scores.q4_samples() == 0
+            ? std::string("no sphere has one in both")
+            : fmt::format("RMS over {} particles; mean {:+.5f}", outcome.scores.q4_samples(),
+                          outcome.scores.q4_bias()));
     const bool labelled = layers.labelled > 0;
     row("layer labels", labelled ? share(layers.accuracy()) : report::TableCell{},
         labelled ? fmt::format("right of {}", layers.labelled)
