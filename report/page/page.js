@@ -505,7 +505,7 @@
         root.querySelector(".caption").textContent = `${next.title}; axes in ${next.unit}`;
         const layout = view.layout();
         // Another frame of the run keeps the zoom.
-        const isSame = old && old !== next && old.run === next.run && String(old.x) === String(next.x);
+        const isSame = old && old.run === next.run && String(old.x) === String(next.x);
         if (isSame && plot._fullLayout) {
           layout.xaxis.range = plot._fullLayout.xaxis.range.slice();
           layout.yaxis.range = plot._fullLayout.yaxis.range.slice();
