@@ -203,6 +203,47 @@ TEST_F(PageOnScreens, KeepsTheZoomOfBothPicturesWhenTheFrameChanges) {
     EXPECT_EQ(browser_->evaluate("document.documentElement.dataset.errors ?? ''"), "");
 }
 
+TEST_F(PageOnScreens, RepaintsWithoutLookingAnythingUpAgain) {
+    browser_->open_page(page({film(1, "first"), film(2, "second")}), 1366, 768);
+    const json counts = browser_->evaluate(R"JS((async () => {
+        const wait = () => new Promise((done) => setTimeout(done, 400));
+        const slider = document.querySelector(".pick-frame");
+        slider.value = "2";
+        slider.dispatchEvent(new Event("input"));
+        await wait();
+        document.querySelector(".trails").click();
+        await wait();
+        const closer = document.querySelector("#map .zoom button");
+        const lookUp = Element.prototype.querySelector;
+        const Plain = window.Map;
+        let places = 0, identities = 0, paintings = 0;
+        Element.prototype.querySelector = function (text) {
+            places += text.startsWith(".place");
+            return lookUp.call(this, text);
+        };
+        window.Map = class extends Plain {
+            constructor(entries) {
+                super(entries);
+                identities += entries !== undefined && entries.length > 100;
+            }
+        };
+        const clear = CanvasRenderingContext2D.prototype.clearRect;
+        CanvasRenderingContext2D.prototype.clearRect = function (...area) {
+            paintings++;
+            return clear.apply(this, area);
+        };
+        closer.click();
+        await wait();
+        return [paintings, places, identities];
+    })())JS");
+    EXPECT_GE(counts[0], 2) << "both pictures";
+    EXPECT_EQ(counts[1], 0) << "buttons of places";
+    EXPECT_EQ(counts[2], 0) << "identities of frames";
+    EXPECT_THAT(browser_->evaluate("document.querySelector('.trails').title").get<std::string>(),
+                testing::HasSubstr("over 3 a"));
+    EXPECT_EQ(browser_->evaluate("document.documentElement.dataset.errors ?? ''"), "");
+}
+
 TEST_F(PageOnScreens, ShowsTheCriticalPointBeforeAnyScrolling) {
     browser_->open_page(page({critical_point(), film(1, "Γ = 3.5"), film(2, "Γ = 4")}), 1366, 768);
     for (const char* plot : {"plot-critical", "plot-critical_epsilon"}) {
