@@ -68,7 +68,8 @@ std::vector<OptionTable> CompareCommand::options() {
     own.text(
         "figure", figure_,
         "draw only this one, for print, into OUTPUT (.pdf, .svg, .png; - prints SVG): s-over-s1, "
-        "s0-over-s1, s0-over-s1-epsilon, variance, msd, synthetic, sk, …");
+        "s0-over-s1, s0-over-s1-epsilon, variance, msd, synthetic, sk, …; with --paper paper-2a, "
+        "…");
     own.text("title", report_.title, "title of the page; by default made from the labels");
     own.number("sphere-mm", report_.sphere_mm, "mm", {1e-6, 1e6},
                "true diameter of the spheres, for lengths in mm besides");
@@ -89,6 +90,18 @@ Summary CompareCommand::run(Session& session) {
     return pipelines::run_or_discard("comparison", output_, [&] { return work(session); });
 }
 
+report::ReportOptions CompareCommand::drawn_options() const {
+    report::ReportOptions drawn = report_;
+    if (!committed_.empty() && !drawn.paper) {
+        throw OptionError({.problem = "option 'committed' is given without 'paper'",
+                           .actual = {},
+                           .expected = "both, or none",
+                           .suggestion = "add option 'paper' for the panels of the paper"});
+    }
+    if (!committed_.empty()) drawn.committed = pipelines::committed_runs(committed_);
+    return drawn;
+}
+
 Summary CompareCommand::draw_figure(Session& session) const {
     const bool is_printed = is_standard_output(output_);
     const std::string extension = is_printed ? ".svg" : fs::path(output_).extension().string();
@@ -105,7 +118,7 @@ Summary CompareCommand::draw_figure(Session& session) const {
                                                session.inputs.size(), output_));
         return explanation(session.plan);
     }
-    report::ReportOptions options = report_;
+    report::ReportOptions options = drawn_options();
     options.hints = analysis::figure_hints();
     if (is_printed) {
         require_no_json_beside(session);
@@ -140,15 +153,7 @@ Summary CompareCommand::work(Session& session) const {
         return explanation(session.plan);
     }
     const std::vector<Results> results = read_inputs(session);
-    report::ReportOptions drawn = report_;
-    if (!committed_.empty() && !drawn.paper) {
-        throw OptionError({.problem = "option 'committed' is given without 'paper'",
-                           .actual = {},
-                           .expected = "both, or none",
-                           .suggestion = "add option 'paper' for the panels of the paper"});
-    }
-    if (!committed_.empty()) drawn.committed = pipelines::committed_runs(committed_);
-    pipelines::ReportPage page(output_, drawn, session);
+    pipelines::ReportPage page(output_, drawn_options(), session);
     page.draw(results, session);
     page.commit(session);
 

@@ -22,6 +22,7 @@ class CompareCommand : public Command {
  private:
     Summary work(Session& session) const;
     Summary draw_figure(Session& session) const;
+    report::ReportOptions drawn_options() const;
 
     std::string output_;
     std::string figure_;

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "report/text.h"
+
 namespace grainfield::app {
 
 namespace {
@@ -14,6 +16,7 @@ using pipelines::DrawnScene;
 using pipelines::SceneQuantity;
 using pipelines::SceneScore;
 using pipelines::SceneSpread;
+using report::number_text;
 
 /// NaN has no place in JSON.
 ordered_json number(double value) {
@@ -81,7 +84,8 @@ std::string random_text(const std::string& output,
     for (const SceneQuantity& q : pipelines::scene_quantities()) {
         const SceneSpread spread = pipelines::spread_of(result.scenes, q);
         const std::string name = q.unit.empty() ? q.label : q.label + " [" + q.unit + "]";
-        text += fmt::format("  {:<22}{:>10.5g}{:>10.5g}\n", name, spread.median, spread.worst);
+        text += fmt::format("  {:<22}{:>10}{:>10}\n", name, number_text(spread.median, "{:.5g}"),
+                            number_text(spread.worst, "{:.5g}"));
     }
     if (!result.scenes.empty()) {
         const SceneScore& worst =

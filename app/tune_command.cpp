@@ -7,21 +7,65 @@
 
 #include "app/option_set.h"
 #include "app/track_command.h"
+#include "core/errors.h"
+#include "io/joined_films.h"
 #include "pipelines/interrupt_deadline.h"
 
 namespace grainfield::app {
+
+namespace {
+
+/// One word of a POSIX shell.
+std::string shell_word(const std::string& text) {
+    std::string escaped;
+    for (const char c : text) {
+        if (c == '\'') {
+            escaped += "'\\''";
+        } else {
+            escaped += c;
+        }
+    }
+    return fmt::format("'{}'", escaped);
+}
+
+/// A text as TOML has it, without its marks; all else as it is.
+std::string plain_text(const std::string& toml) {
+    std::string text;
+    for (std::size_t i = 1; i + 1 < toml.size(); ++i) {
+        if (toml[i] == '\\' && i + 2 < toml.size()) ++i;
+        text += toml[i];
+    }
+    return text;
+}
+
+/// The folder, where they are all that is in it, as a shell makes them of a pattern.
+std::vector<std::filesystem::path> in_short(const std::vector<std::filesystem::path>& inputs) {
+    constexpr std::size_t few = 3;
+    if (inputs.size() <= few) return inputs;
+    std::filesystem::path folder = inputs.front().parent_path();
+    if (folder.empty()) folder = ".";
+    try {
+        if (std::ranges::equal(io::recording_files({folder}), inputs, {},
+                               &std::filesystem::path::lexically_normal,
+                               &std::filesystem::path::lexically_normal)) {
+            return {folder};
+        }
+    } catch (const InputError&) {
+        // Of several kinds.
+        return inputs;
+    }
+    return inputs;
+}
+
+}  // namespace
 
 std::string track_command_line(const std::vector<pipelines::Setting>& settings,
                                const std::vector<std::filesystem::path>& inputs) {
     TrackCommand track;
     const OptionSet options(track.name(), track.options());
     std::string text = "grainfield track";
-    for (const auto& input : inputs) {
-        text += " '" + input.string() + "'";
-        if (inputs.size() > 3) {
-            text += " …";
-            break;
-        }
+    for (const auto& input : in_short(inputs)) {
+        text += fmt::format(" {}", shell_word(input.string()));
     }
     text += " -o tracks.h5";
     for (const pipelines::Setting& setting : settings) {
@@ -31,9 +75,9 @@ std::string track_command_line(const std::vector<pipelines::Setting>& settings,
             text += (setting.value == "true" ? " --" : " --no-") + flag;
             continue;
         }
-        std::string plain = setting.value;
-        std::ranges::replace(plain, '"', '\'');
-        text += fmt::format(" --{} {}", flag, plain);
+        const bool is_text = setting.value.starts_with('"');
+        text += fmt::format(" --{} {}", flag,
+                            is_text ? shell_word(plain_text(setting.value)) : setting.value);
     }
     return text;
 }
@@ -81,8 +125,9 @@ Summary TuneCommand::work(Session& session) {
     require_output(session, output_);
     require_html_name(output_);
     job_.output = output_;
+    const std::vector<std::filesystem::path> typed = session.inputs;  // a folder becomes its files
     job_.in_words = [&](const std::vector<pipelines::Setting>& settings) {
-        return track_command_line(settings, session.inputs);
+        return track_command_line(settings, typed);
     };
     const pipelines::TuneJobResult result = pipelines::run_tuning(job_, session);
     Summary summary;

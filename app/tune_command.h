@@ -28,7 +28,8 @@ class TuneCommand : public Command {
     pipelines::TuneJobOptions job_;
 };
 
-/// The command line that tracks `inputs` with the settings.
+/// The command line that tracks `inputs` with the settings, for a POSIX shell. More than three
+/// inputs that are all that their folder holds are named by it.
 std::string track_command_line(const std::vector<pipelines::Setting>& settings,
                                const std::vector<std::filesystem::path>& inputs);
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "app/session.h"
+#include "report/text.h"
 
 namespace grainfield::app {
 
@@ -12,6 +13,7 @@ using pipelines::DownstreamEffect;
 using pipelines::kTruthClasses;
 using pipelines::ThresholdCheck;
 using pipelines::ValidationOutcome;
+using report::number_text;
 
 namespace {
 
@@ -21,11 +23,6 @@ using tracking::ClassScore;
 /// NaN has no place in JSON.
 ordered_json number(double value) {
     return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
-}
-
-/// For people: a dash for what is not known.
-std::string known(double value, int digits) {
-    return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : std::string("–");
 }
 
 ordered_json facts(const ClassScore& s) {
@@ -107,17 +104,20 @@ std::string summary_text(const std::string& output, const ValidationOutcome& out
     for (std::size_t c = 0; c < kTruthClasses; ++c) {
         const ClassScore& s = detection.classes()[c];
         if (s.matched + s.missed == 0) continue;
+        text += fmt::format("  {:<10}{:>10}{:>9}{:>10}{:>10}", s.name, s.matched + s.missed,
+                            number_text(s.recall(), "{:.5f}"), number_text(s.precision(), "{:.5f}"),
+                            number_text(s.rmse_per_axis(), "{:.4f}"));
         text +=
-            fmt::format("  {:<10}{:>10}{:>9}{:>10}{:>10}", s.name, s.matched + s.missed,
-                        known(s.recall(), 5), known(s.precision(), 5), known(s.rmse_per_axis(), 4));
-        text += caveat.empty() ? fmt::format("{:>8}\n", known(s.bound_ratio(), 2)) : "\n";
+            caveat.empty() ? fmt::format("{:>8}\n", number_text(s.bound_ratio(), "{:.2f}")) : "\n";
     }
     if (!caveat.empty()) text += fmt::format("  {:<10}{}\n", "bound", caveat);
     if (detection.frames() > 1) {
         const auto& t = outcome.tracks;
         text += fmt::format("  tracks    α {}, β {}, JSC {}, JSCθ {}, links {}\n",
-                            known(t.alpha, 4), known(t.beta, 4), known(t.jaccard_points, 4),
-                            known(t.jaccard_tracks, 4), known(t.correct_link_fraction(), 5));
+                            number_text(t.alpha, "{:.4f}"), number_text(t.beta, "{:.4f}"),
+                            number_text(t.jaccard_points, "{:.4f}"),
+                            number_text(t.jaccard_tracks, "{:.4f}"),
+                            number_text(t.correct_link_fraction(), "{:.5f}"));
     }
     for (const ThresholdCheck& c : checks) {
         text += fmt::format("  {:<10}{}\n", c.met() ? "met" : "MISSED", c.text());

@@ -79,7 +79,7 @@ void mark(std::vector<ParticleMap>& maps, const std::vector<MarkedSphere>& marke
 void warn_of_absent(const Figure& figure, const Prepared& all, RunPlan& plan) {
     for (const Figure::Absence& absence : figure.absent) {
         plan.warn(fmt::format("the figure '{}' shows nothing of '{}': {}", figure.name,
-                              all.labels[absence.run], absence.reason));
+                              figure.runs[absence.run], absence.reason));
     }
     if (figure.absent.empty() || figure.x.unit.power(BaseUnit::time) == 0) return;
     const std::string times = time_mismatch(all.runs, all.labels);
@@ -155,7 +155,14 @@ std::string write_figure(const std::vector<Results>& given, const ReportOptions&
                          RunPlan& plan) {
     const Prepared all = prepared(given, options);
     std::string known;
-    for (const Figure& figure : make_figures(all.runs, all.labels, options.hints)) {
+    std::vector<Figure> figures = make_figures(all.runs, all.labels, options.hints);
+    if (options.paper) {
+        for (PaperPanel& panel :
+             paper_panels(all.runs, all.labels, options.hints, options.committed)) {
+            if (panel.figure) figures.push_back(*std::move(panel.figure));
+        }
+    }
+    for (const Figure& figure : figures) {
         if (!figure.has_data()) continue;
         known += (known.empty() ? "" : ", ") + figure.name;
         if (figure.name != figure_name(name)) continue;
@@ -175,7 +182,9 @@ std::string write_figure(const std::vector<Results>& given, const ReportOptions&
     throw OptionError({.problem = fmt::format("these results have no figure '{}'", name),
                        .actual = {},
                        .expected = "one of " + known,
-                       .suggestion = {}});
+                       .suggestion = !options.paper && name.starts_with("paper")
+                                         ? "add option 'paper' for the panels of the paper"
+                                         : ""});
 }
 
 }  // namespace grainfield::report

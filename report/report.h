@@ -67,7 +67,8 @@ void write_report(const std::vector<Results>& runs, const ReportOptions& options
 
 /// Draws one figure of the runs for print (publication_script) into `file`. `name`: as the files of
 /// the figures are called, '-' or '_' between words; "s-over-s1" is "sk_scaled", "s0-over-s1" is
-/// "critical", "s0-over-s1-epsilon" is "critical_epsilon". Warns of every run that it has no curve
+/// "critical", "s0-over-s1-epsilon" is "critical_epsilon"; with `options.paper` also those of the
+/// paper, "paper_2a". Warns of every run that it has no curve
 /// of, and why. Returns the title of the figure. Throws OptionError if no figure with data is
 /// called so (names those that are), OutputError if gnuplot cannot draw it.
 std::string write_figure(const std::vector<Results>& runs, const ReportOptions& options,

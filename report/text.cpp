@@ -204,6 +204,10 @@ std::string with_error(double value, const double* error) {
     return exponent == 0 ? text : "(" + text + ")" + power;
 }
 
+std::string number_text(double value, const char* format) {
+    return std::isfinite(value) ? fmt::format(fmt::runtime(format), value) : "–";
+}
+
 std::string interval_text(double low, double high) {
     const double size = std::max(std::abs(low), std::abs(high));
     int exponent = 0;

@@ -42,6 +42,9 @@ std::string order_symbol(const Results& run);
 /// value to four digits; powers of ten where the number is very large or small.
 std::string with_error(double value, const double* error);
 
+/// The number as `format` says ("{:.5f}"), "–" if not finite.
+std::string number_text(double value, const char* format);
+
 /// "(−9.98 … −4.25) × 10⁻⁴": both ends in the decade of the larger one.
 std::string interval_text(double low, double high);
 

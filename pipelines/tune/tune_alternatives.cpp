@@ -11,6 +11,7 @@
 
 #include "core/support/interrupt.h"
 #include "io/frame_region.h"
+#include "pipelines/tune/tune_settings.h"
 #include "tracking/survey.h"
 
 namespace grainfield::pipelines {
@@ -77,17 +78,11 @@ const char* name_of(Polarity polarity) {
     return polarity == Polarity::dark ? "dark" : "bright";
 }
 
-std::string settings_text(Polarity polarity, double diameter, double evidence) {
-    return fmt::format(
-        "[calibrate]\npolarity = \"{}\"\ndisc-diameter = {:.2f}\n\n[detect]\nevidence = {:.3f}\n",
-        name_of(polarity), diameter, evidence);
-}
-
 }  // namespace
 
 report::Alternatives tuned_alternatives(const Frame& frame, Polarity own_polarity, double own,
                                         double evidence, const TrackOptions& options,
-                                        const Job& job) {
+                                        const FilmOptions& film, const Job& job) {
     const io::FrameRegion part = part_of(frame.image, own);
     report::Alternatives all;
     all.title = "Other settings, tried on a part of the frame";
@@ -118,7 +113,10 @@ report::Alternatives tuned_alternatives(const Frame& frame, Polarity own_polarit
             const tracking::Tracker tracker(source, tried, quiet);
             for (const double factor : threshold_factors) {
                 report::Alternative found{
-                    {}, diameter, "", settings_text(polarity, diameter, threshold(factor))};
+                    {},
+                    diameter,
+                    "",
+                    toml_of(settings_with(options, film, {polarity, diameter, threshold(factor)}))};
                 if (tracker.is_calibrated()) {
                     TrackOptions searched = tried;
                     searched.detection.evidence = threshold(factor);

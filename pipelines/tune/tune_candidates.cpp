@@ -71,11 +71,13 @@ std::vector<Results> candidate_runs(WatchedFrames& frames, std::int64_t position
 }
 
 std::vector<report::CopyBlock> candidate_blocks(const std::vector<SizeCandidate>& weighed,
+                                                const tracking::TrackOptions& given,
+                                                const FilmOptions& film,
                                                 const std::optional<tracking::ImageModel>& taken) {
     std::vector<report::CopyBlock> blocks;
     for (const std::size_t i : tracking::named_candidates(weighed)) {
         if (taken && is_of(weighed[i], *taken)) continue;
-        blocks.push_back({title_of(weighed[i]), toml_of(settings_of(weighed[i])), ""});
+        blocks.push_back({title_of(weighed[i]), toml_of(settings_of(given, film, weighed[i])), ""});
     }
     return blocks;
 }

@@ -11,6 +11,7 @@
 #include "report/report.h"
 #include "tracking/calibrate/size_choice.h"
 #include "tracking/model/image_model.h"
+#include "tracking/track_options.h"
 
 namespace grainfield::pipelines {
 
@@ -20,8 +21,11 @@ std::vector<Results> candidate_runs(WatchedFrames& frames, std::int64_t position
                                     const std::vector<tracking::SizeCandidate>& weighed,
                                     const Job& job);
 
-/// The settings that choose each of them, to be copied; but for the one that `taken` is.
+/// The settings that were given with each of them instead, to be copied; but for the one that
+/// `taken` is.
 std::vector<report::CopyBlock> candidate_blocks(const std::vector<tracking::SizeCandidate>& weighed,
+                                                const tracking::TrackOptions& given,
+                                                const FilmOptions& film,
                                                 const std::optional<tracking::ImageModel>& taken);
 
 /// What to say where a size or polarity that was given explains little, and another one enough.

@@ -85,9 +85,10 @@ std::vector<Results> runs_of(const Look& look, const TrajectoryInfo& info, doubl
 }
 
 /// The settings that choose another candidate, and what speaks against the one taken.
-void add_others(const tracking::Tracker& tracker, const std::optional<SizeAdvice>& advice,
-                report::ReportAdditions& additions) {
-    for (report::CopyBlock& block : candidate_blocks(tracker.weighed(), tracker.model())) {
+void add_others(const tracking::Tracker& tracker, const TuneJobOptions& options,
+                const std::optional<SizeAdvice>& advice, report::ReportAdditions& additions) {
+    for (report::CopyBlock& block :
+         candidate_blocks(tracker.weighed(), options.tracking, options.film, tracker.model())) {
         block.title = "Instead: " + block.title;
         additions.blocks.push_back(std::move(block));
     }
@@ -130,7 +131,8 @@ TuneJobResult run_tuning(const TuneJobOptions& options, Job& job) {
                   {.tables = {candidates_table(tracker.weighed())},
                    .figures = {},
                    .verdict = "Not clear: choose a picture and copy its settings",
-                   .blocks = candidate_blocks(tracker.weighed(), std::nullopt)});
+                   .blocks = candidate_blocks(tracker.weighed(), options.tracking, options.film,
+                                              std::nullopt)});
         page.commit(job);
         TuneJobResult undecided;
         undecided.weighed = tracker.weighed();
@@ -161,10 +163,10 @@ TuneJobResult run_tuning(const TuneJobOptions& options, Job& job) {
             tuned_alternatives(look.previews.front().frame,
                                advice ? advice->better.polarity : tracker.model().polarity,
                                advice ? advice->better.diameter : tracker.model().disc.diameter,
-                               look.surveys.front().found.evidence, tracking, job);
+                               look.surveys.front().found.evidence, tracking, options.film, job);
     }
     additions.tables.push_back(candidates_table(tracker.weighed()));
-    add_others(tracker, advice, additions);
+    add_others(tracker, options, advice, additions);
     page.draw(runs, job, "Settings of the tracker", additions);
     write_file(result.settings_file, toml_of(result.settings), job.overwrite);
     page.commit(job);

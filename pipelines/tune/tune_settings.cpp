@@ -100,11 +100,11 @@ std::vector<Setting> given_settings(const tracking::TrackOptions& tracking,
     return settings;
 }
 
-/// Its polarity, in place of what was given.
-void put_polarity(const tracking::SizeCandidate& candidate, tracking::CalibrationOptions& chosen,
+/// A polarity, in place of what was given.
+void put_polarity(Polarity polarity, tracking::CalibrationOptions& chosen,
                   std::vector<Setting>& settings) {
-    chosen.polarity = candidate.polarity == Polarity::dark ? tracking::PolarityChoice::dark
-                                                           : tracking::PolarityChoice::bright;
+    chosen.polarity = polarity == Polarity::dark ? tracking::PolarityChoice::dark
+                                                 : tracking::PolarityChoice::bright;
     const OptionTable table = describe(chosen);
     put(settings, table, &chosen.polarity, choice_text(table, &chosen.polarity));
 }
@@ -130,12 +130,26 @@ std::vector<Setting> suggested_settings(const Tuning& tuning, const FilmOptions&
     return settings;
 }
 
-std::vector<Setting> settings_of(const tracking::SizeCandidate& candidate) {
+std::vector<Setting> settings_with(const tracking::TrackOptions& given, const FilmOptions& film,
+                                   const TriedSettings& tried) {
+    std::vector<Setting> settings = given_settings(given, film);
     tracking::CalibrationOptions chosen;
-    std::vector<Setting> settings;
-    put_polarity(candidate, chosen, settings);
-    put(settings, describe(chosen), &chosen.diameter, fmt::format("{:.2f}", candidate.diameter));
+    put_polarity(tried.polarity, chosen, settings);
+    put(settings, describe(chosen), &chosen.diameter, fmt::format("{:.2f}", tried.diameter));
+    if (tried.evidence) {
+        tracking::DetectionOptions detection;
+        put(settings, describe(detection), &detection.evidence,
+            fmt::format("{:.3f}", *tried.evidence));
+    }
+    sort_sections(settings);
     return settings;
+}
+
+std::vector<Setting> settings_of(const tracking::TrackOptions& given, const FilmOptions& film,
+                                 const tracking::SizeCandidate& candidate) {
+    tracking::TrackOptions options = given;
+    options.calibration.edge_width.reset();
+    return settings_with(options, film, {candidate.polarity, candidate.diameter, {}});
 }
 
 std::vector<Setting> settings_instead(const Tuning& tuning, const FilmOptions& film,
@@ -145,7 +159,7 @@ std::vector<Setting> settings_instead(const Tuning& tuning, const FilmOptions& f
     options.calibration.edge_width.reset();
     std::vector<Setting> settings = given_settings(options, film);
     tracking::CalibrationOptions chosen;
-    put_polarity(candidate, chosen, settings);
+    put_polarity(candidate.polarity, chosen, settings);
     sort_sections(settings);
     return settings;
 }

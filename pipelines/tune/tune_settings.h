@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,8 +24,21 @@ struct Setting {
 /// film stand in the section "track".
 std::vector<Setting> suggested_settings(const Tuning& tuning, const FilmOptions& film);
 
-/// Those that choose a size and polarity that calibration weighed.
-std::vector<Setting> settings_of(const tracking::SizeCandidate& candidate);
+/// What one of several ways to track a frame sets.
+struct TriedSettings {
+    tracking::Polarity polarity = tracking::Polarity::dark;
+    double diameter = 0;             ///< apparent D [px]
+    std::optional<double> evidence;  ///< threshold; empty: as given
+};
+
+/// The settings that the user gave, with these in their places.
+std::vector<Setting> settings_with(const tracking::TrackOptions& given, const FilmOptions& film,
+                                   const TriedSettings& tried);
+
+/// The settings that the user gave, with a size and polarity that calibration weighed in their
+/// places. The edge width that was given for another size is left out.
+std::vector<Setting> settings_of(const tracking::TrackOptions& given, const FilmOptions& film,
+                                 const tracking::SizeCandidate& candidate);
 
 /// The settings that the user gave, with that polarity and the size left to be measured: that of a
 /// candidate is rough.

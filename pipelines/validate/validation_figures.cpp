@@ -172,10 +172,13 @@ Pair both(const ValidationOutcome& outcome, const char* name, const char* x, con
 Figure offset_figure(const ValidationOutcome& outcome) {
     Figure figure =
         figure_of("msd_offset", "MSD: tracked less true",
-                  "Errors that are independent from frame to frame raise the MSD by 4σ² "
-                  "at every lag.",
-                  {"t", "Lag time t", "", Scale::log, false},
+                  "Errors that are independent from frame to frame raise the MSD by 4σ² at every "
+                  "lag. Both are of the same frames: a paired difference, without an error.",
+                  {"t", "Lag time t", "time unit", Scale::log, false},
                   {"offset", "Offset", "a²", Scale::linear, true});
+    if (!outcome.runs.empty()) {
+        figure.x.units = {run_unit(figure.x.unit, outcome.runs[0].source.time_unit)};
+    }
     const Pair pair = both(outcome, "msd", "t", "msd");
     if (pair.x.empty()) {
         figure.absent.push_back({0, "no displacement was measured in both runs"});
@@ -193,11 +196,13 @@ Figure offset_figure(const ValidationOutcome& outcome) {
 }
 
 Figure ratio_figure(const ValidationOutcome& outcome) {
-    Figure figure = figure_of("sk_ratio", "S(k): tracked over true",
-                              "Missed particles add p S + (1 − p), a noise floor; position errors "
-                              "damp S − 1 at large k.",
-                              {"k", "Wavevector k", "1/a", Scale::log, true},
-                              {"ratio", "S tracked / S true", "", Scale::linear, false});
+    Figure figure =
+        figure_of("sk_ratio", "S(k): tracked over true",
+                  "A share p found, missed by chance, makes S into p S + 1 − p and the "
+                  "ratio p + (1 − p)/S; position errors damp S − 1 at large k. Both are "
+                  "of the same frames: a paired ratio, without an error.",
+                  {"k", "Wavevector k", "1/a", Scale::log, true},
+                  {"ratio", "S tracked / S true", "", Scale::linear, false});
     const Pair pair = both(outcome, "sk", "k", "s");
     Series ratio{0, 0, {}, {}, {}};
     for (std::size_t i = 0; i < pair.x.size(); ++i) {

@@ -1,5 +1,7 @@
 #include "pipelines/validate/validation_thresholds.h"
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "pipelines/validate/validation_outcome.h"
@@ -23,7 +25,10 @@ OptionTable describe(ValidationThresholds& t) {
 }
 
 std::string ThresholdCheck::text() const {
-    return fmt::format("{} {:.5g}{}, {} {:g} asked for", name, value, unit == "-" ? "" : " " + unit,
+    const std::string measured =
+        std::isnan(value) ? "not measured"
+                          : fmt::format("{:.5g}{}", value, unit == "-" ? "" : " " + unit);
+    return fmt::format("{} {}, {} {:g} asked for", name, measured,
                        is_least ? "at least" : "at most", limit);
 }
 

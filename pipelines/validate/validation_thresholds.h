@@ -34,7 +34,7 @@ struct ThresholdCheck {
     double value = 0;  ///< NaN: not measured
     bool is_least = true;
     bool met() const { return is_least ? value >= limit : value <= limit; }
-    /// "recall 0.981, at least 0.999 asked for"
+    /// "recall 0.981, at least 0.999 asked for"; "recall not measured, at least 0.999 asked for"
     std::string text() const;
 };
 

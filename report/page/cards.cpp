@@ -55,7 +55,7 @@ CardValue diameter(const Results& run, std::optional<double> sphere_mm) {
     if (sphere_mm) card.value += fmt::format(" = {:.4g} mm", *sphere_mm);
     const Measurement* seen = known(run, "lengths", "apparent_diameter");
     if (is_apparent) {
-        card.detail = "as wide as the discs look; the true one was not given";
+        card.detail = "apparent: as wide as the discs look; the true one was not given";
     } else if (seen != nullptr) {
         card.detail = fmt::format("given; the discs look {:.4g} px wide", *seen->value);
     } else if (run.source.diameter_origin == DiameterOrigin::given) {

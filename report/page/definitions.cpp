@@ -59,7 +59,9 @@ constexpr std::array entries{
     Entry{"Phases",
           "Solid: |Q₄| averaged over the averaging time is 0.7 or more. Liquid: 0.4 or "
           "less. The rest lies between."},
-    Entry{"Particle diameter a", "True diameter of a sphere. It is the unit of all lengths."},
+    Entry{"Particle diameter a",
+          "Diameter of a sphere: the true one if given, else the apparent one. It is the unit of "
+          "all lengths."},
     Entry{"Frame rate", "Frames a second. Without it times are in frames."},
 };
 

@@ -133,7 +133,8 @@ std::string map_html(const PageContent& content) {
     }
     out += fmt::format(
         "</span>\n<button type=\"button\" class=\"lens-switch\" aria-pressed=\"{}\">lens</button>\n"
-        "<button type=\"button\" class=\"trails\" aria-pressed=\"false\">trails</button>\n"
+        "<button type=\"button\" class=\"trails\" aria-pressed=\"false\" title=\"Straight lines "
+        "between the places in the frames shown; steps over 3 a are left out\">trails</button>\n"
         "<span class=\"zoom marks\" role=\"group\" aria-label=\"Zoom\">"
         "<button type=\"button\" value=\"0.7\" title=\"Closer\">+</button>"
         "<button type=\"button\" value=\"1.4\" title=\"Further\">−</button>"

@@ -344,6 +344,21 @@
       context.globalAlpha = 1;
     }
 
+    // Index of each identity in a map.
+    const whereOf = (map) => {
+      map.where = map.where || new Map(map.identity.map((id, i) => [id, i]));
+      return map.where;
+    };
+
+    // What the buttons of its places say, "" where there is none.
+    const numbersOf = (map) => {
+      map.numbers = map.numbers || map.places.map((_, p) => {
+        const button = box.querySelector(`.place[value="${maps.indexOf(map)} ${p}"]`);
+        return button ? button.textContent : "";
+      });
+      return map.numbers;
+    };
+
     function makeView(root) {
       const plot = root.querySelector(".plot");
       const stage = root.querySelector(".stage");
@@ -375,7 +390,7 @@
         context.beginPath();
         for (let n = at; n > 0; n--) {
           unpack(frames[n - 1]);
-          const before = new Map(frames[n - 1].identity.map((id, i) => [id, i]));
+          const before = whereOf(frames[n - 1]);
           frames[n].identity.forEach((id, i) => {
             const j = before.get(id);
             if (j === undefined) return;
@@ -417,13 +432,13 @@
             context.lineWidth = wide;
             context.strokeRect(f.x(px) - r, f.y(py) - r, 2 * r, 2 * r);
           }
-          const number = box.querySelector(`.place[value="${maps.indexOf(view.map)} ${p}"]`);
+          const number = numbersOf(view.map)[p];
           if (!number) return;
           context.lineWidth = 3;
           context.strokeStyle = "#fff";
-          context.strokeText(number.textContent, f.x(px) + r + 2, f.y(py) - r + 10);
+          context.strokeText(number, f.x(px) + r + 2, f.y(py) - r + 10);
           context.fillStyle = "#111";
-          context.fillText(number.textContent, f.x(px) + r + 2, f.y(py) - r + 10);
+          context.fillText(number, f.x(px) + r + 2, f.y(py) - r + 10);
         });
         context.restore();
         view.paintLens();
@@ -505,7 +520,7 @@
         root.querySelector(".caption").textContent = `${next.title}; axes in ${next.unit}`;
         const layout = view.layout();
         // Another frame of the run keeps the zoom.
-        const isSame = old && old !== next && old.run === next.run && String(old.x) === String(next.x);
+        const isSame = old && old.run === next.run && String(old.x) === String(next.x);
         if (isSame && plot._fullLayout) {
           layout.xaxis.range = plot._fullLayout.xaxis.range.slice();
           layout.yaxis.range = plot._fullLayout.yaxis.range.slice();

@@ -21,9 +21,11 @@ using ::testing::Not;
 
 // Results with S(k) and its fit; without errors if asked.
 std::filesystem::path write_run(const std::filesystem::path& path, const std::string& label,
-                                bool has_errors = true, const std::string& version = "0.1.0") {
+                                bool has_errors = true, const std::string& version = "0.1.0",
+                                Origin origin = Origin::points) {
     Results run;
     run.label = label;
+    run.source.origin = run.identity.origin = origin;
     run.box = {{0, 0}, {10, 10}, {}, 0};
     run.record.command = "analyze";
     run.record.version = version;
@@ -146,12 +148,13 @@ TEST(CompareCommand, SaysWhichRunsHaveNoErrorsAndWhichAnotherVersion) {
 
 TEST(CompareCommand, DrawsOneFigureForPrintAndNamesThoseThatThereAre) {
     const testing::ScratchFolder folder;
-    const auto run = write_run(folder / "a.h5", "first");
-    const auto draw = [&](const std::string& name, const std::string& file) {
+    const auto run = write_run(folder / "a.h5", "first", true, "0.1.0", Origin::video);
+    const auto draw = [&](const std::string& name, const std::string& file, bool paper = false) {
         CompareCommand command;
         const std::vector<OptionTable> tables = command.options();
         tables.front().set("output", OptionValue(folder / file));
         tables.front().set("figure", OptionValue(name));
+        tables.front().set("paper", OptionValue(paper));
         Session session;
         session.inputs = {run};
         command.run(session);
@@ -167,6 +170,19 @@ TEST(CompareCommand, DrawsOneFigureForPrintAndNamesThoseThatThereAre) {
         GTEST_SKIP() << error.what();  // no gnuplot
     }
     EXPECT_THROW(draw("sk", "a.txt"), OptionError);
+    EXPECT_THAT(draw("paper-2a", "paper.svg", true), HasSubstr("<svg"));
+    try {
+        draw("paper-2a", "c.svg");
+        ADD_FAILURE() << "drawn without 'paper'";
+    } catch (const OptionError& error) {
+        EXPECT_THAT(error.what(), HasSubstr("add option 'paper'"));
+    }
+    try {
+        draw("paper-3", "c.svg", true);
+        ADD_FAILURE() << "drawn without data";
+    } catch (const OptionError& error) {
+        EXPECT_THAT(error.what(), HasSubstr("one of sk, sk_scaled, paper_2a"));
+    }
     try {
         draw("msd", "b.pdf");
         ADD_FAILURE() << "drawn without data";

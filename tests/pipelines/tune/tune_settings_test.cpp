@@ -73,6 +73,25 @@ TEST_F(TuneSettings, PutWhatWasEstimatedInPlaceOfWhatWasGiven) {
     EXPECT_EQ(value(settings, "calibrate", "edge-width"), "1.250");
 }
 
+TEST_F(TuneSettings, OfACandidateKeepAllElseThatTheUserGave) {
+    film_.region = {0, 0, 10, 10};
+    film_.mask = "m.png";
+    options_.layers.height = 1.94;
+    options_.calibration.diameter = 20;
+    options_.calibration.edge_width = 3;
+    tracking::SizeCandidate candidate;
+    candidate.polarity = tracking::Polarity::bright;
+    candidate.diameter = 8.5;
+    const std::vector<Setting> settings = settings_of(options_, film_, candidate);
+    EXPECT_EQ(value(settings, "track", "region"), "\"0,0,10,10\"");
+    EXPECT_EQ(value(settings, "track", "mask"), "\"m.png\"");
+    EXPECT_EQ(value(settings, "calibrate", "disc-diameter"), "8.50");
+    EXPECT_EQ(value(settings, "calibrate", "polarity"), "\"bright\"");
+    EXPECT_EQ(value(settings, "calibrate", "edge-width"), std::nullopt) << "of another size";
+    EXPECT_TRUE(std::ranges::any_of(
+        settings, [](const Setting& s) { return s.name == "height" && s.value == "1.94"; }));
+}
+
 TEST_F(TuneSettings, AreAConfigurationFileWithOneBlockASection) {
     film_.region = {0, 0, 10, 10};
     const std::string toml = toml_of(suggested());

@@ -259,6 +259,70 @@ TEST(Validation, TheReportHoldsAllScores) {
     EXPECT_TRUE(std::filesystem::exists(folder / "figures/pixel_locking.csv"));
 }
 
+TEST(Validation, FiguresOfBothRunsHaveTheUnitOfTheirTimesAndTheCurveOfTheirNotes) {
+    sample::Film film = sample::film(4);
+    RunPlan plan;
+    ValidationOutcome outcome = validated(film, plan);
+    // As of spheres of which chance has left nine in ten.
+    constexpr double p = 0.9;
+    std::vector<double> truth;
+    for (ObservableResult& observable : outcome.runs[1].observables) {
+        if (observable.name != "sk") continue;
+        for (Curve& curve : observable.curves) {
+            if (curve.name != "sk") continue;
+            for (Column& column : curve.columns) {
+                if (column.name != "s") continue;
+                column.values = outcome.runs[0].find("sk")->find_curve("sk")->find("s")->values;
+                truth = column.values;
+                for (double& s : column.values) s = p * s + 1 - p;
+            }
+        }
+    }
+    const auto figures = validation_report(outcome, {}).figures;
+    const auto figure = [&](const char* name) {
+        return *std::ranges::find(figures, name, &report::Figure::name);
+    };
+    EXPECT_EQ(figure("msd_offset").x.title(), "Lag time t [s]");
+    const std::vector<double> ratio = figure("sk_ratio").series.at(0).y;
+    ASSERT_EQ(ratio.size(), truth.size());
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+        const double expected = p + (1 - p) / truth[i];
+        EXPECT_NEAR(ratio[i] / expected, 1, 1e-12);
+    }
+    outcome.runs[0].source.time_unit = TimeUnit::frame;
+    EXPECT_EQ(validation_report(outcome, {}).figures[4].x.title(), "Lag time t [frame]");
+}
+
+TEST(Validation, WordsStandForWhatCouldNotBeMeasured) {
+    // Three spheres: nearly every bin of the sub-pixel phase is empty.
+    ScoredView view;
+    view.width = view.height = 200;
+    view.sphere_diameter = view.disc.diameter = 12;
+    ValidationScores scores(view);
+    Snapshot few;
+    few.position = {{60, 60}, {100.3, 100.2}, {140.4, 60.1}};
+    few.id = {0, 1, 2};
+    few.box = {{-0.5, -0.5}, {200, 200}, {}, 0};
+    scores.add(few, few);
+    ValidationOutcome outcome{.scores = scores,
+                              .tracks = scores.tracks(),
+                              .runs = {},
+                              .free_fits = {},
+                              .effects = {},
+                              .msd_offset = std::nan(""),
+                              .predicted_msd_offset = std::nan("")};
+    ASSERT_TRUE(std::isnan(scores.detection().pixel_locking(0).amplitude));
+    const ThresholdCheck unmeasured{"bound-ratio", "-", 2, std::nan(""), false};
+    for (const report::Table& table : validation_report(outcome, {unmeasured}).tables) {
+        for (const auto& row : table.rows) {
+            for (const report::TableCell& cell : row.cells) {
+                EXPECT_EQ(cell.text.find("nan"), std::string::npos) << row.name << cell.text;
+            }
+        }
+    }
+    EXPECT_EQ(unmeasured.text(), "bound-ratio not measured, at most 2 asked for");
+}
+
 TEST(Validation, TruthsInWholePixelsAreRecognisedAndSaid) {
     sample::Film film = sample::film(2);
     {

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "report/page/definitions.h"
 #include "report/possible_numbers.h"
 #include "tests/report/sample_results.h"
 
@@ -93,6 +94,16 @@ TEST(Cards, GiveLengthsInMillimetresWhereTheSphereIsKnown) {
     const std::vector<Card> cards = make_cards({film()}, 1.0);
     EXPECT_EQ(cards[1].values[0].value, "10.09 px = 1 mm");
     EXPECT_THAT(cards[1].values[0].detail, HasSubstr("1 px is 0.0991 mm"));
+}
+
+TEST(Cards, CallADiameterApparentThatStandsForTheTrueOne) {
+    Results run = film();
+    run.source.diameter_origin = DiameterOrigin::apparent;
+    EXPECT_TRUE(make_cards({run}, std::nullopt)[1].values[0].detail.starts_with("apparent: "));
+    run.source.diameter_origin = DiameterOrigin::given;
+    EXPECT_TRUE(make_cards({run}, std::nullopt)[1].values[0].detail.starts_with("given"));
+    EXPECT_THAT(definition_of("Particle diameter a"),
+                HasSubstr("true one if given, else the apparent one"));
 }
 
 TEST(Cards, OfOneFrameShowOtherNumbersInPlaceOfThoseThatItCannotHave) {

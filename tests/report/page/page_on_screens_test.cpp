@@ -162,6 +162,88 @@ TEST_F(PageOnScreens, OpensEveryPictureWhollyInSight) {
     }
 }
 
+// Centre [diameters] and scale [CSS pixels a diameter] of both pictures.
+constexpr const char* windows =
+    R"JS([...document.querySelectorAll("#map .view")].map((box, run) => {
+    const map = JSON.parse(document.getElementById("report-data").textContent).maps.find((m) => m.run === run);
+    const { xaxis, yaxis } = box.querySelector(".plot")._fullLayout;
+    const middle = (range) => (range[0] + range[1]) / 2;
+    return [middle(xaxis.range) / map.diameter, middle(yaxis.range) / map.diameter,
+        xaxis._length * map.diameter / Math.abs(xaxis.range[1] - xaxis.range[0])];
+}))JS";
+
+TEST_F(PageOnScreens, KeepsTheZoomOfBothPicturesWhenTheFrameChanges) {
+    std::vector<Results> runs{film(1, "three frames"), film(2, "one frame")};
+    runs[1].previews.resize(1);  // goes with every frame of the other
+    browser_->open_page(page(runs), 1366, 768);
+    const json whole = browser_->evaluate(windows);
+    for (int i = 0; i < 3; ++i) {
+        browser_->evaluate("document.querySelector('#map .zoom button').click()");
+        browser_->evaluate("new Promise((done) => setTimeout(done, 300))");
+    }
+    const json zoomed = browser_->evaluate(windows);
+    EXPECT_GT(zoomed[0][2].get<double>(), 2 * whole[0][2].get<double>());
+    EXPECT_NEAR(zoomed[0][2].get<double>(), zoomed[1][2].get<double>(), 1e-6);
+    for (const char* frame : {"1", "2", "0"}) {
+        browser_->evaluate(std::string("(() => { const s = document.querySelector('.pick-frame'); "
+                                       "s.value = '") +
+                           frame + "'; s.dispatchEvent(new Event('input')); })()");
+        browser_->evaluate("new Promise((done) => setTimeout(done, 400))");
+        const json now = browser_->evaluate(windows);
+        for (std::size_t view = 0; view < 2; ++view) {
+            for (std::size_t i = 0; i < 3; ++i) {
+                EXPECT_NEAR(now[view][i].get<double>(), zoomed[view][i].get<double>(), 1e-6)
+                    << "view " << view << ", frame " << frame << ", " << i;
+            }
+        }
+    }
+    browser_->evaluate("document.querySelector('#map .zoom button[value=\"0\"]').click()");
+    browser_->evaluate("new Promise((done) => setTimeout(done, 400))");
+    EXPECT_NEAR(browser_->evaluate(windows)[1][2].get<double>(), whole[1][2].get<double>(), 1e-6);
+    EXPECT_EQ(browser_->evaluate("document.documentElement.dataset.errors ?? ''"), "");
+}
+
+TEST_F(PageOnScreens, RepaintsWithoutLookingAnythingUpAgain) {
+    browser_->open_page(page({film(1, "first"), film(2, "second")}), 1366, 768);
+    const json counts = browser_->evaluate(R"JS((async () => {
+        const wait = () => new Promise((done) => setTimeout(done, 400));
+        const slider = document.querySelector(".pick-frame");
+        slider.value = "2";
+        slider.dispatchEvent(new Event("input"));
+        await wait();
+        document.querySelector(".trails").click();
+        await wait();
+        const closer = document.querySelector("#map .zoom button");
+        const lookUp = Element.prototype.querySelector;
+        const Plain = window.Map;
+        let places = 0, identities = 0, paintings = 0;
+        Element.prototype.querySelector = function (text) {
+            places += text.startsWith(".place");
+            return lookUp.call(this, text);
+        };
+        window.Map = class extends Plain {
+            constructor(entries) {
+                super(entries);
+                identities += entries !== undefined && entries.length > 100;
+            }
+        };
+        const clear = CanvasRenderingContext2D.prototype.clearRect;
+        CanvasRenderingContext2D.prototype.clearRect = function (...area) {
+            paintings++;
+            return clear.apply(this, area);
+        };
+        closer.click();
+        await wait();
+        return [paintings, places, identities];
+    })())JS");
+    EXPECT_GE(counts[0], 2) << "both pictures";
+    EXPECT_EQ(counts[1], 0) << "buttons of places";
+    EXPECT_EQ(counts[2], 0) << "identities of frames";
+    EXPECT_THAT(browser_->evaluate("document.querySelector('.trails').title").get<std::string>(),
+                testing::HasSubstr("over 3 a"));
+    EXPECT_EQ(browser_->evaluate("document.documentElement.dataset.errors ?? ''"), "");
+}
+
 TEST_F(PageOnScreens, ShowsTheCriticalPointBeforeAnyScrolling) {
     browser_->open_page(page({critical_point(), film(1, "Γ = 3.5"), film(2, "Γ = 4")}), 1366, 768);
     for (const char* plot : {"plot-critical", "plot-critical_epsilon"}) {

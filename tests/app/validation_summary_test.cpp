@@ -1,0 +1,55 @@
+#include "app/validation_summary.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "app/random_summary.h"
+
+namespace grainfield::app {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+TEST(ValidationSummary, ADashStandsForWhatCouldNotBeMeasured) {
+    pipelines::ScoredView view;
+    view.width = view.height = 200;
+    view.sphere_diameter = view.disc.diameter = 12;
+    pipelines::ValidationScores scores(view);
+    Snapshot truth;
+    truth.position = {{60, 60}, {100.3, 100.2}};
+    truth.id = {0, 1};
+    scores.add(truth, {});  // nothing is found, twice
+    scores.add(truth, {});
+    const pipelines::ValidationOutcome outcome{.scores = scores,
+                                               .tracks = scores.tracks(),
+                                               .runs = {},
+                                               .free_fits = {},
+                                               .effects = {},
+                                               .msd_offset = std::nan(""),
+                                               .predicted_msd_offset = std::nan("")};
+    ASSERT_TRUE(std::isnan(scores.detection().find("all").precision()));
+    const std::vector<pipelines::ThresholdCheck> checks{
+        {"precision", "-", 0.9, scores.detection().find("all").precision(), true}};
+    const std::string text = summary_text("page.html", outcome, checks);
+    EXPECT_THAT(text, Not(HasSubstr("nan")));
+    EXPECT_THAT(text, HasSubstr("all                4  0.00000         –         –       –\n"));
+    EXPECT_EQ(missed_thresholds(checks),
+              "thresholds missed: precision not measured, at least 0.9 asked for.");
+}
+
+TEST(RandomSummary, ADashStandsForWhatNoSceneGave) {
+    pipelines::RandomValidationResult result;
+    pipelines::SceneScore lost;
+    lost.spheres = lost.missed = 300;
+    lost.rmse = lost.pull_rms = lost.within = lost.residual = lost.us_per_sphere = std::nan("");
+    result.scenes = {lost};
+    const std::string text = random_text("page.html", result);
+    EXPECT_THAT(text, Not(HasSubstr("nan")));
+    EXPECT_THAT(text, HasSubstr("–         –\n"));
+}
+
+}  // namespace
+}  // namespace grainfield::app
