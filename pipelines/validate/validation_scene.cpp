@@ -10,6 +10,7 @@
 #include "core/errors.h"
 #include "core/stored_trajectory.h"
 #include "core/support/interrupt.h"
+#include "io/file_kind.h"
 #include "io/frame_files.h"
 #include "io/joined_films.h"
 #include "io/open_snapshots.h"
