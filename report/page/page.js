@@ -564,8 +564,11 @@
 
     // The other views look where this one looks.
     let following = false;
+    let isWhole = true;  // all of every picture is in sight
     async function lead(view) {
-      if (following || views.length < 2) return;
+      if (following) return;
+      isWhole = false;
+      if (views.length < 2) return;
       following = true;
       const where = view.window();
       await Promise.all(views.filter((v) => v !== view).map((v) => v.look(where)));
@@ -582,7 +585,21 @@
         await Promise.all(views.map((view) => view.look([0, 0, smallest])));
       }
       following = false;
+      isWhole = true;
+      for (const view of views) view.paint();
     }
+
+    // In a window of another size all stays in sight, and fills what room there is.
+    let resized = 0;
+    window.addEventListener("resize", () => {
+      clearTimeout(resized);
+      resized = setTimeout(async () => {
+        following = true;
+        await Promise.all(views.map((view) => Plotly.relayout(view.plot, { height: view.height() })));
+        following = false;
+        if (isWhole) await showAll();
+      }, 200);  // Plotly follows the width before that
+    });
 
     // The lens of all views at the place of one.
     function point(view, x, y) {
@@ -748,8 +765,11 @@
         for (const event of ["plotly_relayouting", "plotly_relayout", "plotly_redraw", "plotly_afterplot"]) {
           view.plot.on(event, view.repaint);
         }
-        for (const event of ["plotly_relayouting", "plotly_relayout"]) view.plot.on(event, () => lead(view));
-        window.addEventListener("resize", () => Plotly.relayout(view.plot, { height: view.height() }));
+        for (const event of ["plotly_relayouting", "plotly_relayout"]) {
+          view.plot.on(event, (change) => {
+            if (Object.keys(change || {}).some((name) => name.includes("axis"))) lead(view);
+          });
+        }
         window.addEventListener("beforeprint", () => {
           const aspect = (view.map.y[1] - view.map.y[0]) / (view.map.x[1] - view.map.x[0]);
           const width = paper.width / views.length;

@@ -72,10 +72,7 @@ class ChromiumSession {
 
     /// Opens a page on a screen of this many CSS pixels and waits until all is drawn.
     void open_page(const std::filesystem::path& file, int width, int height) {
-        call("Emulation.setDeviceMetricsOverride", {{"width", width},
-                                                    {"height", height},
-                                                    {"deviceScaleFactor", 1},
-                                                    {"mobile", width < 600}});
+        resize(width, height);
         call("Page.navigate", {{"url", "about:blank"}});
         call("Page.navigate", {{"url", "file://" + file.string()}});
         const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(2);
@@ -83,6 +80,14 @@ class ChromiumSession {
             if (std::chrono::steady_clock::now() > end) throw std::runtime_error("never drawn");
             std::this_thread::sleep_for(std::chrono::milliseconds(20));
         }
+    }
+
+    /// From now on the screen has this many CSS pixels.
+    void resize(int width, int height) {
+        call("Emulation.setDeviceMetricsOverride", {{"width", width},
+                                                    {"height", height},
+                                                    {"deviceScaleFactor", 1},
+                                                    {"mobile", width < 600}});
     }
 
     /// The value of an expression of JavaScript; that of a promise once it is kept.

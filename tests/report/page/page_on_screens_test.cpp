@@ -244,6 +244,22 @@ TEST_F(PageOnScreens, RepaintsWithoutLookingAnythingUpAgain) {
     EXPECT_EQ(browser_->evaluate("document.documentElement.dataset.errors ?? ''"), "");
 }
 
+TEST_F(PageOnScreens, FillsAWindowThatGrows) {
+    browser_->open_page(page({film(1, "first"), film(2, "second")}), 1000, 560);
+    const char* share = R"JS((async () => {
+        await new Promise((done) => setTimeout(done, 800));
+        return [...document.querySelectorAll("#map .plot")].map((plot) => {
+            const { xaxis, yaxis } = plot._fullLayout;
+            const part = (axis) => 300 * axis._m / axis._length;
+            return Math.max(Math.abs(part(xaxis)), Math.abs(part(yaxis))).toFixed(2);
+        }).join(" ");
+    })())JS";
+    const json before = browser_->evaluate(share);
+    browser_->resize(1600, 1100);
+    EXPECT_EQ(browser_->evaluate(share), before) << "pictures fill their plots as before";
+    EXPECT_EQ(before, "1.00 1.00");
+}
+
 TEST_F(PageOnScreens, ShowsTheCriticalPointBeforeAnyScrolling) {
     browser_->open_page(page({critical_point(), film(1, "Γ = 3.5"), film(2, "Γ = 4")}), 1366, 768);
     for (const char* plot : {"plot-critical", "plot-critical_epsilon"}) {
