@@ -58,6 +58,7 @@ struct Locator::Frame {
     std::optional<ResidualBlocks> residual = {};
     std::uint64_t revision = 0;
     bool is_settled = true;
+    bool follows = false;      ///< warm, and the spheres have moved since
     bool is_doubtful = false;  ///< two searches found different spheres in many places
 
     void count(const SphereSearch::Summary& summary) {
@@ -319,9 +320,7 @@ void Locator::compare_with_cores(Frame& frame) {
 /// Stage 6: the fit again on the image that the product of transmissions should see.
 void Locator::fit_overlaps(Frame& frame) {
     fit_.darkness().copy_to(original_);
-    // The spheres of the calibration are where its own fit has left them: they count as cold.
-    const bool is_warm = frame.found.warm && frame.detection.cores == CoreSearch::cold_frames;
-    const int rounds = is_warm ? kProductImagesWarm : kProductImages;
+    const int rounds = frame.follows ? kProductImagesWarm : kProductImages;
     for (int round = 1; round <= rounds; ++round) {
         const auto begin = Clock::now();
         const std::vector<Vec2> positions = fit_.positions();
@@ -396,6 +395,8 @@ Located Locator::locate(const JointFit::WriteRow& darkness, const DetectionOptio
     fit_.restart(darkness);
     Frame frame{detection, refinement, SphereSearch(fit_, correlation_, detection)};
     start_discs(frame, start, step);
+    // A fit of the same frame, as that of the calibration, is made again as a cold one is.
+    frame.follows = frame.found.warm && step > 0;
     search(frame);
     compare_with_cores(frame);
     if (!model_.is_product()) fit_overlaps(frame);

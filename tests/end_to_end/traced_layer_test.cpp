@@ -89,15 +89,17 @@ class TracedLayer : public ::testing::Test {
     static inline std::vector<Vec2> points_, truth_;
 };
 
-// The frame is fixed, and so is the result: 29 missed, 17 false of 9,860, .1616 px. The bars leave
-// a tenth for what rounding on another processor may do.
+// The frame is fixed, but rounding differs from processor to processor, and doubtful spheres with
+// it: 29 missed and 17 false of 9,860 with AVX2 (.1616 px), 8 and 24 with AVX-512 (.1591 px). The
+// bars leave a tenth beyond the worse of both.
 TEST_F(TracedLayer, FindsAllButThreeInAThousandSpheres) {
     const json score = facts_of({"validate", kFrame, "--truth", kTruth, "--sphere-diameter",
                                  "10.09", "-o", path("v.html")});
     const json& all = score.at("classes").at("all");
     EXPECT_GT(all.at("matched").get<int>(), 9800);
     EXPECT_LE(all.at("missed").get<int>(), 32);
-    EXPECT_LE(all.at("spurious").get<int>(), 19);
+    EXPECT_LE(all.at("spurious").get<int>(), 27);
+    EXPECT_LE(all.at("missed").get<int>() + all.at("spurious").get<int>(), 50);
     EXPECT_LT(all.at("rmse_px").get<double>(), 0.178);
 }
 
