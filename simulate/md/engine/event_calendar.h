@@ -33,7 +33,7 @@ class EventCalendar {
         per_time_ = buckets / std::max(end - start, 1e-300);
         last_bucket_ = static_cast<std::int32_t>(buckets) + 1;
         const std::int32_t spans = last_bucket_ / span + 2;
-        head_.assign(static_cast<std::size_t>(spans), -1);
+        head_.assign(static_cast<std::size_t>(spans), {});
         pool_used_ = 0;
         free_ = -1;
         for (auto& bucket : near_) bucket.clear();
@@ -81,8 +81,7 @@ class EventCalendar {
     }
 
     std::size_t bytes() const {
-        std::size_t sum =
-            head_.capacity() * sizeof(std::int32_t) + pool_.capacity() * sizeof(Chunk);
+        std::size_t sum = head_.capacity() * sizeof(Head) + pool_.capacity() * sizeof(Chunk);
         for (const auto& bucket : near_) sum += bucket.capacity() * sizeof(Entry);
         return sum;
     }
@@ -93,9 +92,15 @@ class EventCalendar {
     static constexpr std::int32_t chunk_size = 15;
 
     struct alignas(64) Chunk {
-        std::int32_t count = 0;
         std::int32_t next = -1;
         std::array<Entry, chunk_size> entry;
+    };
+
+    /// The list of a span. How full its first chunk is stands here, not in the chunk: a push then
+    /// writes memory that it need not read, and waits for none. The other chunks are full.
+    struct Head {
+        std::int32_t chunk = -1;
+        std::int32_t count = chunk_size;
     };
 
     static bool earlier(const Entry& a, const Entry& b) {
@@ -111,15 +116,14 @@ class EventCalendar {
     }
 
     void push_far(std::int32_t which, const Entry& entry) {
-        std::int32_t& head = head_[static_cast<std::size_t>(which)];
-        if (head < 0 || pool_[static_cast<std::size_t>(head)].count == chunk_size) {
+        Head& head = head_[static_cast<std::size_t>(which)];
+        if (head.count == chunk_size) {
             const std::int32_t fresh = allocate();
-            pool_[static_cast<std::size_t>(fresh)].next = head;
-            pool_[static_cast<std::size_t>(fresh)].count = 0;
-            head = fresh;
+            pool_[static_cast<std::size_t>(fresh)].next = head.chunk;
+            head = {.chunk = fresh, .count = 0};
         }
-        Chunk& chunk = pool_[static_cast<std::size_t>(head)];
-        chunk.entry[static_cast<std::size_t>(chunk.count++)] = entry;
+        Chunk& chunk = pool_[static_cast<std::size_t>(head.chunk)];
+        chunk.entry[static_cast<std::size_t>(head.count++)] = entry;
     }
 
     std::int32_t allocate() {
@@ -134,8 +138,9 @@ class EventCalendar {
 
     void open(std::int32_t which) {
         if (which >= static_cast<std::int32_t>(head_.size())) return;
-        std::int32_t c = head_[static_cast<std::size_t>(which)];
-        head_[static_cast<std::size_t>(which)] = -1;
+        std::int32_t c = head_[static_cast<std::size_t>(which)].chunk;
+        std::int32_t count = head_[static_cast<std::size_t>(which)].count;
+        head_[static_cast<std::size_t>(which)] = {};
         while (c >= 0) {
             Chunk& chunk = pool_[static_cast<std::size_t>(c)];
             if (chunk.next >= 0) {
@@ -143,7 +148,7 @@ class EventCalendar {
                 fetch_line(following);
                 fetch_line(&following->entry[7]);
             }
-            for (std::int32_t k = 0; k < chunk.count; ++k) {
+            for (std::int32_t k = 0; k < count; ++k) {
                 const Entry& entry = chunk.entry[static_cast<std::size_t>(k)];
                 near_[near_slot(bucket_of(entry.time))].push_back(entry);
             }
@@ -151,6 +156,7 @@ class EventCalendar {
             chunk.next = free_;
             free_ = c;
             c = next;
+            count = chunk_size;
         }
     }
 
@@ -180,7 +186,7 @@ class EventCalendar {
     double start_ = 0;
     double per_time_ = 1;
     std::int32_t last_bucket_ = 0;
-    HugeVector<std::int32_t> head_;  // of each span that is not open
+    HugeVector<Head> head_;  // of each span that is not open
     HugeVector<Chunk> pool_;
     std::size_t pool_used_ = 0;
     std::int32_t free_ = -1;
