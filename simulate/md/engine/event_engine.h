@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <string>
@@ -30,17 +31,19 @@ enum Obstacle : std::int32_t {
 };
 
 /// The one event a grain has in the calendar: the earlier of its best collision and the crossing
-/// into the next cell.
-struct Plan {
-    double key = never;        ///< min(collision, crossing)
+/// into the next cell. The spin stands here because collisions want both: one cache line.
+struct alignas(64) Plan {
     double collision = never;  ///< with `partner`
     double crossing = never;
+    Vec3 spin;  ///< [sqrt(g/a)]; stays 0 without friction
     std::int32_t partner = nothing;
     std::uint32_t partner_events = 0;  ///< Grain::events of the partner then
     std::array<std::uint16_t, 3> cell{};
     std::int8_t axis = 0;  ///< of the crossing
     std::int8_t direction = 0;
     std::int32_t id = 0;
+
+    double time() const { return std::min(collision, crossing); }
 };
 
 /// Events of a grain in one tick of the clock that stalls (docs/md/engine.md), those alone that
@@ -137,6 +140,12 @@ class EventEngine final : public Engine {
     double vertical_crossing(const Grain& grain, const Plan& plan, double now,
                              std::int8_t& direction) const;
     void schedule(Tile& tile, std::int32_t i);
+    /// When its next event is due: in a core, also that of being lost.
+    double time_of(const Tile& tile, std::int32_t i) const {
+        const auto k = static_cast<std::size_t>(i);
+        const double time = plan_[k].time();
+        return tile.kind == TileKind::core ? std::min(time, loses_at_[k]) : time;
+    }
     void look_ahead(const Tile& tile, std::int32_t bucket) const;
     template <class F>
     void for_each_row(const Tile& tile, std::int32_t i, F&& f) const;
@@ -158,7 +167,6 @@ class EventEngine final : public Engine {
     CellGrid cells_;
     HugeVector<Grain> grain_;
     HugeVector<Plan> plan_;
-    HugeVector<Vec3> spin_;
     std::vector<double> last_contact_;
     std::vector<Tile> tile_;  ///< one; or all cores, then all seams
     const GrainState* loaded_ = nullptr;

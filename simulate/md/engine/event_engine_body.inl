@@ -53,7 +53,6 @@ void EventEngine<tangential, has_gravity, plates>::begin_window(Team& team) {
     const std::size_t count = state.size();
     grain_.resize(count);
     plan_.resize(count);
-    if constexpr (has_spin) spin_.assign(state.spin.begin(), state.spin.end());
     last_contact_ = state.last_contact;
     std::fill(cells_.cell.begin(), cells_.cell.end(), Cell{});
     for (std::size_t i = 0; i < count; ++i) {
@@ -63,6 +62,7 @@ void EventEngine<tangential, has_gravity, plates>::begin_window(Team& team) {
         plan.cell = {static_cast<std::uint16_t>(cells_.coordinate(r.x, 0)),
                      static_cast<std::uint16_t>(cells_.coordinate(r.y, 1)),
                      static_cast<std::uint16_t>(cells_.coordinate(r.z, 2))};
+        if constexpr (has_spin) plan.spin = state.spin[i];
         plan.id = state.id[i];
         plan_[i] = plan;
     }
@@ -134,18 +134,16 @@ void EventEngine<tangential, has_gravity, plates>::fill_calendar(Tile& tile, dou
 
 template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::schedule(Tile& tile, std::int32_t i) {
-    Plan& plan = plan_[static_cast<std::size_t>(i)];
     if (tile.kind == TileKind::core) {
-        const double lost = time_lost(tile, i);
-        loses_at_[static_cast<std::size_t>(i)] = lost;
-        plan.key = std::min(plan.key, lost);
+        loses_at_[static_cast<std::size_t>(i)] = time_lost(tile, i);
     }
     if (tile.kind != TileKind::whole) {
         const Vec3& v = grain_[static_cast<std::size_t>(i)].v;
         const double bound = front_speed_ - front_margin_;
         if (squared_norm(v) > bound * bound) tile.is_violated = true;
     }
-    if (plan.key < tile.end) tile.calendar.push({plan.key, plan.id, i});
+    const double time = time_of(tile, i);
+    if (time < tile.end) tile.calendar.push({time, plan_[static_cast<std::size_t>(i)].id, i});
 }
 
 template <Tangential tangential, bool has_gravity, Plates plates>
@@ -170,17 +168,17 @@ void EventEngine<tangential, has_gravity, plates>::advance(double time) {
 
 template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::run(Tile& tile, double end) {
-    const auto time_of = [this](std::int32_t i) { return plan_[static_cast<std::size_t>(i)].key; };
+    const auto planned = [this, &tile](std::int32_t i) { return time_of(tile, i); };
     const auto fetch = [this, &tile](std::int32_t bucket) {
         if (fetch_ahead_) look_ahead(tile, bucket);
     };
-    while (const EventCalendar::Entry* entry = tile.calendar.front(time_of, fetch)) {
+    while (const EventCalendar::Entry* entry = tile.calendar.front(planned, fetch)) {
         if (entry->time >= end) break;
         const std::int32_t i = entry->grain;
         const double time = entry->time;
         tile.calendar.pop();
         if (++tile.taken % entries_unasked == 0) throw_if_interrupted("a window of the run");
-        if (plan_[static_cast<std::size_t>(i)].key != time) continue;
+        if (planned(i) != time) continue;
         tile.ledger.backwards = std::max(tile.ledger.backwards, tile.now - time);
         tile.now = time;
         if (tile.kind == TileKind::core) {
@@ -224,13 +222,10 @@ void EventEngine<tangential, has_gravity, plates>::look_ahead(const Tile& tile,
     tile.calendar.for_each(bucket + 5, [this](std::int32_t i) {
         fetch_line(&grain_[static_cast<std::size_t>(i)]);
         fetch_line(&plan_[static_cast<std::size_t>(i)]);
-        if constexpr (has_spin) fetch_line(&spin_[static_cast<std::size_t>(i)]);
     });
     tile.calendar.for_each(bucket + 4, [this](std::int32_t i) {
         const std::int32_t partner = plan_[static_cast<std::size_t>(i)].partner;
-        if (partner < 0) return;
-        fetch_line(&plan_[static_cast<std::size_t>(partner)]);
-        if constexpr (has_spin) fetch_line(&spin_[static_cast<std::size_t>(partner)]);
+        if (partner >= 0) fetch_line(&plan_[static_cast<std::size_t>(partner)]);
     });
     tile.calendar.for_each(bucket + 3, [this, &tile](std::int32_t i) {
         for_each_row(tile, i, [this](std::size_t first, std::size_t last) {
@@ -301,7 +296,7 @@ void EventEngine<tangential, has_gravity, plates>::store(double time, GrainState
         if (cells_.periodic[2]) r.z = wrap(r.z, cells_.length[2]);
         state.position[i] = r;
         state.velocity[i] = v;
-        state.spin[i] = has_spin ? spin_[i] : Vec3{};
+        state.spin[i] = plan_[i].spin;
         state.id[i] = plan_[i].id;
         if (has_contacts) state.last_contact[i] = last_contact_[i] - time;
     }
@@ -342,7 +337,7 @@ Energies EventEngine<tangential, has_gravity, plates>::energies(double time) con
             fly(r, v, time - grain_[i].t, g);
             sums.horizontal.add(0.5 * (v.x * v.x + v.y * v.y));
             sums.vertical.add(0.5 * v.z * v.z);
-            if constexpr (has_spin) sums.rotational.add(0.05 * squared_norm(spin_[i]));
+            if constexpr (has_spin) sums.rotational.add(0.05 * squared_norm(plan_[i].spin));
             if constexpr (has_gravity) sums.potential.add(g * r.z);
         }
         part[k] = sums;
@@ -361,7 +356,7 @@ Energies EventEngine<tangential, has_gravity, plates>::energies(double time) con
 template <Tangential tangential, bool has_gravity, Plates plates>
 std::size_t EventEngine<tangential, has_gravity, plates>::bytes() const {
     std::size_t sum = grain_.capacity() * sizeof(Grain) + plan_.capacity() * sizeof(Plan) +
-                      spin_.capacity() * sizeof(Vec3) + last_contact_.capacity() * sizeof(double) +
+                      last_contact_.capacity() * sizeof(double) +
                       cells_.cell.capacity() * sizeof(Cell) +
                       (lost_at_.capacity() + loses_at_.capacity()) * sizeof(double);
     for (const Tile& tile : tile_) sum += tile.calendar.bytes();

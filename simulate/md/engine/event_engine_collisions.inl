@@ -40,7 +40,7 @@ void EventEngine<tangential, has_gravity, plates>::collide_pair(Tile& tile, std:
     }
     n = (1 / std::sqrt(square)) * n;
     Vec3 u = g1.v - g2.v;
-    if constexpr (has_spin) u = contact_velocity(g1.v, g2.v, spin_[a], spin_[b], n);
+    if constexpr (has_spin) u = contact_velocity(g1.v, g2.v, plan_[a].spin, plan_[b].spin, n);
     const std::int64_t contacts = tile.ledger.contact_time;
     const double e = restitution_of(system_.grain, tile, i, plan_[a].partner, time);
     Impulse impulse = impulse_of<tangential>(n, u, 0.5, e, system_.grain);
@@ -52,8 +52,8 @@ void EventEngine<tangential, has_gravity, plates>::collide_pair(Tile& tile, std:
         g2.v -= impulse.j;
         if constexpr (has_spin) {
             const Vec3 change = spin_change(n, impulse.j);
-            spin_[a] += change;
-            spin_[b] += change;
+            plan_[a].spin += change;
+            plan_[b].spin += change;
         }
         tile.ledger.pair_loss.add(impulse.loss);
         tile.ledger.pair_virial.add(impulse.normal);
@@ -90,7 +90,7 @@ void EventEngine<tangential, has_gravity, plates>::collide_plate(Tile& tile, std
         tile.ledger.deepest_plate = {-gap, plan_[a].id, -1, time};
     }
     u.z -= speed;
-    if constexpr (has_spin) u -= 0.5 * cross(spin_[a], n);
+    if constexpr (has_spin) u -= 0.5 * cross(plan_[a].spin, n);
     const double e = restitution_of(system_.plate, tile, i, i, time);
     Impulse impulse = impulse_of<tangential>(n, u, 1, e, system_.plate);
     if (!last_contact_.empty()) {
@@ -99,7 +99,7 @@ void EventEngine<tangential, has_gravity, plates>::collide_plate(Tile& tile, std
     }
     if (impulse.normal > 0) {
         grain.v += impulse.j;
-        if constexpr (has_spin) spin_[a] += spin_change(n, impulse.j);
+        if constexpr (has_spin) plan_[a].spin += spin_change(n, impulse.j);
         tile.ledger.plate_loss.add(impulse.loss);
         tile.ledger.work.add(impulse.j.z * speed);
         (is_high ? tile.ledger.high_impulse : tile.ledger.low_impulse).add(impulse.normal);
@@ -145,12 +145,12 @@ void EventEngine<tangential, has_gravity, plates>::collide_wall(Tile& tile, std:
     Vec3 u = grain.v;
     if constexpr (plates == Plates::vibrating) u.z -= plate_solver_.plate_velocity(time);
     const double speed = grain.v.z - u.z;
-    if constexpr (has_spin) u -= 0.5 * cross(spin_[a], n);
+    if constexpr (has_spin) u -= 0.5 * cross(plan_[a].spin, n);
     const double e = restitution_of(system_.plate, tile, i, i, time);
     const Impulse impulse = impulse_of<tangential>(n, u, 1, e, system_.plate);
     if (impulse.normal > 0) {
         grain.v += impulse.j;
-        if constexpr (has_spin) spin_[a] += spin_change(n, impulse.j);
+        if constexpr (has_spin) plan_[a].spin += spin_change(n, impulse.j);
         tile.ledger.plate_loss.add(impulse.loss);
         tile.ledger.work.add(impulse.j.z * speed);
         tile.ledger.sliding += impulse.slides;

@@ -227,7 +227,6 @@ void EventEngine<tangential, has_gravity, plates>::plan_crossing(const Grain& gr
         consider(2, grain.r.z, grain.v.z);
     }
     plan.crossing = std::max(grain.t + best, now);
-    plan.key = std::min(plan.crossing, plan.collision);
 }
 
 // Time after which a parabola leaves the cell's layer. The grain's own state may be older than its

@@ -123,11 +123,7 @@ void EventEngine<tangential, has_gravity, plates>::run_core(Tile& tile, double s
             const std::size_t first = cells_.index(0, y, z);
             const std::size_t last = first + static_cast<std::size_t>(cells_.count[0]);
             for (std::size_t c = first; c < last; ++c) {
-                cells_.for_each(c, grain_, [&](std::int32_t i) {
-                    Plan& plan = plan_[static_cast<std::size_t>(i)];
-                    plan.key = std::min(plan.collision, plan.crossing);
-                    schedule(tile, i);
-                });
+                cells_.for_each(c, grain_, [&](std::int32_t i) { schedule(tile, i); });
             }
         }
     }
@@ -209,11 +205,10 @@ void EventEngine<tangential, has_gravity, plates>::loses_neighbours(Tile& tile, 
         const double t = time_reached(j, lost, tile.now);
         double& loses_at = loses_at_[static_cast<std::size_t>(j)];
         if (t >= loses_at) return;
+        const double planned = time_of(tile, j);
         loses_at = t;
-        Plan& plan = plan_[static_cast<std::size_t>(j)];
-        if (t > plan.key) return;
-        plan.key = t;
-        if (t < tile.end) tile.calendar.push({t, plan.id, j});
+        if (t > planned || t >= tile.end) return;
+        tile.calendar.push({t, plan_[static_cast<std::size_t>(j)].id, j});
     });
 }
 
