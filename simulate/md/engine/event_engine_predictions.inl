@@ -33,7 +33,8 @@ struct EventEngine<tangential, has_gravity, plates>::Nearby {
     }
 };
 
-// `now`, not the time of the grain's own last event, gives the direction in which it crosses its cell.
+// `now`, not the time of the grain's own last event, gives the direction in which it crosses its
+// cell.
 template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::predict(std::int32_t i, double now) {
     Plan& plan = plan_[static_cast<std::size_t>(i)];
@@ -110,42 +111,48 @@ void EventEngine<tangential, has_gravity, plates>::consider_around(
     test();
 }
 
-// f(cell, shift) for the cells low … high, at most five an axis, wrapped around periodic axes
-// with the shift of the image, cut at walls.
+// f(cell, shift) for the cells low … high, wrapped around periodic axes with the shift of the
+// image, cut at walls. Cells of one shift come together: their grains are tested in one go.
 template <Tangential tangential, bool has_gravity, Plates plates>
 template <class F>
 void EventEngine<tangential, has_gravity, plates>::for_each_cell(const std::array<int, 3>& low,
                                                                  const std::array<int, 3>& high,
                                                                  F&& f) const {
-    struct Image {
-        int cell;
+    struct Run {
+        int first, last;
         double shift;
     };
-    const auto images = [this, &low, &high](std::size_t axis, std::array<Image, 5>& image) {
+    const auto runs = [this, &low, &high](std::size_t axis, std::array<Run, 3>& run) {
         std::size_t count = 0;
         const int n = cells_.count[axis];
-        for (int c = low[axis]; c <= high[axis]; ++c) {
-            if (c >= 0 && c < n) {
-                image[count++] = {c, 0};
-            } else if (cells_.periodic[axis]) {
-                const double shift = c < 0 ? -cells_.length[axis] : cells_.length[axis];
-                image[count++] = {c < 0 ? c + n : c - n, shift};
-            }
-        }
+        const double length = cells_.length[axis];
+        const bool wraps = cells_.periodic[axis];
+        const auto add = [&](int first, int last, int from, double shift) {
+            if (first <= last) run[count++] = {first - from, last - from, shift};
+        };
+        if (wraps) add(low[axis], std::min(high[axis], -1), -n, -length);
+        add(std::max(low[axis], 0), std::min(high[axis], n - 1), 0, 0);
+        if (wraps) add(std::max(low[axis], n), high[axis], n, length);
         return count;
     };
-    std::array<Image, 5> xs{};
-    std::array<Image, 5> ys{};
-    std::array<Image, 5> zs{};
-    const std::size_t nx = images(0, xs);
-    const std::size_t ny = images(1, ys);
-    const std::size_t nz = images(2, zs);
+    std::array<Run, 3> xs;
+    std::array<Run, 3> ys;
+    std::array<Run, 3> zs;
+    const std::size_t nx = runs(0, xs);
+    const std::size_t ny = runs(1, ys);
+    const std::size_t nz = runs(2, zs);
+    const auto visit = [this, &f](const Run& x, const Run& y, const Run& z) {
+        const Vec3 shift{x.shift, y.shift, z.shift};
+        for (int k = z.first; k <= z.last; ++k) {
+            for (int j = y.first; j <= y.last; ++j) {
+                const std::size_t last = cells_.index(x.last, j, k);
+                for (std::size_t c = cells_.index(x.first, j, k); c <= last; ++c) f(c, shift);
+            }
+        }
+    };
     for (std::size_t c = 0; c < nz; ++c) {
         for (std::size_t b = 0; b < ny; ++b) {
-            for (std::size_t a = 0; a < nx; ++a) {
-                const Vec3 shift{xs[a].shift, ys[b].shift, zs[c].shift};
-                f(cells_.index(xs[a].cell, ys[b].cell, zs[c].cell), shift);
-            }
+            for (std::size_t a = 0; a < nx; ++a) visit(xs[a], ys[b], zs[c]);
         }
     }
 }
