@@ -14,6 +14,7 @@
 #include "tests/support/image_files.h"
 #include "tests/support/layer_frames.h"
 #include "tests/support/program.h"
+#include "tests/support/sanitized.h"
 
 namespace grainfield {
 namespace {
@@ -22,15 +23,9 @@ using ::testing::HasSubstr;
 using testing::Outcome;
 using testing::ScratchFolder;
 
-#ifdef __SANITIZE_ADDRESS__
-constexpr bool kHasShadowMemory = true;
-#else
-constexpr bool kHasShadowMemory = false;
-#endif
-
 // With 4 GB, whatever the machine has.
 TEST(Case26, ASizeBeyondTheLimitOnMemoryIsRefusedAtOnceWithWhatItNeedsAndWhatThereIs) {
-    if (kHasShadowMemory) GTEST_SKIP() << "the sanitizer reserves more than any limit";
+    if (testing::kIsSanitized) GTEST_SKIP() << "the sanitizer reserves more than any limit";
     for (const std::string call :
          {"field --nx 16777216", "field --nx 4096 --ny 16384 --replicas 20",
           "field --record 1e12 --dt 1e-6",
@@ -81,7 +76,7 @@ TEST(Case26, AFilmOfAnyLengthIsTrackedInTheSameMemory) {
 
 // A reader that runs out of memory must not take the picture for a damaged one, which is left out.
 TEST(Case26, AFrameBeyondTheLimitOnMemoryIsNotCalledDamaged) {
-    if (kHasShadowMemory) GTEST_SKIP() << "the sanitizer reserves more than any limit";
+    if (testing::kIsSanitized) GTEST_SKIP() << "the sanitizer reserves more than any limit";
     const ScratchFolder folder;
     const std::string frame = folder / "frame.pgm";
     std::ofstream(frame) << "P5\n9000 9000\n255\n";
