@@ -56,6 +56,7 @@ double most_memory() {
 
 // 300 frames of 0.64 MB in single precision would take 190 MB.
 TEST(Case26, AFilmOfAnyLengthIsTrackedInTheSameMemory) {
+    if (testing::kIsSanitized) GTEST_SKIP() << "the sanitizer keeps what is freed for a while";
     const ScratchFolder film, folder;
     const std::string picture = film / "picture.png";
     testing::write_png(picture, testing::tanh_frame(testing::isolated_discs(400, 400, 10, 20, 1), 9,
