@@ -16,6 +16,17 @@ namespace {
 
 constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
 
+// What stored sums may be, so that 64 and 128 bits hold a hundred such parts.
+constexpr double kMostFrames = 0x1p32;
+constexpr double kMostProduct = 0x1p120;
+
+void require_possible(double number, double most) {
+    if (number >= 0 && number <= most) return;
+    throw InputError(ErrorText{"stored sums of the number variance do not fit",
+                               fmt::format("{:g}", number), fmt::format("0 … {:g}", most),
+                               "measure the part again"});
+}
+
 double border_of(const NumberVarianceOptions& options, const Box& box) {
     if (options.border) return *options.border;
     return std::min(10.0, 0.1 * std::min(box.length.x, box.length.y));
@@ -165,21 +176,33 @@ void NumberVariance::restore(const Checkpoint& checkpoint, const std::string& pr
     }
     density_.value = density->second;
     const std::int64_t* next = counts->second.data();
-    const auto wide = [&] {
+    const auto stored = [&](double most) {
+        const std::int64_t number = *next++;
+        require_possible(static_cast<double>(number), most);
+        return number;
+    };
+    const auto wide = [&](double most) {
         const Wide high = *next++;
         const Wide low = *next++;
-        return (high << 62) + low;
+        const Wide number = (high << 62) + low;
+        require_possible(static_cast<double>(number), most);
+        return number;
     };
-    added_ = *next++;
+    // The sums over all blocks, and their products in `values`, stay exact.
+    const auto blocks = static_cast<double>(blocks_.size());
+    added_ = stored(kMostFrames);
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
         Block& block = blocks_[b];
         block.particles = reals->second[b];
-        block.frames = *next++;
-        for (std::int32_t& content : block.contents) content = static_cast<std::int32_t>(*next++);
+        block.frames = stored(kMostFrames / blocks);
+        for (std::int32_t& content : block.contents) {
+            content = static_cast<std::int32_t>(stored(0x1p31 / blocks - 1));
+        }
         for (std::size_t s = 0; s < block.sums.size(); ++s) {
-            block.sums[s].sum = wide();
-            block.sums[s].squares = wide();
-            block.squared_sums[s] = wide();
+            const auto positions = static_cast<double>(grid_.positions(sizes_[s]));
+            block.sums[s].sum = wide(std::sqrt(kMostProduct) / blocks);
+            block.sums[s].squares = wide(kMostProduct / (kMostFrames * positions * blocks));
+            block.squared_sums[s] = wide(kMostProduct / (kMostFrames * blocks));
         }
     }
 }

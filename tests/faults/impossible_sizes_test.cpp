@@ -14,6 +14,7 @@
 #include "tests/support/image_files.h"
 #include "tests/support/layer_frames.h"
 #include "tests/support/program.h"
+#include "tests/support/sanitized.h"
 
 namespace grainfield {
 namespace {
@@ -22,15 +23,9 @@ using ::testing::HasSubstr;
 using testing::Outcome;
 using testing::ScratchFolder;
 
-#ifdef __SANITIZE_ADDRESS__
-constexpr bool kHasShadowMemory = true;
-#else
-constexpr bool kHasShadowMemory = false;
-#endif
-
 // With 4 GB, whatever the machine has.
 TEST(Case26, ASizeBeyondTheLimitOnMemoryIsRefusedAtOnceWithWhatItNeedsAndWhatThereIs) {
-    if (kHasShadowMemory) GTEST_SKIP() << "the sanitizer reserves more than any limit";
+    if (testing::kIsSanitized) GTEST_SKIP() << "the sanitizer reserves more than any limit";
     for (const std::string call :
          {"field --nx 16777216", "field --nx 4096 --ny 16384 --replicas 20",
           "field --record 1e12 --dt 1e-6",
@@ -61,6 +56,7 @@ double most_memory() {
 
 // 300 frames of 0.64 MB in single precision would take 190 MB.
 TEST(Case26, AFilmOfAnyLengthIsTrackedInTheSameMemory) {
+    if (testing::kIsSanitized) GTEST_SKIP() << "the sanitizer keeps what is freed for a while";
     const ScratchFolder film, folder;
     const std::string picture = film / "picture.png";
     testing::write_png(picture, testing::tanh_frame(testing::isolated_discs(400, 400, 10, 20, 1), 9,
@@ -81,7 +77,7 @@ TEST(Case26, AFilmOfAnyLengthIsTrackedInTheSameMemory) {
 
 // A reader that runs out of memory must not take the picture for a damaged one, which is left out.
 TEST(Case26, AFrameBeyondTheLimitOnMemoryIsNotCalledDamaged) {
-    if (kHasShadowMemory) GTEST_SKIP() << "the sanitizer reserves more than any limit";
+    if (testing::kIsSanitized) GTEST_SKIP() << "the sanitizer reserves more than any limit";
     const ScratchFolder folder;
     const std::string frame = folder / "frame.pgm";
     std::ofstream(frame) << "P5\n9000 9000\n255\n";

@@ -11,6 +11,7 @@
 #include "tests/fuzz/mutation.h"
 #include "tests/fuzz/readers.h"
 #include "tests/support/program.h"
+#include "tests/support/sanitized.h"
 
 namespace grainfield::fuzz {
 namespace {
@@ -18,15 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr unsigned kMostSeconds = 20;  // for one input, on a loaded machine
-
-// Sanitizers need much address space.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kIsSanitized = true;
-#elif defined(__has_feature)
-constexpr bool kIsSanitized = __has_feature(address_sanitizer) || __has_feature(thread_sanitizer);
-#else
-constexpr bool kIsSanitized = false;
-#endif
 
 std::vector<fs::path> seed_files(std::string_view reader) {
     std::vector<fs::path> files;
@@ -42,7 +34,7 @@ std::vector<fs::path> seed_files(std::string_view reader) {
 class FuzzedInput : public ::testing::TestWithParam<Reader> {
  protected:
     void SetUp() override {
-        if (kIsSanitized) return;
+        if (testing::kIsSanitized) return;
         rlimit limit{};
         ::getrlimit(RLIMIT_AS, &limit);
         limit.rlim_cur = std::min<rlim_t>(limit.rlim_max, rlim_t{4} << 30U);

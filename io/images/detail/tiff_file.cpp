@@ -162,7 +162,8 @@ void TiffFile::note_raw_pages() {
 std::optional<double> TiffFile::read_frame_rate() {
     const TIFFField* field = TIFFFindField(tiff_.get(), frame_rate_tag, TIFF_ANY);
     if (field == nullptr || TIFFFieldPassCount(field) == 0) return std::nullopt;
-    const TIFFDataType type = TIFFFieldDataType(field);
+    // As a number: a damaged file has types that no TIFFDataType can hold.
+    const auto type = static_cast<unsigned>(TIFFFieldDataType(field));
     if (type != TIFF_SRATIONAL && type != TIFF_RATIONAL) return std::nullopt;
     if (TIFFFieldSetGetSize(field) != sizeof(float)) return std::nullopt;
     const std::vector<float> rate = numbers_of<float>(frame_rate_tag);

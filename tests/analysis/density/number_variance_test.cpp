@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/errors.h"
+#include "core/support/checkpoint.h"
 #include "tests/analysis/synthetic_patterns.h"
 
 namespace grainfield::analysis {
@@ -124,6 +125,33 @@ TEST(NumberVariance, OfTwoMergedHalvesIsThatOfTheWhole) {
     EXPECT_EQ(column(whole.result(), "variance", "variance"),
               column(first.result(), "variance", "variance"));
     EXPECT_EQ(column(whole.result(), "variance", "err"), column(first.result(), "variance", "err"));
+}
+
+// A damaged checkpoint; the square of 2^126 overflowed.
+TEST(NumberVariance, RefusesStoredSumsThatNoFramesGive) {
+    RandomStream random(5, "stored");
+    const Box box = square_box(4, Boundary::walls);
+    NumberVariance variance({}, box, 2);
+    for (int f = 0; f < 2; ++f) {
+        variance.add(variance.measure(pattern(poisson_points(16, box, random), box, f)));
+    }
+    Checkpoint whole;
+    variance.save(whole, "");
+    NumberVariance({}, box, 2).restore(whole, "");
+    const std::size_t numbers = whole.integers["counts"].size();
+    for (std::size_t i = 0; i < numbers; ++i) {
+        Checkpoint damaged = whole;
+        damaged.integers["counts"][i] = -1;
+        EXPECT_THROW(NumberVariance({}, box, 2).restore(damaged, ""), InputError) << i;
+        damaged.integers["counts"][i] = std::int64_t{1} << 62;
+        NumberVariance taken({}, box, 2);
+        try {
+            taken.restore(damaged, "");
+            taken.result();
+        } catch (const InputError&) {
+            continue;
+        }
+    }
 }
 
 TEST(NumberVariance, OfAPeriodicBoxVanishesForTheWholeBox) {

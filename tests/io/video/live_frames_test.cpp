@@ -75,6 +75,7 @@ class LiveFramesTest : public ::testing::Test {
     ScratchFolder folder_;
     Fifo fifo_{folder_ / "frames"};
     LiveOptions options_;
+    std::atomic<bool> is_read_{false};  // outlives the body of the test, as the writer does
     std::thread writer_;
 };
 
@@ -224,18 +225,17 @@ TEST_F(LiveFramesTest, WaitingEndsWhenTheJobIsStopped) {
 TEST_F(LiveFramesTest, AStoppedReaderDoesNotWaitForFrames) {
     std::atomic<int> stop{0};
     const StoppableJob job(stop);
-    std::atomic<bool> is_read{false};
-    write([&](Fifo& fifo) {
+    write([this](Fifo& fifo) {
         fifo.write(testing::yuv4mpeg_header(kWidth, kHeight, "mono12"));
         for (int i = 0; i < 12; ++i) fifo.write("FRAME\n" + testing::raw_bytes(counts_of(i), 12));
-        while (!is_read) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        while (!is_read_) std::this_thread::sleep_for(std::chrono::milliseconds(10));
     });
     const auto frames = open_live(options_);
     for (std::int64_t i = 0; i < 12; ++i) frames->read(i);
     stop = SIGINT;
     EXPECT_EQ(frames->count(), 12);
     EXPECT_EQ(frames->read(12).status, FrameStatus::missing);
-    is_read = true;
+    is_read_ = true;
 }
 
 /// Twelve frames, the last after a second of silence.
