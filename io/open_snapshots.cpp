@@ -40,7 +40,7 @@ std::unique_ptr<SnapshotSource> open_snapshots(const std::filesystem::path& path
     }
     // Named as a table, it is told what is missing in it.
     if (path.extension() == ".csv") return open_points(path, box, hints, frames);
-    refuse(path, "neither of the two");
+    refuse(path, "it holds no particles; pictures and videos are for 'grainfield track'");
 }
 
 }  // namespace grainfield::io

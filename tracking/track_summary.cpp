@@ -68,7 +68,7 @@ void warn_of(const TrackSummary& summary, RunPlan& plan) {
             "the image model explains {} of {} frames badly, worst frame {}: RMS residual {:.2f} "
             "of the contrast (0.02 to 0.08 is usual); look at the overlay in the report. Walls, "
             "liquid "
-            "levels and dust in one place: leave them out with track.region or track.mask. "
+            "levels and dust in one place: leave them out with option 'region' or option 'mask'. "
             "Circles that do not fit: calibrate.polarity, calibrate.disc-diameter and "
             "calibrate.edge-width",
             summary.poor_frames, summary.frames, summary.worst_frame, summary.worst_residual));

@@ -108,8 +108,8 @@ void warn_of_units(const tracking::TrackOptions& options, const FrameSource& fra
     }
     if (options.sphere_diameter || !tracker.is_calibrated()) return;
     plan.warn(WarningCode::apparent_diameter,
-              fmt::format("lengths are in apparent disc diameters D = {:.3f} px; steel spheres: D "
-                          "is about 0.88 a; give track.sphere-diameter",
+              fmt::format("lengths are in apparent disc diameters D = {:.3f} px; give the true "
+                          "diameter a, track.sphere-diameter (of polished steel D is about 0.88 a)",
                           tracker.model().disc.diameter));
 }
 

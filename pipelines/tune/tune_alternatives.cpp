@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -10,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "core/support/interrupt.h"
+#include "core/support/progress.h"
 #include "io/frame_region.h"
 #include "pipelines/tune/tune_settings.h"
 #include "tracking/survey.h"
@@ -102,6 +105,9 @@ report::Alternatives tuned_alternatives(const Frame& frame, Polarity own_polarit
     for (const double factor : threshold_factors) {
         all.axes[2].values.push_back(fmt::format("{:.3f}", threshold(factor)));
     }
+    constexpr auto kTried =
+        static_cast<std::int64_t>(2 * std::size(diameter_factors) * std::size(threshold_factors));
+    Progress progress("trying", kTried, "settings", job.verbosity);
     for (const Polarity polarity : {own_polarity, other}) {
         for (const double size : diameter_factors) {
             throw_if_interrupted("tuning");
@@ -132,6 +138,7 @@ report::Alternatives tuned_alternatives(const Frame& frame, Polarity own_polarit
                     found.words = "no spheres: nothing in this part looks like that";
                 }
                 all.tried.push_back(std::move(found));
+                progress.advance();
             }
         }
     }

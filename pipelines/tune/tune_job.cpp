@@ -9,6 +9,7 @@
 #include "analysis/order/bond_order.h"
 #include "core/errors.h"
 #include "core/support/interrupt.h"
+#include "core/support/progress.h"
 #include "io/joined_films.h"
 #include "pipelines/page/report_page.h"
 #include "pipelines/tune/tune_alternatives.h"
@@ -48,6 +49,8 @@ Look look_at(const TuneJobOptions& options, const tracking::TrackOptions& tracki
     tracking::Surveyor surveyor(tracker.model(), tracking, frames.width(), frames.height());
     PreviewChoice choice(options.samples, frames.count());
     Look look;
+    Progress progress("looking at", std::min<std::int64_t>(options.samples, frames.count()),
+                      "frames", job.verbosity);
     for (std::int64_t i = 0; i < frames.count(); ++i) {
         throw_if_interrupted("tuning");
         if (!choice.takes(i)) continue;
@@ -59,6 +62,7 @@ Look look_at(const TuneJobOptions& options, const tracking::TrackOptions& tracki
         look.surveys.push_back(surveyor.look(frame));
         look.previews.push_back(
             preview_of(std::move(frame), look.surveys.back(), tracker.info().diameter));
+        progress.advance();
     }
     return look;
 }

@@ -263,12 +263,13 @@ std::string verdict(const Tuning& tuning) {
 
 report::ReportAdditions tuning_report(const Tuning& tuning, const std::vector<Setting>& settings,
                                       const std::string& in_words) {
+    std::vector<report::CopyBlock> blocks{{"Suggested settings", toml_of(settings), ""}};
+    if (!in_words.empty()) blocks.push_back({"The same as a command", in_words, ""});
     return {.tables = {calibration_table(tuning)},
             .figures = {phase_figure(tuning), distance_figure(tuning), evidence_figure(tuning),
                         residual_figure(tuning), profile_figure(tuning)},
             .verdict = verdict(tuning),
-            .blocks = {{"Suggested settings", toml_of(settings),
-                        in_words.empty() ? "" : "The same as words: " + in_words}}};
+            .blocks = std::move(blocks)};
 }
 
 }  // namespace grainfield::pipelines

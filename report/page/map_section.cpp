@@ -87,19 +87,23 @@ std::string view_html(const PageContent& content, const std::vector<std::size_t>
            "<canvas class=\"lens\" hidden></canvas></div></div>\n";
 }
 
-// A wide picture beside a tall one gets more of the width, so that both are about as high.
+// Two pictures of one kind open on one scale of lengths: each gets the width that it fills there.
+// Of a field and particles the wider shape gets more, so that both are about as high.
 std::string shares_of_views(const std::vector<ParticleMap>& maps,
                             const std::vector<std::size_t>& runs) {
     constexpr double most = 2.4;   // times as wide as the other
     constexpr double least = 1.2;  // below, both alike
     if (runs.size() != 2) return "";
-    std::array<double, 2> shape{1, 1};  // width over height
+    std::array<const ParticleMap*, 2> shown{};
     for (std::size_t v = 0; v < 2; ++v) {
-        const auto map = std::ranges::find(maps, runs[v], &ParticleMap::run);
-        const double height = map->y[1] - map->y[0];
-        if (height > 0) shape.at(v) = (map->x[1] - map->x[0]) / height;
+        shown.at(v) = &*std::ranges::find(maps, runs[v], &ParticleMap::run);
     }
-    const double ratio = std::clamp(shape[0] / shape[1], 1 / most, most);
+    const bool one_scale = shown[0]->is_field == shown[1]->is_field;
+    const auto width = [one_scale](const ParticleMap& map) {
+        const double unit = one_scale ? map.diameter : map.y[1] - map.y[0];
+        return unit > 0 ? (map.x[1] - map.x[0]) / unit : 1;
+    };
+    const double ratio = std::clamp(width(*shown[0]) / width(*shown[1]), 1 / most, most);
     if (!(std::max(ratio, 1 / ratio) > least)) return "";
     return fmt::format(" style=\"--shares: {:.2f}fr 1fr\"", ratio);
 }

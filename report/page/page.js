@@ -595,10 +595,12 @@
       clearTimeout(resized);
       resized = setTimeout(async () => {
         following = true;
-        await Promise.all(views.map((view) => Plotly.relayout(view.plot, { height: view.height() })));
+        // Plotly follows the width by itself only as long as no height was set.
+        await Promise.all(views.map((view) =>
+          Plotly.relayout(view.plot, { width: view.plot.clientWidth, height: view.height() })));
         following = false;
         if (isWhole) await showAll();
-      }, 200);  // Plotly follows the width before that
+      }, 200);  // after the resizing that Plotly does by itself
     });
 
     // The lens of all views at the place of one.

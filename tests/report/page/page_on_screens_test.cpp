@@ -162,6 +162,26 @@ TEST_F(PageOnScreens, OpensEveryPictureWhollyInSight) {
     }
 }
 
+TEST_F(PageOnScreens, GivesPicturesOfUnlikeShapeTheWidthThatTheyFill) {
+    std::vector<Results> runs{film(1, "square"), film(2, "flat")};
+    for (Preview& preview : runs[1].previews) {
+        preview.snapshot.box.length.y *= 0.25;
+        preview.frame.image = {};
+    }
+    browser_->open_page(page(runs), 1366, 768);
+    // As wide in diameters as the square one: it opens across its panel, not as a stamp within it.
+    // The square one is as high as its panel, which may be wider.
+    EXPECT_EQ(
+        browser_->evaluate(R"JS([...document.querySelectorAll("#map .view")].map((box, run) => {
+        const map = JSON.parse(document.getElementById("report-data").textContent).maps.find((m) => m.run === run);
+        const { xaxis, yaxis } = box.querySelector(".plot")._fullLayout;
+        const filled = (range, axis) => (range[1] - range[0]) / Math.abs(axis.range[1] - axis.range[0]);
+        const most = Math.max(filled(map.x, xaxis), filled(map.y, yaxis));
+        return most > 0.8 ? "" : `view ${run} fills ${most}`;
+    }).join(""))JS"),
+        "");
+}
+
 // Centre [diameters] and scale [CSS pixels a diameter] of both pictures.
 constexpr const char* windows =
     R"JS([...document.querySelectorAll("#map .view")].map((box, run) => {
@@ -258,6 +278,19 @@ TEST_F(PageOnScreens, FillsAWindowThatGrows) {
     browser_->resize(1600, 1100);
     EXPECT_EQ(browser_->evaluate(share), before) << "pictures fill their plots as before";
     EXPECT_EQ(before, "1.00 1.00");
+}
+
+TEST_F(PageOnScreens, NarrowsPicturesWithTheWindow) {
+    const char* right = R"JS((async () => {
+        await new Promise((done) => setTimeout(done, 800));
+        return Math.max(...[...document.querySelectorAll("#map .main-svg, #map canvas:not(.lens)")]
+            .map((e) => e.getBoundingClientRect().right));
+    })())JS";
+    browser_->open_page(page({film(1, "first")}), 1366, 768);
+    for (const int width : {1000, 600, 390}) {
+        browser_->resize(width, 844);
+        EXPECT_LE(browser_->evaluate(right).get<double>(), width);
+    }
 }
 
 TEST_F(PageOnScreens, ShowsTheCriticalPointBeforeAnyScrolling) {
