@@ -212,7 +212,7 @@ Table calibration_table(const Tuning& tuning) {
             {name, {{std::numeric_limits<double>::quiet_NaN(), std::move(value), failed}}});
     };
     const auto& model = tuning.model;
-    row("Spheres a frame", fmt::format("{:.1f}", tuning.particles_mean()));
+    row("Spheres a frame", report::count_text(std::round(tuning.particles_mean())));
     row("Polarity", model.polarity == Polarity::dark ? "dark" : "bright");
     row("Apparent diameter D", fmt::format("{:.3f} px", model.disc.diameter));
     row("Edge width w", fmt::format("{:.3f} px", model.disc.edge_width));

@@ -133,9 +133,14 @@ struct Fitter {
             return false;
         }
         if (1 - left < kLittleMisfit) {
-            plan.skip("diameter and edge width of all spheres",
-                      fmt::format("{:.0f} % of the residual is noise", 100 * std::min(1.0, left)),
-                      saved);
+            // Where the discs are wrong, what they leave looks like noise.
+            plan.skip(
+                "diameter and edge width of all spheres",
+                explained.signal < kGoodOfAll
+                    ? fmt::format("the discs explain {:.0f} % of the frame, too little",
+                                  100 * std::max(0.0, explained.signal))
+                    : fmt::format("{:.0f} % of the residual is noise", 100 * std::min(1.0, left)),
+                saved);
             return false;
         }
         DetectionOptions whole = detection;
