@@ -571,25 +571,5 @@ TEST_F(PageOnScreens, IsReadInGrey) {
     EXPECT_GT(pressed.get<double>(), 50) << "of 255";
 }
 
-TEST_F(PageOnScreens, OpensWithinASecondWith48Runs) {
-    std::vector<Results> runs;
-    for (std::uint64_t i = 1; i <= 48; ++i) {
-        runs.push_back(sample::results({i, 500, 130, true, "run " + std::to_string(i)}));
-    }
-    const auto file = page(runs);
-    // Other work on the machine makes single ones slow.
-    double best = 1e9;
-    for (int i = 0; i < 5 && best > 1000; ++i) {
-        browser_->open_page(file, 1366, 768);
-        best = std::min(
-            best,
-            std::stod(
-                browser_->evaluate("document.documentElement.dataset.opened").get<std::string>()));
-    }
-    EXPECT_LE(best, 1000) << "milliseconds until all in sight is drawn";
-    RecordProperty("milliseconds", static_cast<int>(best));
-    EXPECT_EQ(browser_->evaluate(too_wide), "");
-}
-
 }  // namespace
 }  // namespace grainfield::report
