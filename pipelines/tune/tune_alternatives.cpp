@@ -105,9 +105,9 @@ report::Alternatives tuned_alternatives(const Frame& frame, Polarity own_polarit
     for (const double factor : threshold_factors) {
         all.axes[2].values.push_back(fmt::format("{:.3f}", threshold(factor)));
     }
-    constexpr auto kTried =
+    constexpr auto number =
         static_cast<std::int64_t>(2 * std::size(diameter_factors) * std::size(threshold_factors));
-    Progress progress("trying", kTried, "settings", job.verbosity);
+    Progress progress("trying", number, "settings", job.verbosity);
     for (const Polarity polarity : {own_polarity, other}) {
         for (const double size : diameter_factors) {
             throw_if_interrupted("tuning");

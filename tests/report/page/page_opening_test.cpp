@@ -32,7 +32,7 @@ TEST(PageOpening, TakesLessThanASecondWith48Runs) {
                   .titles = analysis::titles()},
                  folder / "report.html", folder / "figures", plan);
     ChromiumSession browser(folder / "profile");
-    // Other work on the machine makes single ones slow.
+    // Work of others on the host makes single ones slow.
     double best = 1e9;
     for (int i = 0; i < 5 && best > 1000; ++i) {
         browser.open_page(folder / "report.html", 1366, 768);
