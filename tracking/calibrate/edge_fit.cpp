@@ -23,9 +23,8 @@ std::vector<RadialBin> exposed_profile(const Image& darkness, const std::vector<
         const int x1 = std::min(darkness.width() - 1, static_cast<int>(c.x + reach));
         for (int y = std::max(0, static_cast<int>(std::ceil(c.y - reach))); y <= y1; ++y) {
             for (int x = std::max(0, static_cast<int>(std::ceil(c.x - reach))); x <= x1; ++x) {
-                const Vec2 d{x - c.x, y - c.y};
-                const double r = std::sqrt(squared_norm(d));
-                if (r < reach) action(x, y, r);
+                const double squared = squared_norm(Vec2{x - c.x, y - c.y});
+                if (squared < reach * reach) action(x, y, squared);
             }
         }
     };
@@ -41,9 +40,10 @@ std::vector<RadialBin> exposed_profile(const Image& darkness, const std::vector<
     }
     std::vector<RadialBin> bins(static_cast<std::size_t>(disc.reach() / kBinWidth) + 1);
     for (const Vec2 c : positions) {
-        visit(c, disc.reach(), [&](int x, int y, double r) {
-            const float others = owners(x, y) - (r < influence ? 1.0F : 0.0F);
+        visit(c, disc.reach(), [&](int x, int y, double squared) {
+            const float others = owners(x, y) - (squared < influence * influence ? 1.0F : 0.0F);
             if (others != 0) return;
+            const double r = std::sqrt(squared);
             RadialBin& bin = bins[static_cast<std::size_t>(r / kBinWidth)];
             const auto value = static_cast<double>(darkness(x, y));
             bin.r += r;

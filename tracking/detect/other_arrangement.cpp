@@ -84,12 +84,63 @@ double misfit_about(const JointFit& fit, const Cluster& cluster) {
     return sum;
 }
 
-/// Distance of a point from the box of a cluster.
-double outside(const Cluster& cluster, Vec2 p) {
+/// Squared distance of a point from the box of a cluster.
+double squared_outside(const Cluster& cluster, Vec2 p) {
     const double x = std::max({cluster.low.x - p.x, 0.0, p.x - cluster.high.x});
     const double y = std::max({cluster.low.y - p.y, 0.0, p.y - cluster.high.y});
-    return std::hypot(x, y);
+    return x * x + y * y;
 }
+
+/// The boxes of clusters by cells of the frame: a point asks those near it alone.
+class ClusterCells {
+ public:
+    /// For boxes up to `distance` from a point.
+    ClusterCells(const std::vector<Cluster>& clusters, double distance, int width, int height,
+                 double cell)
+        : clusters_(clusters),
+          distance_(distance),
+          cell_(cell),
+          columns_(1 + static_cast<int>(width / cell)),
+          rows_(1 + static_cast<int>(height / cell)),
+          near_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)) {
+        for (std::uint32_t k = 0; k < clusters.size(); ++k) {
+            const Cluster& cluster = clusters[k];
+            for (int y = row(cluster.low.y - distance); y <= row(cluster.high.y + distance); ++y) {
+                for (int x = column(cluster.low.x - distance);
+                     x <= column(cluster.high.x + distance); ++x) {
+                    near_[index(x, y)].push_back(k);
+                }
+            }
+        }
+    }
+
+    /// Whether judge(cluster) holds for any of those whose box is nearer to p than the distance.
+    template <class Judge>
+    bool any_near(Vec2 p, Judge&& judge) const {
+        const std::vector<std::uint32_t>& here = near_[index(column(p.x), row(p.y))];
+        return std::any_of(here.begin(), here.end(), [&](std::uint32_t k) {
+            return squared_outside(clusters_[k], p) < distance_ * distance_ && judge(clusters_[k]);
+        });
+    }
+
+ private:
+    int clamped(double value, int count) const {
+        const double cells = value / cell_;
+        if (!(cells > 0)) return 0;
+        return cells < count ? static_cast<int>(cells) : count - 1;
+    }
+    int column(double x) const { return clamped(x, columns_); }
+    int row(double y) const { return clamped(y, rows_); }
+    std::size_t index(int x, int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) +
+               static_cast<std::size_t>(x);
+    }
+
+    const std::vector<Cluster>& clusters_;
+    double distance_, cell_;
+    int columns_, rows_;
+    std::vector<std::vector<std::uint32_t>> near_;
+};
 
 bool are_apart(const Cluster& a, const Cluster& b, double distance) {
     const double x = std::max({a.low.x - b.high.x, b.low.x - a.high.x, 0.0});
@@ -186,10 +237,10 @@ std::int64_t try_differences(JointFit& fit, std::vector<ArrangementDifference>& 
         for (std::size_t t = 0; t < tried.size(); ++t) {
             differences[tried[t]].change = misfit_about(fit, now[t]) - before[t];
         }
+        const ClusterCells cells(now, kZone * diameter, fit.darkness().width(),
+                                 fit.darkness().height(), kZone * diameter);
         const auto is_undone = [&](Vec2 p) {
-            return std::any_of(now.begin(), now.end(), [&](const Cluster& cluster) {
-                return outside(cluster, p) < kZone * diameter;
-            });
+            return cells.any_near(p, [](const Cluster&) { return true; });
         };
         std::vector<Vec2> back;
         std::copy_if(positions.begin(), positions.end(), std::back_inserter(back), is_undone);
@@ -206,10 +257,11 @@ std::int64_t take_differences(JointFit& fit, const std::vector<ArrangementDiffer
     for (const Cluster& cluster : differences) {
         added.insert(added.end(), cluster.theirs.begin(), cluster.theirs.end());
     }
+    const ClusterCells cells(differences, same, fit.darkness().width(), fit.darkness().height(),
+                             kZone * fit.disc().diameter);
     exchange(fit, added, [&](Vec2 p) {
-        return std::any_of(differences.begin(), differences.end(), [&](const Cluster& cluster) {
-            return outside(cluster, p) <= same &&
-                   std::any_of(cluster.ours.begin(), cluster.ours.end(),
+        return cells.any_near(p, [&](const Cluster& cluster) {
+            return std::any_of(cluster.ours.begin(), cluster.ours.end(),
                                [&](Vec2 q) { return squared_norm(p - q) < same * same; });
         });
     });

@@ -113,7 +113,7 @@ Misfit misfit_about(const JointFit& fit, const std::vector<double>& gain) {
              y <= std::min(scene.darkness().height() - 1, cy + reach); ++y) {
             for (int x = std::max(0, cx - reach);
                  x <= std::min(scene.darkness().width() - 1, cx + reach); ++x) {
-                const double r = norm(Vec2{x - discs[i].x, y - discs[i].y});
+                const double r = std::sqrt(squared_norm(Vec2{x - discs[i].x, y - discs[i].y}));
                 if (r > disc.reach() || is_hidden(scene, x, y)) continue;
                 const auto left = static_cast<double>(residual(scene, x, y));
                 const double slope = slopes[static_cast<std::size_t>(kSlopesPerPixel * r)];
