@@ -28,7 +28,8 @@ const char* element_name(OptionKind kind) {
 }
 
 bool is_negatable(const OptionSet::Entry& entry) {
-    return entry.option.default_value == OptionValue(true);
+    return entry.option.kind == OptionKind::flag &&
+           (entry.option.default_value == OptionValue(true) || entry.option.may_be_auto);
 }
 
 std::vector<OptionPage> options_of_the_parser() {

@@ -84,8 +84,8 @@ std::string expectation(const Option& option) {
         if (const std::string range = range_text(option); !range.empty()) text += " " + range;
         if (option.range.may_be_infinite) text += " or inf";
         text += with_unit(option);
-        if (option.may_be_auto) text += " or auto";
     }
+    if (option.may_be_auto && option.kind != OptionKind::choice) text += " or auto";
     if (option.is_list) text += ", with commas between them";
     return text;
 }

@@ -158,6 +158,22 @@ void OptionTable::flag(std::string name, bool& field, std::string meaning) {
         });
 }
 
+void OptionTable::flag(std::string name, std::optional<bool>& field, std::string meaning) {
+    Option row = make_row(std::move(name), {}, {}, std::move(meaning), OptionKind::flag);
+    row.may_be_auto = true;
+    add_row(
+        rows_, std::move(row), &field,
+        [&field]() -> OptionValue {
+            if (field) return *field;
+            return std::string(automatic);
+        },
+        [&field](const Option& option, const OptionValue& value) {
+            const auto* on = std::get_if<bool>(&value);
+            if (on == nullptr && !is_auto(value)) option.refuse(value);
+            field = on != nullptr ? std::optional(*on) : std::nullopt;
+        });
+}
+
 void OptionTable::integer(std::string name, int& field, std::string unit, Range range,
                           std::string meaning) {
     bind_integer(

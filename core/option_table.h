@@ -26,6 +26,8 @@ class OptionTable {
     explicit OptionTable(std::string section) : section_(std::move(section)) {}
 
     void flag(std::string name, bool& field, std::string meaning);
+    /// Empty means "auto".
+    void flag(std::string name, std::optional<bool>& field, std::string meaning);
     void integer(std::string name, int& field, std::string unit, Range range, std::string meaning);
     void integer(std::string name, std::int64_t& field, std::string unit, Range range,
                  std::string meaning);

@@ -19,7 +19,36 @@ BiasSetting setting_of(const TrackOptions& options) {
             .height = options.layers.height.value_or(options.synthesis_options.height),
             .camera_distance = options.layers.camera_distance.value_or(0),
             .detection = options.detection,
-            .refinement = options.refinement};
+            .refinement = options.refinement,
+            .verbosity = options.verbosity};
+}
+
+/// Learning costs the time of 30 to 120 warm frames.
+constexpr std::int64_t kLongFilm = 500;  // frames
+/// Below this share of the noise, positions gain nothing from a better image model.
+constexpr double kLeastMisfit = 0.5;
+
+/// Why nothing is learned where it is left to the program; empty: it is worth its time.
+std::string not_worth_learning(const FrameSource& source, const TrackOptions& options,
+                               const ImageModel& model) {
+    if (options.synthesis) return "synthesis has no such bias";
+    if (!options.sphere_diameter) return "the true diameter is not known (track.sphere-diameter)";
+    if (model.polarity != Polarity::dark) return "bright spheres mirror no panel";
+    if (options.camera) return "it is learned on frames as a straight lens sees them";
+    if (!options.visible.are_all()) return "it is learned on whole frames, and a mask hides a part";
+    if (options.kept) return "the kept calibration holds none";
+    const double left = std::sqrt(
+        std::max(0.0, model.residual_rms * model.residual_rms - model.noise * model.noise));
+    if (left < kLeastMisfit * model.noise) {
+        return fmt::format(
+            "discs explain the film: they leave {:.4f} of the contrast beyond noise of {:.4f}",
+            left, model.noise);
+    }
+    if (source.count() < kLongFilm) {
+        return fmt::format("learning takes up to a minute, {} frames are few (auto from {} on)",
+                           source.count(), kLongFilm);
+    }
+    return {};
 }
 
 /// Why a kept correction is of no use in this run; empty: it is of use.
@@ -65,7 +94,16 @@ std::optional<BiasCorrection> bias_of_film(FrameSource& source, const TrackOptio
                                      kept.before, kept.after));
         return kept;
     }
-    if (!options.correct_bias) return std::nullopt;
+    const bool is_asked_for = options.correct_bias.value_or(false);
+    if (!is_asked_for) {
+        const std::string reason = options.correct_bias
+                                       ? "not wanted (track.correct-bias)"
+                                       : not_worth_learning(source, options, model);
+        if (!reason.empty()) {
+            plan.skip("bias", reason, "half of what mirror images of neighbours do to positions");
+            return std::nullopt;
+        }
+    }
     if (model.polarity != Polarity::dark) {
         throw OptionError({.problem = "the bias of the discs cannot be corrected",
                            .actual = "bright spheres on a dark background",
@@ -84,7 +122,9 @@ std::optional<BiasCorrection> bias_of_film(FrameSource& source, const TrackOptio
     const double seconds = 1e-3 * milliseconds_since(begin);
     if (!learned.refused.empty()) {
         plan.skip("bias", learned.refused, "corrected positions");
-        plan.warn(fmt::format("the bias of positions is not corrected: {}", learned.refused));
+        if (is_asked_for) {
+            plan.warn(fmt::format("the bias of positions is not corrected: {}", learned.refused));
+        }
         return std::nullopt;
     }
     plan.run("bias",

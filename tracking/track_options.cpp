@@ -83,9 +83,11 @@ std::vector<OptionTable> describe(TrackOptions& options) {
         "apparent one, no room asked for");
     track.flag("synthesis", options.synthesis,
                "positions and heights of mirror-like spheres by rendering the frame");
-    track.flag("correct-bias", options.correct_bias,
-               "correct positions for mirror images of neighbours, as learned from frames that are "
-               "rendered with the optics of the film; kept with its calibration");
+    track.flag(
+        "correct-bias", options.correct_bias,
+        "correct positions for mirror images of neighbours, as learned from frames that are "
+        "rendered with the optics of the film; kept with its calibration; auto: in long films "
+        "whose discs leave more than noise");
     track.integer("stretch", options.stretch, "frames", {2, 1e9},
                   "frames that start from one another; then the search begins afresh, so that "
                   "parts of a film give what the whole film gives");
@@ -118,7 +120,7 @@ void warn_of_unusual_size(double apparent, const TrackOptions& options, RunPlan&
 
 void require_consistent(const TrackOptions& options) {
     require_diameter(options);
-    if (options.correct_bias) require_mirrors(options);
+    if (options.correct_bias.value_or(false)) require_mirrors(options);
     if (options.kept && options.kept->bias) require_size_of_mirrors(options);
     if (options.kept && options.calibration != CalibrationOptions{}) {
         throw OptionError({.problem = "a kept calibration leaves nothing to estimate",

@@ -6,6 +6,7 @@
 
 #include "core/frame_source.h"
 #include "core/option_table.h"
+#include "core/support/progress.h"
 #include "tracking/calibrate/calibration.h"
 #include "tracking/calibrate/kept_calibration.h"
 #include "tracking/camera/camera.h"
@@ -26,14 +27,15 @@ struct TrackOptions {
     std::optional<double> sphere_diameter;  ///< true diameter a [px]; empty: the apparent D
     bool synthesis = false;                 ///< positions and heights from rendered images
     SynthesisOptions synthesis_options;     ///< layers.height, where given, is the height
-    bool correct_bias = false;              ///< of discs, learned from synthesised frames
-    std::int64_t stretch = 200;             ///< [frames] that start from one another
-    std::optional<FrameSpan> part;          ///< measured, not linked; empty: all, and linked
-    VisiblePixels visible;                  ///< pixels that are looked at
-    std::optional<KeptCalibration> kept;    ///< instead of a calibration on this film
-    std::optional<CameraMap> camera;        ///< corrects positions; counts pixels of the source
+    std::optional<bool> correct_bias;     ///< of discs, learned from renderings; empty: if worth it
+    std::int64_t stretch = 200;           ///< [frames] that start from one another
+    std::optional<FrameSpan> part;        ///< measured, not linked; empty: all, and linked
+    VisiblePixels visible;                ///< pixels that are looked at
+    std::optional<KeptCalibration> kept;  ///< instead of a calibration on this film
+    std::optional<CameraMap> camera;      ///< corrects positions; counts pixels of the source
     bool keeps = false;  ///< start as films will that use the calibration: frame 0 knows nothing
     int threads = 0;     ///< 0: all
+    Verbosity verbosity = Verbosity::quiet;  ///< of the progress before the first frame
 };
 
 /// Every option of tracking, one table a stage ("calibrate", "detect", "refine", "link", "layers",

@@ -22,7 +22,7 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
     options_.detection = detection_of(options);
     // Mirrors before a panel are dark.
     PolarityChoice& polarity = options_.calibration.polarity;
-    if ((options.synthesis || options.correct_bias) && !options.kept &&
+    if ((options.synthesis || options.correct_bias.value_or(false)) && !options.kept &&
         polarity == PolarityChoice::automatic) {
         polarity = PolarityChoice::dark;
     }

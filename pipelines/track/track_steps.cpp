@@ -63,6 +63,7 @@ tracking::TrackOptions tracking_of(const TrackJobOptions& options, const Job& jo
                                    std::optional<tracking::Camera>& camera) {
     tracking::TrackOptions tracking = options.tracking;
     tracking.threads = job.threads;
+    tracking.verbosity = job.verbosity;
     tracking.keeps = !options.save_calibration.empty();
     if (!options.calibration.empty()) tracking.kept = read_calibration(options.calibration);
     camera = camera_of(options, tracking.kept);

@@ -84,6 +84,27 @@ TEST(OptionTable, SetsEveryKindOfFieldFromValuesAndFromText) {
     EXPECT_EQ(o.title, "auto");
 }
 
+TEST(OptionTable, AFlagMayBeAutoWhereItIsDeclared) {
+    std::optional<bool> wanted;
+    OptionTable t("track");
+    t.flag("correct", wanted, "correct positions");
+    const Option& row = *t.find("correct");
+    EXPECT_THAT(row.domain_text(), HasSubstr("default auto"));
+    row.set_from_text("true");
+    EXPECT_EQ(wanted, true);
+    row.set_from_text("no");
+    EXPECT_EQ(wanted, false);
+    row.set_from_text("auto");
+    EXPECT_EQ(wanted, std::nullopt);
+    t.set("correct", true);
+    EXPECT_EQ(to_text(row.get()), "true");
+    EXPECT_THAT(refusal([&] { row.set_from_text("perhaps"); }), HasSubstr("true or false or auto"));
+    EXPECT_EQ(wanted, true) << "what is refused changes nothing";
+    bool plain = false;
+    t.flag("plain", plain, "no auto");
+    EXPECT_THROW(t.find("plain")->set_from_text("auto"), OptionError);
+}
+
 TEST(OptionTable, ANumberMayBeFollowedByItsUnit) {
     std::optional<double> diameter;
     std::vector<double> lengths;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -384,13 +385,19 @@ BiasLearning learn_bias(const Image& counts, const ImageModel& model, const Bias
     std::vector<FramePart> parts;
     std::vector<RenderedPart> rendered;
     double misfit = 0;
-    for (FramePart& part : parts_of(counts, model, setting.part * a)) {
+    std::vector<FramePart> wanted = parts_of(counts, model, setting.part * a);
+    Progress fitting("fitting mirror spheres", static_cast<std::int64_t>(wanted.size()),
+                     "parts of the frame", setting.verbosity);
+    fitting.announce();
+    for (FramePart& part : wanted) {
         RenderedPart fitted = fitted_part(part, model, found.fitted, render, threads);
+        fitting.advance();
         if (fitted.spheres.empty()) continue;
         misfit += fitted.rms * fitted.rms;
         parts.push_back(std::move(part));
         rendered.push_back(std::move(fitted));
     }
+    fitting.finish();
     if (parts.empty()) {
         learned.refused = "no spheres were found where frames are rendered";
         return learned;
@@ -409,6 +416,9 @@ BiasLearning learn_bias(const Image& counts, const ImageModel& model, const Bias
     const auto folds = static_cast<std::size_t>(parts.size() > 1 ? std::max(2, setting.frames / 2)
                                                                  : setting.frames);
     std::vector<Lesson> lessons(parts.size() * folds);
+    Progress learning("learning how discs err", static_cast<std::int64_t>(lessons.size()),
+                      "renderings", setting.verbosity);
+    std::mutex one_at_a_time;
     parallel_for(static_cast<std::int64_t>(lessons.size()), threads, [&](std::int64_t index) {
         const auto k = static_cast<std::size_t>(index);
         const std::size_t p = k / folds;
@@ -420,7 +430,10 @@ BiasLearning learn_bias(const Image& counts, const ImageModel& model, const Bias
         lessons[k] = lesson_of(seen, moved, model, setting, stream);
         lessons[k].part = p;
         lessons[k].fold = k % folds;
+        const std::lock_guard lock(one_at_a_time);
+        learning.advance();
     });
+    learning.finish();
     learned.frames = static_cast<int>(lessons.size());
     for (const Lesson& lesson : lessons) {
         learned.spheres += static_cast<int>(lesson.nearest.size());

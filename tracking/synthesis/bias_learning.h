@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/frame.h"
+#include "core/support/progress.h"
 #include "tracking/model/image_model.h"
 #include "tracking/synthesis/bias_correction.h"
 
@@ -19,6 +20,7 @@ struct BiasSetting {
     double part = 40;  ///< side of the square that is rendered [a] (parts_of)
     int frames = 8;    ///< that are rendered of one part; half as many of each of nine
     std::uint64_t seed = 1;
+    Verbosity verbosity = Verbosity::quiet;  ///< of the progress
 };
 
 struct BiasLearning {

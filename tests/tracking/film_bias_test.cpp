@@ -1,0 +1,172 @@
+#include "tracking/film_bias.h"
+
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/errors.h"
+#include "core/support/random.h"
+#include "tests/tracking/synthesis/rendered_layer.h"
+#include "tracking/model/padded_image.h"
+#include "tracking/refine/disc_kernel.h"
+#include "tracking/synthesis/mirror_image.h"
+
+namespace grainfield::tracking {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kScale = 12;  // a [px]
+
+/// One frame, again and again.
+class SameFrames : public FrameSource {
+ public:
+    SameFrames(Image image, std::int64_t count) : image_(std::move(image)), count_(count) {}
+
+    std::int64_t count() const override { return count_; }
+    int width() const override { return image_.width(); }
+    int height() const override { return image_.height(); }
+    int bit_depth() const override { return 8; }
+    std::optional<double> frame_rate() const override { return std::nullopt; }
+    Frame read(std::int64_t index) override {
+        ++reads_;
+        Frame frame;
+        frame.index = index;
+        frame.image = image_;
+        return frame;
+    }
+    std::string name() const override { return "the same frame"; }
+    const std::vector<std::string>& warnings() const override { return warnings_; }
+    int reads() const { return reads_; }
+
+ private:
+    Image image_;
+    std::int64_t count_;
+    int reads_ = 0;
+    std::vector<std::string> warnings_;
+};
+
+/// Mirror spheres before a panel, with the noise of a camera.
+const Image& mirrors() {
+    static const Image frame = [] {
+        const testing::RenderedLayer layer = testing::rendered_layer(14, kScale, 0, 7);
+        const int side = layer.brightness.width();
+        MirrorImage image(side, side, kScale, 2);
+        image.render_only(MirrorScene(layer.spheres, layer.optics));
+        Image counts = image.image();
+        RandomStream random(1, "camera");
+        for (float& v : counts.pixels()) v = 200 * v + static_cast<float>(2 * random.normal());
+        return counts;
+    }();
+    return frame;
+}
+
+/// The same spheres as opaque discs.
+Image silhouettes() {
+    const testing::RenderedLayer layer = testing::rendered_layer(14, kScale, 0, 7);
+    const int side = layer.brightness.width();
+    const DiscProfile disc{0.89 * kScale, 0.13 * kScale};
+    std::vector<Vec2> places;
+    for (const Point3& p : layer.spheres) {
+        places.push_back({kScale * static_cast<double>(p.x), kScale * static_cast<double>(p.y)});
+    }
+    PaddedImage transmission = clear_transmission(side, side, disc);
+    place_discs(transmission, places, disc);
+    RandomStream random(1, "camera");
+    Image counts(side, side);
+    for (int y = 0; y < side; ++y) {
+        for (int x = 0; x < side; ++x) {
+            counts(x, y) = 200 * transmission.row(y)[x] + static_cast<float>(2 * random.normal());
+        }
+    }
+    return counts;
+}
+
+ImageModel model() {
+    ImageModel model;
+    model.disc = {0.89 * kScale, 0.13 * kScale};
+    model.background = BackgroundSurface(200.0);
+    model.dark_level = 0;
+    model.noise = 0.01;
+    model.residual_rms = 0.05;
+    return model;
+}
+
+TrackOptions options() {
+    TrackOptions options;
+    options.sphere_diameter = kScale;
+    options.threads = 2;
+    return options;
+}
+
+/// Why no correction is used; fails where one is.
+std::string skipped(const TrackOptions& options, std::int64_t frames,
+                    const ImageModel& discs = model()) {
+    SameFrames source(mirrors(), frames);
+    RunPlan plan;
+    EXPECT_FALSE(bias_of_film(source, options, discs, 0, 2, plan).has_value());
+    EXPECT_TRUE(plan.warnings().empty()) << "nobody asked for it";
+    for (const PlannedStage& stage : plan.skipped()) {
+        if (stage.stage == "bias") return stage.reason;
+    }
+    return "";
+}
+
+TEST(FilmBias, IsLearnedByItselfInALongFilmOfMirrors) {
+    SameFrames source(mirrors(), 500);
+    RunPlan plan;
+    const auto bias = bias_of_film(source, options(), model(), 0, 2, plan);
+    ASSERT_TRUE(bias.has_value());
+    EXPECT_LT(bias->after, 0.9 * bias->before);
+    EXPECT_EQ(bias->diameter, kScale);
+}
+
+TEST(FilmBias, IsNotLearnedForAFewFramesWithoutBeingAskedFor) {
+    EXPECT_THAT(skipped(options(), 499), HasSubstr("auto from 500 on"));
+    SameFrames source(mirrors(), 1);
+    RunPlan plan;
+    TrackOptions asked = options();
+    asked.correct_bias = true;
+    EXPECT_TRUE(bias_of_film(source, asked, model(), 0, 2, plan).has_value());
+}
+
+TEST(FilmBias, SaysWhyItIsLeftOutWhereItCannotHelp) {
+    TrackOptions no = options();
+    no.correct_bias = false;
+    EXPECT_THAT(skipped(no, 3000), HasSubstr("not wanted"));
+    TrackOptions unknown = options();
+    unknown.sphere_diameter.reset();
+    EXPECT_THAT(skipped(unknown, 3000), HasSubstr("diameter is not known"));
+    TrackOptions synthesis = options();
+    synthesis.synthesis = true;
+    EXPECT_THAT(skipped(synthesis, 3000), HasSubstr("synthesis has no such bias"));
+    TrackOptions kept = options();
+    kept.kept.emplace();
+    EXPECT_THAT(skipped(kept, 3000), HasSubstr("kept calibration holds none"));
+    ImageModel good = model();
+    good.residual_rms = 1.1 * good.noise;
+    EXPECT_THAT(skipped(options(), 3000, good), HasSubstr("discs explain the film"));
+    ImageModel bright = model();
+    bright.polarity = Polarity::bright;
+    EXPECT_THAT(skipped(options(), 3000, bright), HasSubstr("bright spheres"));
+}
+
+TEST(FilmBias, OfSilhouettesIsASkippedStageAndAWarningOnlyWhereItWasAskedFor) {
+    SameFrames source(silhouettes(), 500);
+    RunPlan plan;
+    EXPECT_FALSE(bias_of_film(source, options(), model(), 0, 2, plan).has_value());
+    ASSERT_EQ(plan.skipped().size(), 1U);
+    EXPECT_THAT(plan.skipped()[0].reason, HasSubstr("mirror spheres leave"));
+    EXPECT_TRUE(plan.warnings().empty());
+    TrackOptions asked = options();
+    asked.correct_bias = true;
+    EXPECT_FALSE(bias_of_film(source, asked, model(), 0, 2, plan).has_value());
+    EXPECT_EQ(plan.warnings().size(), 1U);
+}
+
+}  // namespace
+}  // namespace grainfield::tracking
