@@ -32,3 +32,10 @@ set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 set(CMAKE_CXX_FLAGS_RELEASE "-O3")
+
+# For slow compilers: what most sources include is compiled once for each library, and once for all tests. The programs
+# are the same. It is off by default, as it hides an include that a source forgot.
+option(GRAINFIELD_PRECOMPILE "Compile common headers once" OFF)
+set(GRAINFIELD_PRECOMPILED <algorithm> <array> <chrono> <cmath> <complex> <filesystem> <fstream> <functional> <limits>
+  <map> <memory> <mutex> <numeric> <optional> <random> <set> <span> <string> <unordered_map> <variant> <vector>
+  <fmt/format.h>)

@@ -43,6 +43,9 @@ function(grainfield_library name)
     PUBLIC ${internal} ${ARG_PUBLIC}
     PRIVATE $<BUILD_INTERFACE:grainfield_compile_options> ${ARG_PRIVATE})
   target_compile_features(${target} PUBLIC cxx_std_20)
+  if(GRAINFIELD_PRECOMPILE)
+    target_precompile_headers(${target} PRIVATE ${GRAINFIELD_PRECOMPILED})
+  endif()
   set_property(GLOBAL APPEND PROPERTY GRAINFIELD_LIBRARIES ${target})
   # What find_package(grainfield COMPONENTS name) has to find.
   set_property(GLOBAL PROPERTY GRAINFIELD_NEEDS_${name} ${ARG_INTERNAL} ${ARG_PUBLIC} ${ARG_PRIVATE})
@@ -63,5 +66,8 @@ function(grainfield_test source)
   target_compile_definitions(test.${target} PRIVATE
     GRAINFIELD_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
     GRAINFIELD_PROGRAM="${PROJECT_BINARY_DIR}/grainfield")
+  if(GRAINFIELD_PRECOMPILE)
+    target_precompile_headers(test.${target} REUSE_FROM precompiled_tests)
+  endif()
   add_test(NAME ${name} COMMAND test.${target})
 endfunction()

@@ -13,7 +13,20 @@
 
 namespace grainfield::io {
 
+namespace {
+
+/// An interrupted run ends at once: its inputs can wait, a long video as well as thousands of
+/// pictures that would be opened one after the other.
+RunRecord::Input not_read(const std::filesystem::path& path) {
+    std::error_code unknown;
+    const auto bytes = std::filesystem::file_size(path, unknown);
+    return {path.string(), unknown ? 0 : bytes, "not computed, the run was interrupted"};
+}
+
+}  // namespace
+
 RunRecord::Input describe_input(const std::filesystem::path& path) {
+    if (caught_signal() != 0) return not_read(path);
     const auto refuse = [&path] {
         throw InputError({.problem = fmt::format("cannot read '{}'", path.string()),
                           .actual = std::strerror(errno),
@@ -29,12 +42,7 @@ RunRecord::Input describe_input(const std::filesystem::path& path) {
     std::vector<char> piece(1U << 20U);
     uLong checksum = crc32(0, nullptr, 0);
     while (file) {
-        if (caught_signal() != 0) {
-            // An interrupted run ends at once: reading a long video for its checksum can wait.
-            std::error_code unknown;
-            const auto bytes = std::filesystem::file_size(path, unknown);
-            return {path.string(), unknown ? 0 : bytes, "not computed, the run was interrupted"};
-        }
+        if (caught_signal() != 0) return not_read(path);
         file.read(piece.data(), static_cast<std::streamsize>(piece.size()));
         const auto got = static_cast<std::size_t>(file.gcount());
         checksum =

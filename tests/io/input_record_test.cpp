@@ -1,10 +1,13 @@
 #include "io/input_record.h"
 
+#include <atomic>
+#include <csignal>
 #include <fstream>
 
 #include <gtest/gtest.h>
 
 #include "core/errors.h"
+#include "core/support/interrupt.h"
 #include "tests/support/scratch_folder.h"
 
 namespace grainfield::io {
@@ -32,6 +35,18 @@ TEST(InputRecord, NamesWhatCannotBeRead) {
     const testing::ScratchFolder folder;
     EXPECT_THROW(describe_input(folder / "absent"), InputError);
     EXPECT_THROW(describe_input(folder.path()), InputError);
+}
+
+TEST(InputRecord, OfAnInterruptedRunDoesNotTouchTheFile) {
+    const testing::ScratchFolder folder;
+    std::ofstream(folder / "x.bin") << "123456789";
+    const std::atomic<int> stop{SIGTERM};
+    const StoppableJob job(stop);
+    // What cannot be opened shows that it was not tried: thousands of pictures would take seconds.
+    EXPECT_EQ(describe_input(folder / "absent").checksum, "not computed, the run was interrupted");
+    const RunRecord::Input record = describe_input(folder / "x.bin");
+    EXPECT_EQ(record.checksum, "not computed, the run was interrupted");
+    EXPECT_EQ(record.bytes, 9U);
 }
 
 }  // namespace

@@ -138,10 +138,11 @@ TEST(OrderStructureFactor, IgnoresParticlesWithoutOrderAndStaticOrder) {
         of_part.push_back({nan, nan});
         some.add(some.measure(part, of_part));
     }
-    for (const double s : values(all.result(), "s4", "s")) EXPECT_LT(std::abs(s), 1e-9);
-    EXPECT_EQ(values(all.result(), "s4", "s"), values(some.result(), "s4", "s"));
-    EXPECT_FALSE(all.result().find_measurement("xi4")->value.has_value());
-    EXPECT_FALSE(all.result().find_measurement("xi4")->reason.empty());
+    const ObservableResult result = all.result();
+    for (const double s : values(result, "s4", "s")) EXPECT_LT(std::abs(s), 1e-9);
+    EXPECT_EQ(values(result, "s4", "s"), values(some.result(), "s4", "s"));
+    EXPECT_FALSE(result.find_measurement("xi4")->value.has_value());
+    EXPECT_FALSE(result.find_measurement("xi4")->reason.empty());
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 #include "io/h5/trajectory_file.h"
 
+#include <atomic>
 #include <csignal>
+#include <filesystem>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -10,6 +12,7 @@
 #include <sys/resource.h>
 
 #include "core/errors.h"
+#include "core/support/interrupt.h"
 #include "tests/io/file_samples.h"
 #include "tests/support/scratch_folder.h"
 
@@ -66,6 +69,19 @@ TEST(TrajectoryFile, KeepsInfoRecordAndPreviews) {
     expect_same(file.record(), sample_record());
     ASSERT_EQ(file.previews().size(), 2U);
     expect_same(file.previews()[1], sample_preview());
+}
+
+TEST(TrajectoryFile, PreviewsOfAnInterruptedRunAreNotPacked) {
+    const testing::ScratchFolder folder;
+    Preview preview = sample_preview();
+    preview.frame.image = Image(600, 500);
+    write_trajectory(folder / "whole.h5", {full_snapshot(0, 3)}, {preview});
+    EXPECT_LT(std::filesystem::file_size(folder / "whole.h5"), preview.frame.image.size());
+    const std::atomic<int> stop{SIGTERM};
+    const StoppableJob job(stop);
+    write_trajectory(folder / "cut.h5", {full_snapshot(0, 3)}, {preview});
+    EXPECT_GT(std::filesystem::file_size(folder / "cut.h5"), preview.frame.image.size());
+    expect_same(TrajectoryFile(folder / "cut.h5").previews().at(0), preview);
 }
 
 TEST(TrajectoryFile, PreviewsOfDeepImagesAreOffByLessThanHalfALevel) {
