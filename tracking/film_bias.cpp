@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "core/support/interrupt.h"
 #include "tracking/run_clock.h"
 #include "tracking/synthesis/bias_learning.h"
 
@@ -23,20 +24,28 @@ BiasSetting setting_of(const TrackOptions& options) {
             .verbosity = options.verbosity};
 }
 
-/// Learning costs the time of 30 to 120 warm frames.
+/// Learning takes the time of 30 to 120 warm frames.
 constexpr std::int64_t kLongFilm = 500;  // frames
 /// Below this share of the noise, positions gain nothing from a better image model.
 constexpr double kLeastMisfit = 0.5;
 
-/// Why nothing is learned where it is left to the program; empty: it is worth its time.
+/// Why nothing is learned where nobody asks for it; empty: it is worth its time.
 std::string not_worth_learning(const FrameSource& source, const TrackOptions& options,
                                const ImageModel& model) {
+    if (options.learning == LearnBias::asked_for) {
+        return "it is learned where track.correct-bias asks for it, and in long films on disk";
+    }
     if (options.synthesis) return "synthesis has no such bias";
     if (!options.sphere_diameter) return "the true diameter is not known (track.sphere-diameter)";
     if (model.polarity != Polarity::dark) return "bright spheres mirror no panel";
     if (options.camera) return "it is learned on frames as a straight lens sees them";
     if (!options.visible.are_all()) return "it is learned on whole frames, and a mask hides a part";
-    if (options.kept) return "the kept calibration holds none";
+    if (options.kept) {
+        return "the kept calibration holds none; one made with track.correct-bias does";
+    }
+    if (is_unusual_size(model.disc.diameter, *options.sphere_diameter)) {
+        return "discs of this size are no usual picture of spheres of track.sphere-diameter";
+    }
     const double left = std::sqrt(
         std::max(0.0, model.residual_rms * model.residual_rms - model.noise * model.noise));
     if (left < kLeastMisfit * model.noise) {
@@ -45,10 +54,25 @@ std::string not_worth_learning(const FrameSource& source, const TrackOptions& op
             left, model.noise);
     }
     if (source.count() < kLongFilm) {
-        return fmt::format("learning takes up to a minute, {} frames are few (auto from {} on)",
-                           source.count(), kLongFilm);
+        return fmt::format(
+            "learning takes the time of 30 to 120 frames, and the film has {}: it begins by itself "
+            "with {}, below with track.correct-bias",
+            source.count(), kLongFilm);
     }
     return {};
+}
+
+/// The first usable frame from `first` on; empty: there is none.
+std::optional<Frame> usable_frame(FrameSource& source, std::int64_t first,
+                                  const VisiblePixels& visible) {
+    for (std::int64_t at = first; at < source.count(); ++at) {
+        Frame frame = source.read(at);
+        throw_if_interrupted("tracking");
+        if (frame.status == FrameStatus::ok && blank_reason(frame.image, visible).empty()) {
+            return frame;
+        }
+    }
+    return std::nullopt;
 }
 
 /// Why a kept correction is of no use in this run; empty: it is of use.
@@ -69,18 +93,26 @@ void require_same(const BiasCorrection& kept, const TrackOptions& options) {
              .actual = given > 0 ? fmt::format("{} of {:g} {}", what, given, unit)
                                  : fmt::format("{} is not given", what),
              .expected = fmt::format("{:g} {}, for which it was learned", then, unit),
-             .suggestion = "give that value, or calibrate again with track.correct-bias"});
+             .suggestion =
+                 "give that value, or track.correct-bias = false, or calibrate again with "
+                 "track.correct-bias"});
     };
     require("track.sphere-diameter", "px", kept.diameter, now.diameter);
     require("layers.height", "a", kept.height, now.height);
     require("layers.camera-distance", "a", kept.camera_distance, now.camera_distance);
 }
 
+constexpr const char* kSaved = "half of what mirror images of neighbours do to positions";
+
 }  // namespace
 
 std::optional<BiasCorrection> bias_of_film(FrameSource& source, const TrackOptions& options,
                                            const ImageModel& model, std::int64_t first, int threads,
                                            RunPlan& plan) {
+    if (!options.correct_bias.value_or(true)) {
+        plan.skip("bias", "not wanted (track.correct-bias)", kSaved);
+        return std::nullopt;
+    }
     if (options.kept && options.kept->bias) {
         const BiasCorrection& kept = *options.kept->bias;
         const std::string no_use = no_use_of_kept(options);
@@ -94,13 +126,11 @@ std::optional<BiasCorrection> bias_of_film(FrameSource& source, const TrackOptio
                                      kept.before, kept.after));
         return kept;
     }
-    const bool is_asked_for = options.correct_bias.value_or(false);
+    const bool is_asked_for = options.correct_bias.has_value();
     if (!is_asked_for) {
-        const std::string reason = options.correct_bias
-                                       ? "not wanted (track.correct-bias)"
-                                       : not_worth_learning(source, options, model);
+        const std::string reason = not_worth_learning(source, options, model);
         if (!reason.empty()) {
-            plan.skip("bias", reason, "half of what mirror images of neighbours do to positions");
+            plan.skip("bias", reason, kSaved);
             return std::nullopt;
         }
     }
@@ -110,15 +140,18 @@ std::optional<BiasCorrection> bias_of_film(FrameSource& source, const TrackOptio
                            .expected = "mirror-like spheres before a bright panel: dark discs",
                            .suggestion = "leave out track.correct-bias"});
     }
-    Frame frame;
-    for (std::int64_t at = first; at < source.count(); ++at) {
-        frame = source.read(at);
-        if (frame.status == FrameStatus::ok && blank_reason(frame.image, options.visible).empty())
-            break;
+    if (options.learning == LearnBias::never) {
+        plan.run("bias", "how discs err is learned on the first usable frame");
+        return std::nullopt;
+    }
+    const std::optional<Frame> frame = usable_frame(source, first, options.visible);
+    if (!frame) {
+        plan.skip("bias", "no frame is usable", kSaved);
+        return std::nullopt;
     }
     const BiasSetting setting = setting_of(options);
     const auto begin = RunClock::now();
-    const BiasLearning learned = learn_bias(frame.image, model, setting, threads);
+    const BiasLearning learned = learn_bias(frame->image, model, setting, threads);
     const double seconds = 1e-3 * milliseconds_since(begin);
     if (!learned.refused.empty()) {
         plan.skip("bias", learned.refused, "corrected positions");

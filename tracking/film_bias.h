@@ -11,11 +11,16 @@
 
 namespace grainfield::tracking {
 
-/// The correction of the kept calibration, or where one is asked for that of the first usable frame
-/// from `first` on (learn_bias). Empty where none is wanted or it is refused, with a warning. Says
-/// in `plan` what it does: a kept one is skipped with synthesis, a camera or a mask. Throws
-/// OptionError for bright spheres, and where a kept one was learned for another diameter, cell or
-/// camera.
+/// What positions are corrected with: nothing where correct_bias is false, else the correction of
+/// the kept calibration, else one learned on the first usable frame from `first` on (learn_bias).
+///
+/// One is learned where correct_bias asks for it. By itself (LearnBias::by_itself) it is learned in
+/// films of 500 frames or more, where the true diameter is known, spheres are dark, discs leave
+/// more than half of the noise, and neither mask, camera, synthesis nor a kept calibration is
+/// given. Says in `plan` what it does, or why not; warns where one that was asked for is refused.
+/// A kept one is skipped with synthesis, a camera or a mask. Throws OptionError for bright spheres
+/// where it was asked for, and where a kept one was learned for another diameter, cell or camera;
+/// Interrupted.
 std::optional<BiasCorrection> bias_of_film(FrameSource& source, const TrackOptions& options,
                                            const ImageModel& model, std::int64_t first, int threads,
                                            RunPlan& plan);

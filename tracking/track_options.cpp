@@ -54,7 +54,8 @@ void require_diameter(const TrackOptions& options) {
 void require_size_of_mirrors(const TrackOptions& options) {
     if (options.sphere_diameter) return;
     refuse_bias("track.sphere-diameter is not known", "a [px]",
-                "give track.sphere-diameter; the dark disc is smaller than the sphere");
+                "give track.sphere-diameter, the dark disc is smaller than the sphere; or "
+                "track.correct-bias = false");
 }
 
 /// Throws OptionError where a correction of the bias cannot be learned.
@@ -107,10 +108,14 @@ DetectionOptions detection_of(const TrackOptions& options) {
     return detection;
 }
 
+bool is_unusual_size(double apparent, double diameter) {
+    const double share = apparent / diameter;
+    return share < kLeastApparent || share > kMostApparent;
+}
+
 void warn_of_unusual_size(double apparent, const TrackOptions& options, RunPlan& plan) {
-    if (!options.sphere_diameter) return;
+    if (!options.sphere_diameter || !is_unusual_size(apparent, *options.sphere_diameter)) return;
     const double share = apparent / *options.sphere_diameter;
-    if (share >= kLeastApparent && share <= kMostApparent) return;
     plan.warn(fmt::format(
         "the spheres look {:.1f} px wide, {:.2f} of the {:g} px of track.sphere-diameter; steel "
         "shows 0.7 to 0.95, a silhouette 1. Every length is in units of it: is it the diameter, in "
@@ -121,7 +126,9 @@ void warn_of_unusual_size(double apparent, const TrackOptions& options, RunPlan&
 void require_consistent(const TrackOptions& options) {
     require_diameter(options);
     if (options.correct_bias.value_or(false)) require_mirrors(options);
-    if (options.kept && options.kept->bias) require_size_of_mirrors(options);
+    if (options.kept && options.kept->bias && options.correct_bias.value_or(true)) {
+        require_size_of_mirrors(options);
+    }
     if (options.kept && options.calibration != CalibrationOptions{}) {
         throw OptionError({.problem = "a kept calibration leaves nothing to estimate",
                            .actual = "options of the section calibrate are given as well",

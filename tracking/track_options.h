@@ -18,6 +18,13 @@
 
 namespace grainfield::tracking {
 
+/// When a correction of the bias may be learned.
+enum class LearnBias {
+    never,      ///< the tracker serves another purpose: its positions are not the result
+    asked_for,  ///< only with correct_bias = true
+    by_itself   ///< also where it is worth its time
+};
+
 struct TrackOptions {
     CalibrationOptions calibration;
     DetectionOptions detection;
@@ -35,6 +42,7 @@ struct TrackOptions {
     std::optional<CameraMap> camera;      ///< corrects positions; counts pixels of the source
     bool keeps = false;  ///< start as films will that use the calibration: frame 0 knows nothing
     int threads = 0;     ///< 0: all
+    LearnBias learning = LearnBias::asked_for;
     Verbosity verbosity = Verbosity::quiet;  ///< of the progress before the first frame
 };
 
@@ -54,6 +62,7 @@ DetectionOptions detection_of(const TrackOptions& options);
 
 /// Warns where discs of this apparent diameter D [px] are no usual picture of spheres of the given
 /// diameter a: D/a is 0.7 (cores of mirrors) to 1 (silhouettes). Every length hangs on a.
+bool is_unusual_size(double apparent, double diameter);
 void warn_of_unusual_size(double apparent, const TrackOptions& options, RunPlan& plan);
 
 }  // namespace grainfield::tracking

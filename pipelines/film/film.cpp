@@ -176,7 +176,9 @@ std::unique_ptr<FrameSource> evened(std::unique_ptr<FrameSource> frames, const F
         return frames;
     }
     RunPlan scratch;
-    const tracking::Tracker first(*frames, tracking, scratch);
+    tracking::TrackOptions measured = tracking;
+    measured.learning = tracking::LearnBias::never;
+    const tracking::Tracker first(*frames, measured, scratch);
     if (!first.is_calibrated()) return frames;  // which is said when the tracker tries again
     const auto levels = tracking::FilmLevels::of(first.model(), frames->width(), frames->height());
     std::unique_ptr<EvenedFrames> evened;

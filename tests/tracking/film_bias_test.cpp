@@ -100,6 +100,7 @@ TrackOptions options() {
     TrackOptions options;
     options.sphere_diameter = kScale;
     options.threads = 2;
+    options.learning = LearnBias::by_itself;
     return options;
 }
 
@@ -110,6 +111,7 @@ std::string skipped(const TrackOptions& options, std::int64_t frames,
     RunPlan plan;
     EXPECT_FALSE(bias_of_film(source, options, discs, 0, 2, plan).has_value());
     EXPECT_TRUE(plan.warnings().empty()) << "nobody asked for it";
+    EXPECT_EQ(source.reads(), 0);
     for (const PlannedStage& stage : plan.skipped()) {
         if (stage.stage == "bias") return stage.reason;
     }
@@ -126,7 +128,7 @@ TEST(FilmBias, IsLearnedByItselfInALongFilmOfMirrors) {
 }
 
 TEST(FilmBias, IsNotLearnedForAFewFramesWithoutBeingAskedFor) {
-    EXPECT_THAT(skipped(options(), 499), HasSubstr("auto from 500 on"));
+    EXPECT_THAT(skipped(options(), 499), HasSubstr("by itself with 500"));
     SameFrames source(mirrors(), 1);
     RunPlan plan;
     TrackOptions asked = options();
@@ -147,12 +149,57 @@ TEST(FilmBias, SaysWhyItIsLeftOutWhereItCannotHelp) {
     TrackOptions kept = options();
     kept.kept.emplace();
     EXPECT_THAT(skipped(kept, 3000), HasSubstr("kept calibration holds none"));
+    TrackOptions masked = options();
+    Image mask(mirrors().width(), mirrors().height(), 1.0F);
+    mask(3, 3) = 0;
+    masked.visible = VisiblePixels(mask);
+    EXPECT_THAT(skipped(masked, 3000), HasSubstr("a mask hides a part"));
+    TrackOptions tilted = options();
+    Camera camera;
+    camera.width = mirrors().width();
+    camera.height = mirrors().height();
+    tilted.camera.emplace(camera, Vec2{0, 0});
+    EXPECT_THAT(skipped(tilted, 3000), HasSubstr("a straight lens"));
+    TrackOptions wrong_size = options();
+    wrong_size.sphere_diameter = 5 * kScale;
+    EXPECT_THAT(skipped(wrong_size, 3000), HasSubstr("no usual picture"));
+    TrackOptions live = options();
+    live.learning = LearnBias::asked_for;
+    EXPECT_THAT(skipped(live, 3000), HasSubstr("long films on disk"));
     ImageModel good = model();
     good.residual_rms = 1.1 * good.noise;
     EXPECT_THAT(skipped(options(), 3000, good), HasSubstr("discs explain the film"));
     ImageModel bright = model();
     bright.polarity = Polarity::bright;
     EXPECT_THAT(skipped(options(), 3000, bright), HasSubstr("bright spheres"));
+}
+
+TEST(FilmBias, KeptWithACalibrationIsLeftOutWhereNoneIsWanted) {
+    TrackOptions kept = options();
+    kept.kept.emplace().bias.emplace();
+    kept.kept->bias->diameter = kScale;
+    kept.kept->bias->height = kept.synthesis_options.height;
+    SameFrames source(mirrors(), 3);
+    RunPlan plan;
+    EXPECT_TRUE(bias_of_film(source, kept, model(), 0, 2, plan).has_value());
+    kept.correct_bias = false;
+    EXPECT_THAT(skipped(kept, 3), HasSubstr("not wanted"));
+    kept.sphere_diameter.reset();
+    EXPECT_NO_THROW(require_consistent(kept));
+}
+
+TEST(FilmBias, OfATrackerWithAnotherPurposeIsPlannedAndNotLearned) {
+    for (const bool is_asked_for : {true, false}) {
+        TrackOptions other = options();
+        other.learning = LearnBias::never;
+        if (is_asked_for) other.correct_bias = true;
+        SameFrames source(mirrors(), 500);
+        RunPlan plan;
+        EXPECT_FALSE(bias_of_film(source, other, model(), 0, 2, plan).has_value());
+        EXPECT_EQ(source.reads(), 0);
+        ASSERT_EQ(plan.stages().size(), 1U);
+        EXPECT_THAT(plan.stages()[0].reason, HasSubstr("is learned on the first usable frame"));
+    }
 }
 
 TEST(FilmBias, OfSilhouettesIsASkippedStageAndAWarningOnlyWhereItWasAskedFor) {

@@ -11,6 +11,7 @@
 #include <Eigen/Dense>
 #include <fmt/format.h>
 
+#include "core/support/interrupt.h"
 #include "core/support/parallel.h"
 #include "core/support/random.h"
 #include "tracking/point_grid.h"
@@ -392,6 +393,7 @@ BiasLearning learn_bias(const Image& counts, const ImageModel& model, const Bias
     for (FramePart& part : wanted) {
         RenderedPart fitted = fitted_part(part, model, found.fitted, render, threads);
         fitting.advance();
+        throw_if_interrupted("tracking");
         if (fitted.spheres.empty()) continue;
         misfit += fitted.rms * fitted.rms;
         parts.push_back(std::move(part));
@@ -434,6 +436,7 @@ BiasLearning learn_bias(const Image& counts, const ImageModel& model, const Bias
         learning.advance();
     });
     learning.finish();
+    throw_if_interrupted("tracking");
     learned.frames = static_cast<int>(lessons.size());
     for (const Lesson& lesson : lessons) {
         learned.spheres += static_cast<int>(lesson.nearest.size());

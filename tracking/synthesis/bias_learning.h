@@ -51,7 +51,8 @@ struct BiasLearning {
 ///   a tenth when spheres are put at corrected positions instead of those of discs, or gets worse
 ///   in any part.
 ///
-/// Same bits for any number of threads. About a minute of CPU.
+/// Same bits for any number of threads. Takes the time of 30 to 120 warm frames. Throws
+/// Interrupted.
 BiasLearning learn_bias(const Image& counts, const ImageModel& model, const BiasSetting& setting,
                         int threads);
 
