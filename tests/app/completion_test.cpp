@@ -57,7 +57,7 @@ TEST_F(Completion, OfBashOffersCommandsAndTheirOptions) {
     EXPECT_THAT(bash("tr"), ElementsAre("track"));
     EXPECT_THAT(bash("simulate ''"), ElementsAre("field", "md"));
     EXPECT_THAT(bash("simulate md --per"), ElementsAre("--periods"));
-    EXPECT_THAT(bash("track film.avi --no"), ElementsAre("--no-link"));
+    EXPECT_THAT(bash("track film.avi --no"), ElementsAre("--no-correct-bias", "--no-link"));
 }
 
 TEST_F(Completion, OfBashOffersEveryOptionOfTheTables) {
