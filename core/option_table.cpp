@@ -118,6 +118,12 @@ void add_row(std::vector<Option>& rows, Option row, const void* field, Get get, 
     rows.push_back(std::move(row));
 }
 
+template <class Field>
+OptionValue value_or_auto(const std::optional<Field>& field) {
+    if (field) return *field;
+    return std::string(automatic);
+}
+
 template <class Integer>
 void bind_integer(std::vector<Option>& rows, Option row, Integer& field) {
     add_row(
@@ -162,11 +168,7 @@ void OptionTable::flag(std::string name, std::optional<bool>& field, std::string
     Option row = make_row(std::move(name), {}, {}, std::move(meaning), OptionKind::flag);
     row.may_be_auto = true;
     add_row(
-        rows_, std::move(row), &field,
-        [&field]() -> OptionValue {
-            if (field) return *field;
-            return std::string(automatic);
-        },
+        rows_, std::move(row), &field, [&field] { return value_or_auto(field); },
         [&field](const Option& option, const OptionValue& value) {
             const auto* on = std::get_if<bool>(&value);
             if (on == nullptr && !is_auto(value)) option.refuse(value);
@@ -207,11 +209,7 @@ void OptionTable::number(std::string name, std::optional<double>& field, std::st
         make_row(std::move(name), std::move(unit), range, std::move(meaning), OptionKind::number);
     row.may_be_auto = true;
     add_row(
-        rows_, std::move(row), &field,
-        [&field]() -> OptionValue {
-            if (field) return *field;
-            return std::string(automatic);
-        },
+        rows_, std::move(row), &field, [&field] { return value_or_auto(field); },
         [&field](const Option& option, const OptionValue& value) {
             if (is_auto(value)) {
                 field.reset();

@@ -26,7 +26,7 @@ BiasSetting setting_of(const TrackOptions& options) {
 
 /// Learning takes the time of 30 to 120 warm frames.
 constexpr std::int64_t kLongFilm = 500;  // frames
-/// Below this share of the noise, positions gain nothing from a better image model.
+/// Chosen: what discs leave is small beside the noise below this share of it.
 constexpr double kLeastMisfit = 0.5;
 
 /// Why nothing is learned where nobody asks for it; empty: it is worth its time.

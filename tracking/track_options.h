@@ -60,9 +60,12 @@ void require_consistent(const TrackOptions& options);
 /// known, those without room are not taken.
 DetectionOptions detection_of(const TrackOptions& options);
 
+/// Whether discs of this apparent diameter are no usual picture of spheres of this true one, as
+/// below; both in the same unit.
+bool is_unusual_size(double apparent, double diameter);
+
 /// Warns where discs of this apparent diameter D [px] are no usual picture of spheres of the given
 /// diameter a: D/a is 0.7 (cores of mirrors) to 1 (silhouettes). Every length hangs on a.
-bool is_unusual_size(double apparent, double diameter);
 void warn_of_unusual_size(double apparent, const TrackOptions& options, RunPlan& plan);
 
 }  // namespace grainfield::tracking

@@ -13,9 +13,9 @@
 namespace grainfield::tracking {
 namespace {
 
-constexpr double kAround = 3;        // [a] spheres beyond the part that are mirrored in it
-constexpr int kOpticsTurns = 1;      // a second one moves errors by 3 % at most
-constexpr int kRounds = 2;           // of Gauss–Newton, in each turn
+constexpr double kAround = 3;  // [a] spheres beyond the part that are mirrored in it
+constexpr int kRounds =
+    2;  // of Gauss–Newton; more, with the optics again, move errors by 3 % at most
 constexpr double kBlurOfEdge = 0.7;  // [w] as in synthesise()
 constexpr double kLarge = 1.5;       // [side] from here on a frame is sampled
 constexpr int kAcross = 3;           // parts
@@ -88,10 +88,8 @@ RenderedPart fitted_part(const FramePart& part, const ImageModel& model,
     fit.start(rough.spheres(), optics);
     fit.fit_optics();
     limits.most_rounds = kRounds;
-    for (int turn = 0; turn < kOpticsTurns; ++turn) {
-        fit.refine(limits);
-        fit.fit_optics();
-    }
+    fit.refine(limits);
+    fit.fit_optics();
     return {fit.spheres(), fit.optics(), fit.light(), fit.rms()};
 }
 
