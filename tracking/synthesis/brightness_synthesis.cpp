@@ -1,12 +1,14 @@
 #include "tracking/synthesis/brightness_synthesis.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
 
 #include "tracking/point_grid.h"
 #include "tracking/synthesis/arrangement_search.h"
+#include "tracking/synthesis/frame_light.h"
 #include "tracking/synthesis/synthesis_fit.h"
 
 namespace grainfield::tracking {
@@ -15,6 +17,7 @@ namespace {
 constexpr double kManyRays = 40;  // along a diameter, of the last image
 constexpr int kRoundsBetween = 2;
 constexpr int kLastRounds = 2;
+constexpr double kLightNodes = 12;   // [a] between the nodes of the light
 constexpr double kUnusual = 3;       // medians of the residual: a sphere is in doubt
 constexpr double kSameSphere = 0.3;  // [a]
 
@@ -57,10 +60,21 @@ void mark_doubtful(const std::vector<Point3>& start, BrightnessSynthesis& result
 
 }  // namespace
 
-BrightnessSynthesis synthesise_brightness(const Image& brightness, const Image& ceiling,
+BrightnessSynthesis synthesise_brightness(const Image& seen, const Image& seen_ceiling,
                                           double diameter, const BrightnessStart& start,
                                           double height, int searches, int threads) {
     BrightnessSynthesis result;
+    Image brightness = seen;
+    Image ceiling = seen_ceiling;
+    const auto even_out_by = [&](const SynthesisFit& fitted, bool has_sharpness) {
+        const Image radiance = fitted.rendering();
+        brightness = seen;
+        ceiling = seen_ceiling;
+        even_out(brightness, ceiling, radiance,
+                 {.spacing = kLightNodes * diameter,
+                  .has_sharpness = has_sharpness,
+                  .border = static_cast<int>(std::ceil(diameter))});
+    };
     SynthesisLimits limits{.height = height};
     const auto refine = [&](SynthesisFit& fit, int rounds) {
         limits.most_rounds = rounds;
@@ -80,10 +94,13 @@ BrightnessSynthesis synthesise_brightness(const Image& brightness, const Image& 
         } else {  // they are those of the frame before
             refine(rough, 1);
         }
+        even_out_by(rough, start.are_optics_known);
         fit.start(rough.spheres(), start.optics);
     }
     if (!start.are_optics_known) fit.fit_optics();
     refine_with_optics(start.are_heights_known ? 1 : kRoundsBetween);
+    even_out_by(fit, true);
+    fit.start(fit.spheres(), fit.optics());
     for (int search = 0; search < searches; ++search) {
         std::vector<Point3> better;
         const ArrangementChanges changes = improve_arrangement(
@@ -96,6 +113,8 @@ BrightnessSynthesis synthesise_brightness(const Image& brightness, const Image& 
         fit.start(std::move(better), fit.optics());
         refine_with_optics(kRoundsBetween);
     }
+    even_out_by(fit, true);
+    fit.start(fit.spheres(), fit.optics());
     refine(fit, 1);
     fit.sharpen(kManyRays);
     refine(fit, kLastRounds);

@@ -33,6 +33,22 @@ FrameLight fit_light(const Image& brightness, const Image& ceiling, const Image&
 Image light_residual(const Image& brightness, const Image& ceiling, const Image& radiance,
                      const FrameLight& light, int threads);
 
+struct LightNodes {
+    double spacing;      ///< [px], about
+    bool has_sharpness;  ///< whether the sharpness may differ from place to place
+    int border;          ///< [px] that has no say at each side
+};
+
+/// Evens out what one FrameLight cannot, where brightness I and radiance M fit by least squares:
+///
+///   I(x) ≈ o(x) + g(x) M(x) + c(x) ∇²M(x).
+///
+/// Brightness becomes (I − o − c ∇²M) / g and so does the ceiling. Offset o, gain g and c are
+/// bilinear between nodes, so they follow the panel, the layer and the focus, and no sphere. To
+/// first order c = (σ² − σ₀²)/2 [px²] for a blur of σ where M has σ₀. Pixels at the ceiling and
+/// those that M is far from have no say. A gain is at least half of the mean one.
+void even_out(Image& brightness, Image& ceiling, const Image& radiance, const LightNodes& nodes);
+
 /// RMS of an image but for a border [px].
 double inner_rms(const Image& image, int border);
 

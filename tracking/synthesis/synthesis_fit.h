@@ -76,6 +76,8 @@ class SynthesisFit {
     /// By how much spheres overlap in space, Σ (1 − distance)² over all pairs [a²].
     double overlap() const;
     const Image& residual() const { return residual_; }
+    /// Radiance where the spheres are now, before the light.
+    const Image& rendering() const { return fine_ ? fine_->image() : image_.image(); }
 
     /// 3 × 3 blocks of the joint information matrix, penalties included [1/a²].
     struct Block {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/support/random.h"
+#include "tracking/synthesis/mirror_image.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -67,6 +68,81 @@ TEST(FrameLight, AResidualIsImageLessRenderingUnderTheLight) {
     EXPECT_NEAR(left(7, 8), 0.25, 1e-6);
     EXPECT_NEAR(inner_rms(left, 0), 0.25 / 20, 1e-5);
     EXPECT_EQ(inner_rms(left, 10), 0);
+}
+
+constexpr int kBorder = 8;
+
+double laplacian(const Image& image, int x, int y) {
+    return static_cast<double>(image(x - 1, y) + image(x + 1, y) + image(x, y - 1) +
+                               image(x, y + 1) - 4 * image(x, y));
+}
+
+/// An image whose offset, gain and sharpness change evenly from side to side.
+Image unevenly_lit(const Image& radiance, double sharpness) {
+    Image image(radiance.width(), radiance.height());
+    for (int y = 1; y < image.height() - 1; ++y) {
+        for (int x = 1; x < image.width() - 1; ++x) {
+            const double u = static_cast<double>(x) / (image.width() - 1);
+            const double v = static_cast<double>(y) / (image.height() - 1);
+            image(x, y) = static_cast<float>(
+                0.05 * v + (0.8 + 0.3 * u) * static_cast<double>(radiance(x, y)) +
+                sharpness * (u - 0.5) * laplacian(radiance, x, y));
+        }
+    }
+    return image;
+}
+
+/// Spots some pixels wide, from about 0 to 1.
+Image blurred_radiance(int width, int height) {
+    Image radiance = gaussian_blurred(some_radiance(width, height), 1.2, 2);
+    for (float& v : radiance.pixels()) v = 0.5F + 4 * (v - 0.5F);
+    return radiance;
+}
+
+double rms_difference(const Image& a, const Image& b) {
+    Image difference(a.width(), a.height());
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        difference.pixels()[i] = a.pixels()[i] - b.pixels()[i];
+    }
+    return inner_rms(difference, kBorder);
+}
+
+TEST(FrameLight, EvenedOutAnImageIsItsRadianceWhateverOffsetGainAndFocusAre) {
+    const Image radiance = blurred_radiance(200, 160);
+    const LightNodes nodes{.spacing = 60, .has_sharpness = true, .border = kBorder};
+    Image brightness = unevenly_lit(radiance, 0.3);
+    Image ceiling(200, 160, 10);
+    EXPECT_GT(rms_difference(brightness, radiance), 0.04);
+    even_out(brightness, ceiling, radiance, nodes);
+    EXPECT_LT(rms_difference(brightness, radiance), 1e-3);
+    EXPECT_NEAR(ceiling(10, 80), (10 - 0.025) / 0.815, 0.1);
+    EXPECT_NEAR(ceiling(190, 80), (10 - 0.025) / 1.085, 0.1);
+}
+
+TEST(FrameLight, TheFocusIsEvenedOutOnlyIfAskedFor) {
+    const Image radiance = blurred_radiance(200, 160);
+    const LightNodes nodes{.spacing = 60, .has_sharpness = false, .border = kBorder};
+    Image brightness = unevenly_lit(radiance, 0);
+    Image ceiling(200, 160, 10);
+    even_out(brightness, ceiling, radiance, nodes);
+    EXPECT_LT(rms_difference(brightness, radiance), 1e-3);
+    brightness = unevenly_lit(radiance, 0.3);
+    even_out(brightness, ceiling, radiance, nodes);
+    EXPECT_GT(rms_difference(brightness, radiance), 5e-3);
+}
+
+TEST(FrameLight, WhatIsFarFromTheRenderingOrAtTheCeilingDoesNotEvenOut) {
+    const Image radiance = some_radiance(200, 160);
+    const LightNodes nodes{.spacing = 60, .has_sharpness = false, .border = kBorder};
+    Image brightness = unevenly_lit(radiance, 0);
+    Image ceiling(200, 160, 0.85F);
+    for (float& v : brightness.pixels()) v = std::min(v, 0.85F);
+    for (int x = 60; x < 90; ++x) {
+        for (int y = 60; y < 70; ++y) brightness(x, y) -= 0.4F;  // a sphere that is not rendered
+    }
+    even_out(brightness, ceiling, radiance, nodes);
+    EXPECT_NEAR(brightness(75, 90), std::min(radiance(75, 90), ceiling(75, 90)), 0.01F);
+    EXPECT_LT(brightness(75, 65), radiance(75, 65) - 0.3F);
 }
 
 }  // namespace
