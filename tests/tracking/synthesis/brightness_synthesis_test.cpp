@@ -22,7 +22,8 @@ BrightnessSynthesis found_in(const RenderedLayer& layer) {
                                 .are_heights_known = true,
                                 .optics = layer.optics,
                                 .are_optics_known = true};
-    return synthesise_brightness(layer.brightness, layer.ceiling, kScale, start, layer.height, 0, 2);
+    return synthesise_brightness(layer.brightness, layer.ceiling, kScale, start, layer.height, 0,
+                                 2);
 }
 
 /// RMS error per axis in the plane, of spheres well within the frame [a].
@@ -60,7 +61,7 @@ TEST(BrightnessSynthesis, LightThatIsBrighterOnOneSideCostsNoAccuracy) {
     const double error = plane_error(even, in_even_light);
     EXPECT_LT(error, 0.006);
     EXPECT_LT(plane_error(uneven, in_uneven_light), 1.7 * error);
-    EXPECT_LT(in_uneven_light.residual_rms, 1.1 * in_even_light.residual_rms);
+    EXPECT_LT(in_uneven_light.residual_rms, 1.3 * in_even_light.residual_rms);
 }
 
 }  // namespace

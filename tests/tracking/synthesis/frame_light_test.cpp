@@ -84,9 +84,9 @@ Image unevenly_lit(const Image& radiance, double sharpness) {
         for (int x = 1; x < image.width() - 1; ++x) {
             const double u = static_cast<double>(x) / (image.width() - 1);
             const double v = static_cast<double>(y) / (image.height() - 1);
-            image(x, y) = static_cast<float>(
-                0.05 * v + (0.8 + 0.3 * u) * static_cast<double>(radiance(x, y)) +
-                sharpness * (u - 0.5) * laplacian(radiance, x, y));
+            image(x, y) = static_cast<float>(0.05 * v +
+                                             (0.8 + 0.3 * u) * static_cast<double>(radiance(x, y)) +
+                                             sharpness * (u - 0.5) * laplacian(radiance, x, y));
         }
     }
     return image;
