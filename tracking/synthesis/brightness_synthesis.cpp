@@ -67,7 +67,7 @@ BrightnessSynthesis synthesise_brightness(const Image& seen, const Image& seen_c
     Image brightness = seen;
     Image ceiling = seen_ceiling;
     const auto even_out_by = [&](const SynthesisFit& fitted, bool has_sharpness) {
-        const Image radiance = fitted.rendering();
+        const Image& radiance = fitted.rendering();
         brightness = seen;
         ceiling = seen_ceiling;
         even_out(brightness, ceiling, radiance,
