@@ -66,14 +66,11 @@ BrightnessSynthesis synthesise_brightness(const Image& seen, const Image& seen_c
     BrightnessSynthesis result;
     Image brightness = seen;
     Image ceiling = seen_ceiling;
-    const auto even_out_by = [&](const SynthesisFit& fitted, bool has_sharpness) {
-        const Image& radiance = fitted.rendering();
+    const auto even_out_by = [&](const SynthesisFit& fitted) {
         brightness = seen;
         ceiling = seen_ceiling;
-        even_out(brightness, ceiling, radiance,
-                 {.spacing = kLightNodes * diameter,
-                  .has_sharpness = has_sharpness,
-                  .border = static_cast<int>(std::ceil(diameter))});
+        result.uneven = even_out(brightness, ceiling, fitted.rendering(), kLightNodes * diameter,
+                                 static_cast<int>(std::ceil(diameter)));
     };
     SynthesisLimits limits{.height = height};
     const auto refine = [&](SynthesisFit& fit, int rounds) {
@@ -88,19 +85,21 @@ BrightnessSynthesis synthesise_brightness(const Image& seen, const Image& seen_c
     {
         SynthesisFit rough(brightness, ceiling, diameter, threads, kHeightRays);
         rough.start(start.spheres, start.optics);
-        result.residual_before = rough.rms();
         if (!start.are_heights_known) {
             result.rounds += rough.find_heights(limits);
         } else {  // they are those of the frame before
             refine(rough, 1);
         }
-        even_out_by(rough, start.are_optics_known);
-        fit.start(rough.spheres(), start.optics);
+        std::vector<Point3> found = rough.spheres();
+        even_out_by(rough);
+        rough.start(start.spheres, start.optics);
+        result.residual_before = rough.rms();
+        fit.start(std::move(found), start.optics);
     }
     if (!start.are_optics_known) fit.fit_optics();
     refine_with_optics(start.are_heights_known ? 1 : kRoundsBetween);
-    even_out_by(fit, true);
-    fit.start(fit.spheres(), fit.optics());
+    even_out_by(fit);
+    fit.relight();
     for (int search = 0; search < searches; ++search) {
         std::vector<Point3> better;
         const ArrangementChanges changes = improve_arrangement(
@@ -113,8 +112,8 @@ BrightnessSynthesis synthesise_brightness(const Image& seen, const Image& seen_c
         fit.start(std::move(better), fit.optics());
         refine_with_optics(kRoundsBetween);
     }
-    even_out_by(fit, true);
-    fit.start(fit.spheres(), fit.optics());
+    even_out_by(fit);
+    fit.relight();
     refine(fit, 1);
     fit.sharpen(kManyRays);
     refine(fit, kLastRounds);

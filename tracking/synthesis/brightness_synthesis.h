@@ -25,15 +25,17 @@ struct BrightnessSynthesis {
     std::vector<char> is_doubtful;    ///< about it image and rendering differ unusually
     std::vector<Vec2> way_from_disc;  ///< of doubtful ones, to the start that was nearest [a]
     MirrorOptics optics;
+    UnevenLight uneven;  ///< what was evened out; light and residual are of what is left
     FrameLight light;
-    Image residual;              ///< image − rendering [brightness]
+    Image residual;              ///< evened image − rendering
     double residual_before = 0;  ///< RMS at the start [contrast]
     double residual_rms = 0;     ///< … at the end
     int rounds = 0, trials = 0, added = 0, removed = 0, lifted = 0;
 };
 
 /// Synthesis of an image that is brightness already: heights from none, optics, Gauss–Newton, the
-/// search for other arrangements, and the last rounds with many rays. `brightness` and `ceiling`:
+/// search for other arrangements, and the last rounds with many rays. In between the light is
+/// evened out three times, with nodes 12 diameters apart. `brightness` and `ceiling`:
 /// see SynthesisFit. `height`: of the cell [a]. `searches`: most rounds of the search.
 BrightnessSynthesis synthesise_brightness(const Image& brightness, const Image& ceiling,
                                           double diameter, const BrightnessStart& start,

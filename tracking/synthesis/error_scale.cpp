@@ -78,8 +78,9 @@ Image image_of(const std::vector<Point3>& spheres, const MirrorOptics& optics,
             const double light = found.light(static_cast<double>(image.image()(x, y)),
                                              from_middle(part.whole, part.x0 + x, part.y0 + y));
             // Mirrored: where it was found, spheres have followed it already.
+            const float left = found.residual(part.x0 + columns - 1 - x, part.y0 + y);
             seen(x, y) = std::min(
-                static_cast<float>(light) + found.residual(part.x0 + columns - 1 - x, part.y0 + y),
+                found.uneven.uneven(static_cast<float>(light) + left, part.x0 + x, part.y0 + y),
                 part.ceiling(x, y));
         }
     }

@@ -56,19 +56,19 @@ Image light_residual(const Image& brightness, const Image& ceiling, const Image&
 
 namespace {
 
-constexpr double kUnexplained = 0.15;  // [contrast] belongs to a wrong arrangement
-constexpr double kStiffness = 1e-4;    // of nodes: of the pixels about one
-constexpr double kLeastGain = 0.5;     // of the mean
-constexpr std::size_t kFields = 3;     // offset, gain, sharpness
+constexpr double kStiffness = 1e-4;   // of nodes: of the pixels about one
+constexpr double kLeastGain = 0.5;    // of the mean
+constexpr double kLeastPixels = 100;  // for each unknown
+constexpr int kTurns = 3;  // each leaves out what is far from the light of the one before
 
 /// Nodes over an image, and what each of the four about a pixel weighs there.
-class Nodes {
+class LightNodes {
  public:
-    Nodes(const Image& image, double spacing)
+    LightNodes(const Image& image, double spacing)
         : columns_(along(image.width(), spacing)),
           rows_(along(image.height(), spacing)),
-          step_x_((image.width() - 1.0) / (columns_ - 1)),
-          step_y_((image.height() - 1.0) / (rows_ - 1)) {}
+          step_x_(std::max(1.0, (image.width() - 1.0) / (columns_ - 1))),
+          step_y_(std::max(1.0, (image.height() - 1.0) / (rows_ - 1))) {}
 
     Eigen::Index count() const { return static_cast<Eigen::Index>(columns_) * rows_; }
 
@@ -105,96 +105,96 @@ class Nodes {
     double step_x_, step_y_;
 };
 
-/// ∇² by differences of neighbouring pixels; the border goes on beyond itself.
-double laplacian(const Image& image, int x, int y) {
-    const int left = std::max(0, x - 1);
-    const int right = std::min(image.width() - 1, x + 1);
-    const int up = std::max(0, y - 1);
-    const int down = std::min(image.height() - 1, y + 1);
-    return static_cast<double>(image(left, y) + image(right, y) + image(x, up) + image(x, down) -
-                               4 * image(x, y));
-}
+/// Offsets of all nodes, then their gains.
+struct NodeLight {
+    const LightNodes& nodes;
+    Eigen::VectorXd value;
 
-/// What o, g and c are multiplied by at a pixel.
-std::array<double, kFields> terms_at(const Image& radiance, int x, int y) {
-    return {1, static_cast<double>(radiance(x, y)), laplacian(radiance, x, y)};
-}
+    std::array<double, 2> at(int x, int y) const {
+        const LightNodes::Share share = nodes.at(x, y);
+        std::array<double, 2> here{};
+        for (std::size_t i = 0; i < 4; ++i) {
+            here[0] += share.weight[i] * value(share.node[i]);
+            here[1] += share.weight[i] * value(nodes.count() + share.node[i]);
+        }
+        return here;
+    }
+};
 
-/// Node after node of o, g and c less the mean light.
-Eigen::MatrixXd fit_nodes(const Image& brightness, const Image& ceiling, const Image& radiance,
-                          const FrameLight& mean, const Nodes& nodes, const LightNodes& options) {
-    const Eigen::Index n = nodes.count();
-    const std::size_t fields = options.has_sharpness ? kFields : kFields - 1;
-    const auto row = [n](std::size_t field, Eigen::Index node) {
-        return static_cast<Eigen::Index>(field) * n + node;
-    };
-    const Eigen::Index size = static_cast<Eigen::Index>(fields) * n;
-    Eigen::MatrixXd a = Eigen::MatrixXd::Zero(size, size);
-    Eigen::VectorXd b = Eigen::VectorXd::Zero(size);
+/// The node light nearer to the image than `before`, from pixels that are not far from that one.
+/// How many had a say.
+double improve(const Image& brightness, const Image& ceiling, const Image& radiance, int border,
+               double mean_gain, NodeLight& light) {
+    const Eigen::Index n = light.nodes.count();
+    Eigen::MatrixXd a = Eigen::MatrixXd::Zero(2 * n, 2 * n);
+    Eigen::VectorXd b = Eigen::VectorXd::Zero(2 * n);
     double pixels = 0;
-    const int border = options.border;
     for (int y = border; y < brightness.height() - border; ++y) {
         for (int x = border; x < brightness.width() - border; ++x) {
             if (brightness(x, y) >= ceiling(x, y)) continue;
-            const std::array<double, kFields> term = terms_at(radiance, x, y);
-            const double left =
-                static_cast<double>(brightness(x, y)) - mean.offset - mean.gain * term[1];
-            if (std::abs(left) > kUnexplained * mean.gain) continue;
-            const Nodes::Share share = nodes.at(x, y);
-            for (std::size_t p = 0; p < fields; ++p) {
-                for (std::size_t i = 0; i < 4; ++i) {
-                    const Eigen::Index here = row(p, share.node[i]);
-                    const double weight = share.weight[i] * term[p];
-                    b(here) += weight * left;
-                    for (std::size_t q = 0; q <= p; ++q) {
-                        for (std::size_t j = 0; j < 4; ++j) {
-                            a(here, row(q, share.node[j])) += weight * share.weight[j] * term[q];
-                        }
-                    }
+            const auto m = static_cast<double>(radiance(x, y));
+            const auto seen = static_cast<double>(brightness(x, y));
+            const auto [offset, gain] = light.at(x, y);
+            if (std::abs(seen - offset - gain * m) > kUnexplained * mean_gain) continue;
+            const LightNodes::Share share = light.nodes.at(x, y);
+            for (std::size_t i = 0; i < 4; ++i) {
+                const double p = share.weight[i];
+                const Eigen::Index here = share.node[i];
+                b(here) += p * seen;
+                b(n + here) += p * m * seen;
+                for (std::size_t j = 0; j < 4; ++j) {
+                    const double q = p * share.weight[j];
+                    a(here, share.node[j]) += q;
+                    a(n + here, share.node[j]) += q * m;
+                    a(n + here, n + share.node[j]) += q * m * m;
                 }
             }
             pixels += 1;
         }
     }
-    const double stiff = std::max(1.0, kStiffness * pixels / static_cast<double>(n));
-    nodes.each_pair([&](Eigen::Index i, Eigen::Index j) {
-        for (std::size_t p = 0; p < fields; ++p) {
-            a(row(p, i), row(p, i)) += stiff;
-            a(row(p, j), row(p, j)) += stiff;
-            a(row(p, std::max(i, j)), row(p, std::min(i, j))) -= stiff;
+    if (pixels < kLeastPixels * static_cast<double>(2 * n)) return pixels;
+    const double stiff = kStiffness * pixels / static_cast<double>(n);
+    light.nodes.each_pair([&](Eigen::Index i, Eigen::Index j) {
+        for (const Eigen::Index field : {Eigen::Index{0}, n}) {
+            a(field + i, field + i) += stiff;
+            a(field + j, field + j) += stiff;
+            a(field + std::max(i, j), field + std::min(i, j)) -= stiff;
         }
     });
     a.diagonal().array() += 1e-6 * stiff;
-    Eigen::MatrixXd light = Eigen::MatrixXd::Zero(n, kFields);
-    const Eigen::VectorXd solved = a.selfadjointView<Eigen::Lower>().ldlt().solve(b);
-    for (std::size_t p = 0; p < fields; ++p) {
-        light.col(static_cast<Eigen::Index>(p)) = solved.segment(row(p, 0), n);
-    }
-    return light;
+    light.value = a.selfadjointView<Eigen::Lower>().ldlt().solve(b);
+    return pixels;
 }
 
 }  // namespace
 
-void even_out(Image& brightness, Image& ceiling, const Image& radiance, const LightNodes& options) {
-    const FrameLight mean = fit_light(brightness, ceiling, radiance, options.border);
-    const Nodes nodes(brightness, options.spacing);
-    const Eigen::MatrixXd light = fit_nodes(brightness, ceiling, radiance, mean, nodes, options);
+UnevenLight even_out(Image& brightness, Image& ceiling, const Image& radiance, double spacing,
+                     int border) {
+    const FrameLight mean = fit_light(brightness, ceiling, radiance, border);
+    const double mean_gain = mean.gain + 0.5 * mean.fall;
+    if (!(mean_gain > 0)) return {};
+    const LightNodes nodes(brightness, spacing);
+    NodeLight light{nodes, Eigen::VectorXd(2 * nodes.count())};
+    light.value.head(nodes.count()).setConstant(mean.offset);
+    light.value.tail(nodes.count()).setConstant(mean_gain);
+    for (int turn = 0; turn < kTurns; ++turn) {
+        const double pixels = improve(brightness, ceiling, radiance, border, mean_gain, light);
+        if (pixels < kLeastPixels * static_cast<double>(2 * nodes.count())) return {};
+    }
+    UnevenLight found{Image(brightness.width(), brightness.height()),
+                      Image(brightness.width(), brightness.height())};
     for (int y = 0; y < brightness.height(); ++y) {
         for (int x = 0; x < brightness.width(); ++x) {
-            const Nodes::Share share = nodes.at(x, y);
-            Eigen::Vector3d here(mean.offset, mean.gain, 0);
-            for (std::size_t i = 0; i < 4; ++i) {
-                here += share.weight[i] * light.row(share.node[i]).transpose();
-            }
-            const double gain = std::max(here(1), kLeastGain * mean.gain);
-            const double added = here(0) + here(2) * laplacian(radiance, x, y);
-            const auto evened = [&](float value) {
-                return static_cast<float>((static_cast<double>(value) - added) / gain);
-            };
-            brightness(x, y) = evened(brightness(x, y));
-            ceiling(x, y) = evened(ceiling(x, y));
+            const auto [offset, gain] = light.at(x, y);
+            const auto o = static_cast<float>(offset);
+            const auto g = static_cast<float>(std::max(gain, kLeastGain * mean_gain));
+            found.offset(x, y) = o;
+            found.gain(x, y) = g;
+            brightness(x, y) = (brightness(x, y) - o) / g;
+            ceiling(x, y) = (ceiling(x, y) - o) / g;
         }
     }
+    return found;
 }
 
 double inner_rms(const Image& image, int border) {

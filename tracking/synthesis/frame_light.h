@@ -33,21 +33,32 @@ FrameLight fit_light(const Image& brightness, const Image& ceiling, const Image&
 Image light_residual(const Image& brightness, const Image& ceiling, const Image& radiance,
                      const FrameLight& light, int threads);
 
-struct LightNodes {
-    double spacing;      ///< [px], about
-    bool has_sharpness;  ///< whether the sharpness may differ from place to place
-    int border;          ///< [px] that has no say at each side
+/// A residual beyond this belongs to a wrong arrangement, and has no say in light and optics
+/// [contrast].
+inline constexpr double kUnexplained = 0.15;
+
+/// Offset and gain of each pixel, as even_out() found them; empty: 0 and 1 all over.
+struct UnevenLight {
+    Image offset, gain;
+
+    /// Counts back from evened brightness; x and y in the frame that was evened out.
+    float uneven(float evened, int x, int y) const {
+        return offset.empty() ? evened : offset(x, y) + gain(x, y) * evened;
+    }
 };
 
 /// Evens out what one FrameLight cannot, where brightness I and radiance M fit by least squares:
 ///
-///   I(x) ≈ o(x) + g(x) M(x) + c(x) ∇²M(x).
+///   I(x) ≈ o(x) + g(x) M(x).
 ///
-/// Brightness becomes (I − o − c ∇²M) / g and so does the ceiling. Offset o, gain g and c are
-/// bilinear between nodes, so they follow the panel, the layer and the focus, and no sphere. To
-/// first order c = (σ² − σ₀²)/2 [px²] for a blur of σ where M has σ₀. Pixels at the ceiling and
-/// those that M is far from have no say. A gain is at least half of the mean one.
-void even_out(Image& brightness, Image& ceiling, const Image& radiance, const LightNodes& nodes);
+/// Brightness becomes (I − o) / g and so does the ceiling, both then in units of the local gain.
+/// Offset o and gain g are bilinear between nodes `spacing` [px] apart, so they follow panel and
+/// layer, and no sphere. A side below 1.5 spacings has nodes at its ends only. Pixels at the
+/// ceiling, within `border` [px] of the edge and those that M is far from have no say. A gain is at
+/// least half of the mean one. Where fewer than 100 pixels for each unknown have a say, or the mean
+/// gain is not positive, nothing changes.
+UnevenLight even_out(Image& brightness, Image& ceiling, const Image& radiance, double spacing,
+                     int border);
 
 /// RMS of an image but for a border [px].
 double inner_rms(const Image& image, int border);

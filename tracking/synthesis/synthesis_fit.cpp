@@ -148,7 +148,11 @@ void SynthesisFit::render() {
     } else {
         image_.render(scene_.front());
     }
-    const Image& image = fine_ ? fine_->image() : image_.image();
+    relight();
+}
+
+void SynthesisFit::relight() {
+    const Image& image = rendering();
     const int border = static_cast<int>(std::ceil(scale_));
     if (!is_light_known_) light_ = fit_light(brightness_, ceiling_, image, border);
     residual_ = light_residual(brightness_, ceiling_, image, light_, threads_);
@@ -413,9 +417,8 @@ constexpr int kOpticsRounds = 2;
 // Optics are fitted on so many squares along each side, or on one in the middle of a frame that
 // they would cover.
 constexpr int kOpticsSquares = 3;
-constexpr double kOpticsSide = 7;      // [a]
-constexpr double kOpticsMiddle = 16;   // [a]
-constexpr double kUnexplained = 0.15;  // [contrast] belongs to a wrong arrangement
+constexpr double kOpticsSide = 7;     // [a]
+constexpr double kOpticsMiddle = 16;  // [a]
 
 using OpticsMatrix = Eigen::Matrix<double, kOpticsTerms, kOpticsTerms>;
 using OpticsVector = Eigen::Matrix<double, kOpticsTerms, 1>;
@@ -430,7 +433,7 @@ struct OpticsSquare {
 OpticsSquare cut_square(const Image& brightness, const Image& ceiling,
                         const std::vector<Point3>& spheres, double scale, int x0, int y0, int width,
                         int height) {
-    constexpr float kMirrored = 3;  // [a] beyond the square
+    constexpr float kMirrored = 10;  // [a] beyond the square, as far as a ray is followed
     OpticsSquare square{part_of(brightness, x0, y0, width, height),
                         part_of(ceiling, x0, y0, width, height),
                         {},
@@ -508,6 +511,7 @@ void add_square(const OpticsSquare& square, MirrorOptics optics, double scale, i
         for (int x = border; x < width - border; ++x) {
             const auto r = static_cast<double>(left(x, y));
             if (std::abs(r) > kUnexplained * light.gain) continue;
+            if (square.brightness(x, y) >= square.ceiling(x, y)) continue;
             Eigen::Matrix<double, kTerms, 1> j;
             for (int t = 0; t < kOpticsTerms; ++t) {
                 j(t) = static_cast<double>(by[static_cast<std::size_t>(t)](x, y));

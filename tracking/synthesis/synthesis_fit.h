@@ -57,8 +57,12 @@ class SynthesisFit {
     /// what they are.
     void sharpen(double rays);
     /// Optics (F0, blur, ambient, grazing) and light that fit best where the spheres are now, by
-    /// Gauss–Newton over a square of at most 16 diameters in the middle.
+    /// Gauss–Newton over nine squares of 7 diameters spread over the image, each with a light of
+    /// its own. Of an image less than 21 diameters in either direction: over a square of at most 16
+    /// in its middle.
     void fit_optics();
+    /// Light and residual anew, where the brightness that was given has changed.
+    void relight();
 
     const std::vector<Point3>& spheres() const { return spheres_; }
     const MirrorOptics& optics() const { return optics_; }

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include "core/support/random.h"
-#include "tracking/synthesis/mirror_image.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -71,32 +70,19 @@ TEST(FrameLight, AResidualIsImageLessRenderingUnderTheLight) {
 }
 
 constexpr int kBorder = 8;
+constexpr double kSpacing = 60;
 
-double laplacian(const Image& image, int x, int y) {
-    return static_cast<double>(image(x - 1, y) + image(x + 1, y) + image(x, y - 1) +
-                               image(x, y + 1) - 4 * image(x, y));
-}
-
-/// An image whose offset, gain and sharpness change evenly from side to side.
-Image unevenly_lit(const Image& radiance, double sharpness) {
+/// Offset and gain change evenly from side to side, the gain by a factor of two.
+Image unevenly_lit(const Image& radiance) {
     Image image(radiance.width(), radiance.height());
-    for (int y = 1; y < image.height() - 1; ++y) {
-        for (int x = 1; x < image.width() - 1; ++x) {
-            const double u = static_cast<double>(x) / (image.width() - 1);
-            const double v = static_cast<double>(y) / (image.height() - 1);
-            image(x, y) = static_cast<float>(0.05 * v +
-                                             (0.8 + 0.3 * u) * static_cast<double>(radiance(x, y)) +
-                                             sharpness * (u - 0.5) * laplacian(radiance, x, y));
+    for (int y = 0; y < image.height(); ++y) {
+        for (int x = 0; x < image.width(); ++x) {
+            const float u = static_cast<float>(x) / static_cast<float>(image.width() - 1);
+            const float v = static_cast<float>(y) / static_cast<float>(image.height() - 1);
+            image(x, y) = 0.05F * v + (0.6F + 0.6F * u) * radiance(x, y);
         }
     }
     return image;
-}
-
-/// Spots some pixels wide, from about 0 to 1.
-Image blurred_radiance(int width, int height) {
-    Image radiance = gaussian_blurred(some_radiance(width, height), 1.2, 2);
-    for (float& v : radiance.pixels()) v = 0.5F + 4 * (v - 0.5F);
-    return radiance;
 }
 
 double rms_difference(const Image& a, const Image& b) {
@@ -107,42 +93,48 @@ double rms_difference(const Image& a, const Image& b) {
     return inner_rms(difference, kBorder);
 }
 
-TEST(FrameLight, EvenedOutAnImageIsItsRadianceWhateverOffsetGainAndFocusAre) {
-    const Image radiance = blurred_radiance(200, 160);
-    const LightNodes nodes{.spacing = 60, .has_sharpness = true, .border = kBorder};
-    Image brightness = unevenly_lit(radiance, 0.3);
+TEST(FrameLight, EvenedOutAnImageIsItsRadianceWhereTheGainDoublesFromSideToSide) {
+    const Image radiance = some_radiance(200, 160);
+    const Image image = unevenly_lit(radiance);
+    Image brightness = image;
     Image ceiling(200, 160, 10);
-    EXPECT_GT(rms_difference(brightness, radiance), 0.04);
-    even_out(brightness, ceiling, radiance, nodes);
-    EXPECT_LT(rms_difference(brightness, radiance), 1e-3);
-    EXPECT_NEAR(ceiling(10, 80), (10 - 0.025) / 0.815, 0.1);
-    EXPECT_NEAR(ceiling(190, 80), (10 - 0.025) / 1.085, 0.1);
-}
-
-TEST(FrameLight, TheFocusIsEvenedOutOnlyIfAskedFor) {
-    const Image radiance = blurred_radiance(200, 160);
-    const LightNodes nodes{.spacing = 60, .has_sharpness = false, .border = kBorder};
-    Image brightness = unevenly_lit(radiance, 0);
-    Image ceiling(200, 160, 10);
-    even_out(brightness, ceiling, radiance, nodes);
-    EXPECT_LT(rms_difference(brightness, radiance), 1e-3);
-    brightness = unevenly_lit(radiance, 0.3);
-    even_out(brightness, ceiling, radiance, nodes);
-    EXPECT_GT(rms_difference(brightness, radiance), 5e-3);
+    EXPECT_GT(rms_difference(brightness, radiance), 0.1);
+    const UnevenLight found = even_out(brightness, ceiling, radiance, kSpacing, kBorder);
+    EXPECT_LT(rms_difference(brightness, radiance), 2e-3);
+    EXPECT_NEAR(ceiling(0, 80), (10 - 0.025) / 0.6, 0.05);
+    EXPECT_NEAR(ceiling(199, 80), (10 - 0.025) / 1.2, 0.05);
+    EXPECT_NEAR(found.uneven(brightness(33, 44), 33, 44), image(33, 44), 1e-5);
 }
 
 TEST(FrameLight, WhatIsFarFromTheRenderingOrAtTheCeilingDoesNotEvenOut) {
     const Image radiance = some_radiance(200, 160);
-    const LightNodes nodes{.spacing = 60, .has_sharpness = false, .border = kBorder};
-    Image brightness = unevenly_lit(radiance, 0);
+    Image brightness = unevenly_lit(radiance);
     Image ceiling(200, 160, 0.85F);
     for (float& v : brightness.pixels()) v = std::min(v, 0.85F);
     for (int x = 60; x < 90; ++x) {
         for (int y = 60; y < 70; ++y) brightness(x, y) -= 0.4F;  // a sphere that is not rendered
     }
-    even_out(brightness, ceiling, radiance, nodes);
-    EXPECT_NEAR(brightness(75, 90), std::min(radiance(75, 90), ceiling(75, 90)), 0.01F);
-    EXPECT_LT(brightness(75, 65), radiance(75, 65) - 0.3F);
+    const UnevenLight found = even_out(brightness, ceiling, radiance, kSpacing, kBorder);
+    for (const int x : {20, 75, 180}) {
+        EXPECT_NEAR(found.gain(x, 65), 0.6 + 0.6 * x / 199, 0.02) << x;
+        EXPECT_NEAR(found.offset(x, 65), 0.05 * 65 / 159, 0.01) << x;
+    }
+}
+
+TEST(FrameLight, ImagesThatTellNothingStayAsTheyAre) {
+    const auto stays = [](Image brightness, Image ceiling, const Image& radiance) {
+        const Image before = brightness;
+        const UnevenLight found = even_out(brightness, ceiling, radiance, kSpacing, kBorder);
+        return found.gain.empty() && brightness.pixels() == before.pixels() &&
+               found.uneven(0.5F, 0, 0) == 0.5F;
+    };
+    EXPECT_TRUE(stays(Image(1, 1, 0.5F), Image(1, 1, 10), Image(1, 1, 0.5F)));
+    EXPECT_TRUE(stays(Image(16, 300, 0.5F), Image(16, 300, 10), some_radiance(16, 300)));
+    const Image radiance = some_radiance(200, 160);
+    EXPECT_TRUE(stays(Image(200, 160, 0.5F), Image(200, 160, 0.4F), radiance));  // all saturated
+    Image negative = radiance;
+    for (float& v : negative.pixels()) v = 1 - v;
+    EXPECT_TRUE(stays(negative, Image(200, 160, 10), radiance));
 }
 
 }  // namespace

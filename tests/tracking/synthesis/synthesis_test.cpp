@@ -118,14 +118,14 @@ TEST(Synthesis, OfATracedLayerIsNearerToTheTruthThanDiscsAndKnowsTheHeights) {
     const Errors spheres = errors_of(tracked(traced, true), traced);
     report("discs", discs);
     report("synthesis", spheres);
-    // Measured: .0108 → .0065 RMS, .0072 → .0037 median; heights .128 RMS, .094 median: the light
-    // of that panel grows towards grazing angles, that of the model does not.
+    // Measured: .0111 → .0057 RMS, .0076 → .0029 median; heights .10 RMS, .07 median. The light of
+    // that panel grows towards grazing angles, that of the model does not.
     EXPECT_GT(spheres.spheres, 60);
     EXPECT_LE(spheres.missed + spheres.spurious, 1);
     EXPECT_LT(spheres.rms, 0.7 * discs.rms);
     EXPECT_LT(spheres.median, 0.65 * discs.median);
-    EXPECT_LT(spheres.z_rms, 0.15);
-    EXPECT_LT(spheres.z_median, 0.11);
+    EXPECT_LT(spheres.z_rms, 0.13);
+    EXPECT_LT(spheres.z_median, 0.09);
 }
 
 class SharedTracedFrame : public ::testing::TestWithParam<const char*> {};
@@ -146,12 +146,12 @@ TEST_P(SharedTracedFrame, IsNearerToTheTruthWithSynthesis) {
     report("discs", discs);
     report("synthesis", spheres);
     EXPECT_GT(spheres.spheres, 25);
-    // Measured, far: .0196 → .0051 RMS, .0088 → .0024 median, heights .032 median;
-    // near: .0197 → .0064, .0110 → .0029, .037.
+    // Measured, far: .0196 → .0051 RMS, .0093 → .0023 median, heights .033 median;
+    // near: .0197 → .0053, .0109 → .0033, .040.
     EXPECT_LE(spheres.missed, discs.missed);
-    EXPECT_LT(spheres.rms, 0.8 * discs.rms);
+    EXPECT_LT(spheres.rms, 0.5 * discs.rms);
     EXPECT_LT(spheres.median, 0.6 * discs.median);
-    EXPECT_LT(spheres.z_median, 0.1);
+    EXPECT_LT(spheres.z_median, 0.08);
 }
 INSTANTIATE_TEST_SUITE_P(All, SharedTracedFrame, ::testing::Values("far_panel", "near_panel"));
 
