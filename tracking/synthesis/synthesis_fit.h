@@ -56,10 +56,7 @@ class SynthesisFit {
     /// From here on residuals are those of an image of `rays` along a diameter; derivatives stay
     /// what they are.
     void sharpen(double rays);
-    /// Optics (F0, blur, ambient, grazing) and light that fit best where the spheres are now, by
-    /// Gauss–Newton over nine squares of 7 diameters spread over the image, each with a light of
-    /// its own. Of an image less than 21 diameters in either direction: over a square of at most 16
-    /// in its middle.
+    /// Optics (fitted_optics) and light that fit best where the spheres are now.
     void fit_optics();
     /// Light and residual anew, where the brightness that was given has changed.
     void relight();

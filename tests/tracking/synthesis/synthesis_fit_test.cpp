@@ -117,24 +117,6 @@ TEST(SynthesisFit, OpticsAndLightAreFoundWherePositionsAreKnown) {
     EXPECT_NEAR(fit.rms(), 0.01, 0.0015);
 }
 
-TEST(SynthesisFit, OpticsOfALargeFrameAreNotThoseOfItsMiddleAlone) {
-    const RenderedLayer layer = rendered_layer(27, kScale, 0.01, 18);
-    std::vector<Point3> spheres = layer.spheres;
-    const double middle = 0.5 * layer.brightness.width() / kScale;
-    for (Point3& p : spheres) {  // heights there are wrong, as in a crystal that was not understood
-        const double x = static_cast<double>(p.x) - middle;
-        const double y = static_cast<double>(p.y) - middle;
-        if (std::hypot(x, y) < 4) p.z = static_cast<float>(layer.height - 1) - p.z;
-    }
-    SynthesisFit fit(layer.brightness, layer.ceiling, kScale, 2);
-    MirrorOptics wrong = layer.optics;
-    wrong.reflectivity = 0.5;
-    fit.start(spheres, wrong);
-    for (int round = 0; round < 2; ++round) fit.fit_optics();
-    EXPECT_NEAR(fit.optics().reflectivity, layer.optics.reflectivity, 0.03);
-    EXPECT_NEAR(fit.optics().blur, layer.optics.blur, 0.003);
-}
-
 TEST(SynthesisFit, FixedSpheresStayWhereTheyAre) {
     const RenderedLayer layer = rendered_layer(7, kScale, 0.01, 14);
     const std::vector<Point3> start = displaced(layer, 0.02, 0.05, 3);
