@@ -67,7 +67,9 @@ OpticsSquare cut_square(const Image& brightness, const Image& ceiling,
 
 std::vector<OpticsSquare> optics_squares(const OpticsFrame& frame,
                                          const std::vector<Point3>& spheres) {
-    const auto& [brightness, ceiling, scale] = frame;
+    const Image& brightness = frame.brightness;
+    const Image& ceiling = frame.ceiling;
+    const double scale = frame.scale;
     const auto side_of = [&](double most, int along) {
         return std::min(static_cast<int>(most * scale), along);
     };
