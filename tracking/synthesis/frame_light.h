@@ -41,7 +41,7 @@ inline constexpr double kUnexplained = 0.15;
 struct UnevenLight {
     Image offset, gain;
 
-    /// Counts back from evened brightness; x and y in the frame that was evened out.
+    /// Brightness as it was before it was evened out; x and y in the frame that was evened out.
     float uneven(float evened, int x, int y) const {
         return offset.empty() ? evened : offset(x, y) + gain(x, y) * evened;
     }
