@@ -6,9 +6,11 @@
 #include "analysis/density/field_statistics.h"
 #include "analysis/density/synthetic_observable.h"
 #include "analysis/density/variance_observable.h"
+#include "analysis/motion/height_observable.h"
 #include "analysis/motion/msd_observable.h"
 #include "analysis/order/phase_observable.h"
 #include "analysis/order/q4_observable.h"
+#include "analysis/pairs/pairs_observable.h"
 #include "analysis/spectra/fit_observable.h"
 #include "analysis/spectra/s4_observable.h"
 #include "analysis/spectra/sk_observable.h"
@@ -24,6 +26,7 @@ const std::vector<Observable>& observables() {
         observable_of<MsdObservable>(), observable_of<SkObservable>(),
         observable_of<S4Observable>(),  observable_of<VarianceObservable>(),
         observable_of<FitObservable>(), observable_of<SyntheticObservable>(),
+        observable_of<PairsObservable>(), observable_of<HeightObservable>(),
     };
     return all;
 }

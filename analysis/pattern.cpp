@@ -1,10 +1,26 @@
 #include "analysis/pattern.h"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
 #include <fmt/format.h>
 
 #include "core/errors.h"
 
 namespace grainfield::analysis {
+
+namespace {
+
+// [a]; NaN where it is not known
+double height_of(const Snapshot& snapshot, std::size_t i, double diameter) {
+    const double z = snapshot.z[i] / diameter;
+    const bool is_known = snapshot.z_error.size() != snapshot.size() ||
+                          snapshot.z_error[i] / diameter <= largest_height_error;
+    return is_known && std::isfinite(z) ? z : std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace
 
 Pattern pattern_of(const Snapshot& snapshot, double diameter) {
     const std::size_t n = snapshot.size();
@@ -32,7 +48,10 @@ Pattern pattern_of(const Snapshot& snapshot, double diameter) {
         }
         pattern.position.push_back(pattern.box.wrap(p));
         if (!snapshot.id.empty()) pattern.id.push_back(snapshot.id[i]);
+        if (snapshot.z.size() == n) pattern.z.push_back(height_of(snapshot, i, diameter));
     }
+    const auto is_known = [](double z) { return !std::isnan(z); };
+    if (std::ranges::none_of(pattern.z, is_known)) pattern.z.clear();
     return pattern;
 }
 

@@ -207,6 +207,11 @@ Measurement MeanSeries::measurement(std::string name, Unit unit, std::optional<d
     return m;
 }
 
+Measurement measured(std::string name, Unit unit, double value, std::optional<double> error,
+                     double samples, std::string reason) {
+    return {std::move(name), std::move(unit), value, error, samples, std::move(reason)};
+}
+
 Measurement missing(std::string name, Unit unit, std::string reason) {
     return {std::move(name), std::move(unit), std::nullopt, std::nullopt, 0, std::move(reason)};
 }

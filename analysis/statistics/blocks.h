@@ -121,6 +121,10 @@ struct MeanSeries {
                             const std::string& single_reason, double single_samples = 1) const;
 };
 
+/// A measurement of so many samples; without an error `reason` says why there is none.
+Measurement measured(std::string name, Unit unit, double value, std::optional<double> error,
+                     double samples, std::string reason = "");
+
 /// A measurement that has no value, and why.
 Measurement missing(std::string name, Unit unit, std::string reason);
 

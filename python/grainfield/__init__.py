@@ -17,7 +17,8 @@ from ._grainfield import (Error, GrainfieldWarning, InputError, OptionError, Out
                           PhysicsError)
 from ._options import options
 from .analysis import (Measurement, Observable, Results, analyze, bond_order, compare,
-                       fit_hyperuniform, msd, number_variance, q4, read_results, structure_factor)
+                       fit_hyperuniform, msd, number_variance, pair_distribution, q4, read_results,
+                       structure_factor)
 from .motion import compute_drift, emsd, filter_stubs, imsd, subtract_drift
 from .napari import to_napari
 from .simulation import FieldSeries, RenderedFilm, render, simulate_field, simulate_md
@@ -33,6 +34,6 @@ __all__ = [
     "OptionError", "OutputError", "PhysicsError", "RenderedFilm", "Results", "Trajectory",
     "analyze", "annotate", "batch", "bond_order", "compare", "compute_drift", "emsd", "filter_stubs",
     "fit_hyperuniform", "imsd", "link", "link_df", "link_df_iter", "locate", "msd", "number_variance",
-    "options", "plot_traj", "predict", "q4", "read", "read_results", "render", "simulate_field",
-    "simulate_md", "structure_factor", "subtract_drift", "to_napari", "track",
+    "options", "pair_distribution", "plot_traj", "predict", "q4", "read", "read_results", "render",
+    "simulate_field", "simulate_md", "structure_factor", "subtract_drift", "to_napari", "track",
 ]

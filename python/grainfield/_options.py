@@ -13,7 +13,7 @@ _LISTED: dict[str, Callable[[str], list[dict[str, Any]]]] = {
     "analyze": _grainfield.options_of_analysis,
 }
 _OBSERVABLES = {"q4": "q4", "msd": "msd", "structure_factor": "sk", "number_variance": "variance",
-                "fit_hyperuniform": "fit"}
+                "fit_hyperuniform": "fit", "pair_distribution": "gr"}
 
 # Words of trackpy's locate and batch that name steps which a fit of the whole image does not have.
 _WITHOUT_COUNTERPART = frozenset({

@@ -235,6 +235,29 @@ def number_variance(positions: Any, box: Any = None, boundary: str | None = None
 
 
 @documented
+def pair_distribution(positions: Any, box: Any = None, boundary: str | None = None, *,
+                      diameter: float | None = None, fps: float | None = None, threads: int = 0,
+                      **options: Any) -> Observable:
+    """Pair distribution g(r) in the plane, and in space where heights are known.
+
+    g = 1 for points at random with the same heights; pairs that walls cut off are made up for
+    [stoyan1994]_.
+
+    Parameters
+    ----------
+    positions, box, boundary, diameter, fps, threads
+        As for analyze.
+
+    Returns
+    -------
+    Observable
+        Curves gr (s, g, err, n), gr_space (r, g, err, n, neighbours) and contacts (n, share).
+    """
+    return _one("gr", positions, dict(box=box, boundary=boundary, diameter=diameter, fps=fps,
+                                      threads=threads), options)
+
+
+@documented
 def fit_hyperuniform(positions: Any, box: Any = None, boundary: str | None = None, *,
                      diameter: float | None = None, fps: float | None = None, threads: int = 0,
                      **options: Any) -> Observable:

@@ -284,7 +284,7 @@ TEST(Analysis, DescribesEveryOptionOnce) {
     std::vector<std::string> sections;
     for (const OptionTable& table : tables) sections.push_back(table.section());
     EXPECT_EQ(sections, (std::vector<std::string>{"analysis", "q4", "phase", "msd", "sk", "s4",
-                                                  "variance", "fit", "synthetic"}));
+                                                  "variance", "fit", "synthetic", "gr"}));
     tables[4].find("k-max")->set_from_text("3.5");
     EXPECT_EQ(options.of<StructureFactorOptions>().k_max, 3.5);
     tables[1].find("neighbours")->set_from_text("near-delaunay");

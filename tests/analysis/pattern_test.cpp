@@ -1,5 +1,6 @@
 #include "analysis/pattern.h"
 
+#include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -49,6 +50,21 @@ TEST(Pattern, IsWrappedIntoPeriodicBoxes) {
     s.position = {{-1, -1}};
     const Pattern p = pattern_of(s, 1);
     EXPECT_EQ(p.position[0], (Vec2{9, -1}));
+}
+
+TEST(Pattern, KnowsOnlyHeightsWithAUsefulError) {
+    Snapshot snapshot;
+    snapshot.box.length = {40, 40};
+    snapshot.position = {{5, 5}, {9, 9}, {std::nan(""), 1}, {20, 20}};
+    snapshot.z = {4, 6, 8, std::nan("")};
+    snapshot.z_error = {1.9, 2.1, 0.1, 0.1};
+    const Pattern pattern = pattern_of(snapshot, 8);
+    ASSERT_EQ(pattern.z.size(), 3U);
+    EXPECT_EQ(pattern.z[0], 0.5);
+    EXPECT_TRUE(std::isnan(pattern.z[1]));
+    EXPECT_TRUE(std::isnan(pattern.z[2]));
+    snapshot.z_error = {3, 3, 3, 3};
+    EXPECT_TRUE(pattern_of(snapshot, 8).z.empty());
 }
 
 }  // namespace

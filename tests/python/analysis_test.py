@@ -38,6 +38,14 @@ def test_points_without_correlation_scatter_with_one():
     np.testing.assert_allclose(small["variance"] / small["mean"], 1, atol=0.1)
 
 
+def test_points_at_random_have_no_pair_correlation():
+    # 3.7 million pairs further apart than 1 a; a bin of them is right to 1 %.
+    points = np.random.default_rng(8).random((100, 400, 2)) * 20
+    curve = gf.pair_distribution(list(points), box=(20, 20), boundary="walls", bin=0.1).table()
+    np.testing.assert_allclose(curve["g"][curve["s"] > 1], 1, atol=0.06)
+    assert float(curve["s"].max()) < 8
+
+
 def test_results_are_those_of_the_command_line(tracked_by_program, tmp_path):
     run_program("analyze", tracked_by_program[1], "-o", tmp_path / "results.h5",
                 "--observables", "q4,msd,sk,variance", "--sk-k-max", "5")

@@ -104,7 +104,8 @@ def test_the_options_that_are_listed_are_accepted():
 
 def test_every_function_documents_its_options():
     for name in ("locate", "batch", "track", "link", "analyze", "q4", "msd", "structure_factor",
-                 "number_variance", "fit_hyperuniform", "simulate_md", "simulate_field", "render"):
+                 "number_variance", "pair_distribution", "fit_hyperuniform", "simulate_md",
+                 "simulate_field", "render"):
         text = getattr(gf, name).__doc__
         assert "Other Parameters" in text and gf.options(name)[0]["keyword"] in text, name
 

@@ -1,0 +1,438 @@
+#include "analysis/pairs/pair_distribution.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "analysis/geometry/neighbours.h"
+#include "analysis/recorded_options.h"
+#include "core/errors.h"
+
+namespace grainfield::analysis {
+namespace {
+
+constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t most_contacts = 16;  // more count as so many
+constexpr double too_near = 0.95;          // no two hard spheres are so near [a]
+
+// A/A_w(s): what walls cut off of the pairs this far apart.
+double wall_weight(const Box& box, Vec2 s) {
+    const double x =
+        box.boundary[0] == Boundary::walls ? box.length.x - std::abs(s.x) : box.length.x;
+    const double y =
+        box.boundary[1] == Boundary::walls ? box.length.y - std::abs(s.y) : box.length.y;
+    return box.area() / (x * y);
+}
+
+bool is_inside(const Box& box, Vec2 p, double border) {
+    const auto along = [border](Boundary boundary, double x, double length) {
+        return boundary == Boundary::periodic || (x >= border && x <= length - border);
+    };
+    return along(box.boundary[0], p.x - box.origin.x, box.length.x) &&
+           along(box.boundary[1], p.y - box.origin.y, box.length.y);
+}
+
+template <class Number>
+void add_each(std::vector<Number>& to, const std::vector<Number>& from) {
+    for (std::size_t i = 0; i < to.size(); ++i) to[i] += from[i];
+}
+
+// Σ over ordered pairs i ≠ j of π max(0, r² − (z_i − z_j)²); z ascending.
+class DiscAreas {
+ public:
+    explicit DiscAreas(std::vector<double> z) : z_(std::move(z)) {
+        std::ranges::sort(z_);
+        // About a height nearby, so that nothing cancels.
+        const double middle = z_[z_.size() / 2];
+        for (double& h : z_) {
+            h -= middle;
+            sum_ += h;
+            squares_ += h * h;
+        }
+    }
+
+    double within(double r) const {
+        const auto n = static_cast<double>(z_.size());
+        if (r > z_.back() - z_.front()) {  // no pair is left out
+            return std::numbers::pi * (n * (n - 1) * r * r - 2 * (n * squares_ - sum_ * sum_));
+        }
+        double sum = 0, squares = 0, area = 0;  // of those below i by less than r
+        std::size_t first = 0;
+        for (std::size_t i = 0; i < z_.size(); ++i) {
+            const double h = z_[i];
+            for (; h - z_[first] >= r; ++first) {
+                sum -= z_[first];
+                squares -= z_[first] * z_[first];
+            }
+            area += static_cast<double>(i - first) * (r * r - h * h) + 2 * h * sum - squares;
+            sum += h;
+            squares += h * h;
+        }
+        return 2 * std::numbers::pi * area;
+    }
+
+ private:
+    std::vector<double> z_;
+    double sum_ = 0, squares_ = 0;
+};
+
+}  // namespace
+
+OptionTable describe(PairDistributionOptions& options) {
+    OptionTable table("gr");
+    table.number("range", options.range, "a", {0.1, 1e4},
+                 "largest distance of a pair; at most half the box");
+    table.number("bin", options.bin, "a", {1e-4, 10}, "width of the bins");
+    table.number("contact", options.contact, "a", {0.1, 10},
+                 "spheres whose centres are nearer in space count as touching");
+    table.integer("most-frames", options.frames, "", {0, 1'000'000'000},
+                  "most frames that are used, evenly spread; 0: all");
+    return table;
+}
+
+void PairDistribution::Sums::add(const Sums& more) {
+    add_each(weight, more.weight);
+    add_each(expected, more.expected);
+    add_each(pairs, more.pairs);
+}
+
+std::int64_t PairDistribution::stride(const PairDistributionOptions& options, std::int64_t frames) {
+    if (options.frames == 0) return 1;
+    return std::max<std::int64_t>(1, (frames + options.frames - 1) / options.frames);
+}
+
+PairDistribution::PairDistribution(const PairDistributionOptions& options, const Box& box,
+                                   std::int64_t frames, std::int64_t first)
+    : options_(options),
+      box_(box),
+      plan_(BlockPlan::of(frames)),
+      first_(first),
+      stride_(stride(options, frames)) {
+    const double range = std::min(options.range, 0.5 * std::min(box.length.x, box.length.y));
+    bins_ = static_cast<std::size_t>(std::floor(range / options.bin * (1 + 1e-12)));
+    if (bins_ > 1'000'000) {
+        throw OptionError(ErrorText{"too many bins of the pair distribution",
+                                    fmt::format("{}", bins_), "1,000,000 at most",
+                                    "take a smaller gr.range or a larger gr.bin"});
+    }
+    blocks_.assign(static_cast<std::size_t>(plan_.blocks), empty_block());
+}
+
+PairDistribution::Block PairDistribution::empty_block() const {
+    Block block;
+    for (Sums* sums : {&block.plane, &block.space}) {
+        sums->weight.assign(bins_, 0);
+        sums->expected.assign(bins_, 0);
+        sums->pairs.assign(bins_, 0);
+    }
+    block.contacts.assign(most_contacts + 1, 0);
+    return block;
+}
+
+PairDistribution::Sample PairDistribution::measure(const Pattern& pattern,
+                                                   std::int64_t ordinal) const {
+    const Vec2 change = pattern.box.length - box_.length;
+    if (std::abs(change.x) > 1e-9 * box_.length.x || std::abs(change.y) > 1e-9 * box_.length.y) {
+        throw InputError(
+            ErrorText{fmt::format("the box changes at frame {}", pattern.frame),
+                      fmt::format("{} x {} a", pattern.box.length.x, pattern.box.length.y),
+                      fmt::format("{} x {} a as before", box_.length.x, box_.length.y),
+                      "analyse the parts with a constant box one by one"});
+    }
+    Sample sample;
+    sample.is_used = ordinal % stride_ == 0 && bins_ > 0;
+    if (!sample.is_used) return sample;
+    const Block empty = empty_block();
+    sample.plane = empty.plane;
+    sample.space = empty.space;
+    sample.contacts = empty.contacts;
+    sample.particles = static_cast<double>(pattern.size());
+    count(pattern, sample);
+    expect(std::vector<double>(pattern.size(), 0), box_.area(), sample.plane);
+    std::vector<double> known;
+    std::ranges::copy_if(pattern.z, std::back_inserter(known),
+                         [](double z) { return !std::isnan(z); });
+    sample.known = static_cast<double>(known.size());
+    expect(std::move(known), box_.area(), sample.space);
+    return sample;
+}
+
+// Each pair once, for the plane and, where both heights are known, for space.
+void PairDistribution::count(const Pattern& pattern, Sample& sample) const {
+    const bool has_heights = !pattern.z.empty();
+    const double range = static_cast<double>(bins_) * options_.bin;
+    const double reach = has_heights ? std::max(range, options_.contact) : range;
+    const CellList cells(pattern.position, pattern.box);
+    std::vector<std::size_t> contacts(has_heights ? pattern.size() : 0, 0);
+    std::vector<bool> is_too_near(contacts.size(), false);
+    const auto enter = [&](Sums& sums, double r, double weight) {
+        const auto bin = static_cast<std::size_t>(r / options_.bin);
+        if (bin >= bins_) return;
+        sums.weight[bin] += 2 * weight;
+        ++sums.pairs[bin];
+    };
+    NeighbourList near;
+    for (const int i : cells.order()) {
+        const auto at = static_cast<std::size_t>(i);
+        cells.within(i, reach, near);
+        for (const Neighbour& other : near) {
+            const auto j = static_cast<std::size_t>(other.index);
+            if (j < at) continue;
+            const double weight = wall_weight(pattern.box, other.d);
+            enter(sample.plane, std::sqrt(other.r2), weight);
+            if (!has_heights) continue;
+            const double h = pattern.z[j] - pattern.z[at];
+            if (std::isnan(h)) continue;
+            const double r = std::sqrt(other.r2 + h * h);
+            enter(sample.space, r, weight);
+            if (r >= options_.contact) continue;
+            ++contacts[at];
+            ++contacts[j];
+            if (r < too_near) is_too_near[at] = is_too_near[j] = true;
+        }
+    }
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+        if (std::isnan(pattern.z[i])) continue;
+        if (!is_inside(pattern.box, pattern.position[i], options_.contact)) continue;
+        ++sample.contacts[std::min(contacts[i], most_contacts)];
+        sample.too_near += is_too_near[i] ? 1 : 0;
+    }
+}
+
+void PairDistribution::expect(std::vector<double> z, double area, Sums& sums) const {
+    if (z.size() < 2) return;
+    const DiscAreas discs(std::move(z));
+    double within = 0;
+    for (std::size_t bin = 0; bin < bins_; ++bin) {
+        const double further = discs.within(static_cast<double>(bin + 1) * options_.bin);
+        sums.expected[bin] = (further - within) / area;
+        within = further;
+    }
+}
+
+void PairDistribution::add(const Sample& sample) {
+    Block& block = blocks_[static_cast<std::size_t>(plan_.block_of(first_ + added_++))];
+    if (!sample.is_used) return;
+    ++block.frames;
+    block.particles += sample.particles;
+    block.known += sample.known;
+    block.plane.add(sample.plane);
+    block.space.add(sample.space);
+    add_each(block.contacts, sample.contacts);
+    block.too_near += sample.too_near;
+}
+
+void PairDistribution::add_block(Block& to, const Block& from) {
+    to.frames += from.frames;
+    to.particles += from.particles;
+    to.known += from.known;
+    to.plane.add(from.plane);
+    to.space.add(from.space);
+    add_each(to.contacts, from.contacts);
+    to.too_near += from.too_near;
+}
+
+void PairDistribution::merge(const PairDistribution& later) {
+    if (later.bins_ != bins_ || later.box_.length != box_.length) {
+        throw InputError(ErrorText{"the parts to merge have different boxes or bins", "", "",
+                                   "analyse them one by one"});
+    }
+    const std::int64_t end = first_ + added_;
+    added_ += later.added_;
+    if (are_cut_alike(plan_, end, later.plan_, later.first_)) {
+        for (std::size_t b = 0; b < blocks_.size(); ++b) add_block(blocks_[b], later.blocks_[b]);
+        return;
+    }
+    plan_.frames = std::max(plan_.frames, added_);
+    blocks_.insert(blocks_.end(), later.blocks_.begin(), later.blocks_.end());
+    blocks_ = joined_blocks(std::move(blocks_), add_block);
+    if (blocks_.empty()) blocks_.push_back(empty_block());
+    plan_.blocks = static_cast<int>(blocks_.size());
+}
+
+void PairDistribution::save(Checkpoint& checkpoint, const std::string& prefix) const {
+    std::vector<double>& reals = checkpoint.reals[prefix + "sums"];
+    std::vector<std::int64_t>& counts = checkpoint.integers[prefix + "counts"];
+    counts = {added_};
+    for (const Block& block : blocks_) {
+        reals.insert(reals.end(), {block.particles, block.known});
+        counts.insert(counts.end(), {block.frames, block.too_near});
+        counts.insert(counts.end(), block.contacts.begin(), block.contacts.end());
+        for (const Sums* sums : {&block.plane, &block.space}) {
+            reals.insert(reals.end(), sums->weight.begin(), sums->weight.end());
+            reals.insert(reals.end(), sums->expected.begin(), sums->expected.end());
+            counts.insert(counts.end(), sums->pairs.begin(), sums->pairs.end());
+        }
+    }
+}
+
+void PairDistribution::restore(const Checkpoint& checkpoint, const std::string& prefix) {
+    const auto reals = checkpoint.reals.find(prefix + "sums");
+    const auto counts = checkpoint.integers.find(prefix + "counts");
+    const auto is_bad = [](std::int64_t count) { return count < 0; };
+    if (reals == checkpoint.reals.end() || counts == checkpoint.integers.end() ||
+        reals->second.size() != blocks_.size() * (2 + 4 * bins_) ||
+        counts->second.size() != 1 + blocks_.size() * (3 + most_contacts + 2 * bins_) ||
+        std::ranges::any_of(counts->second, is_bad) ||
+        !std::ranges::all_of(reals->second, [](double sum) { return sum >= 0 && sum < 1e300; })) {
+        throw InputError(ErrorText{"stored sums of the pair distribution do not fit",
+                                   "another number of bins or blocks, or no sums", "",
+                                   "measure the part again"});
+    }
+    auto real = reals->second.begin();
+    auto count = counts->second.begin();
+    added_ = *count++;
+    for (Block& block : blocks_) {
+        block.particles = *real++;
+        block.known = *real++;
+        block.frames = *count++;
+        block.too_near = *count++;
+        for (std::int64_t& number : block.contacts) number = *count++;
+        for (Sums* sums : {&block.plane, &block.space}) {
+            for (double& sum : sums->weight) sum = *real++;
+            for (double& sum : sums->expected) sum = *real++;
+            for (std::int64_t& number : sums->pairs) number = *count++;
+        }
+    }
+}
+
+PairDistribution::Block PairDistribution::total() const {
+    Block all = empty_block();
+    for (const Block& block : blocks_) add_block(all, block);
+    return all;
+}
+
+std::vector<double> PairDistribution::errors(const Block& all, Sums Block::*sums) const {
+    std::vector<double> error(bins_, undefined);
+    const auto used = std::ranges::count_if(blocks_, [](const Block& b) { return b.frames > 0; });
+    const Sums& whole = all.*sums;
+    for (std::size_t bin = 0; bin < bins_; ++bin) {
+        if (used < 4) {
+            const auto n = static_cast<double>(whole.pairs[bin]);
+            if (n > 0) error[bin] = whole.weight[bin] / whole.expected[bin] / std::sqrt(n);
+            continue;
+        }
+        std::vector<double> left;
+        for (const Block& block : blocks_) {
+            if (block.frames == 0) continue;
+            const Sums& part = block.*sums;
+            left.push_back((whole.weight[bin] - part.weight[bin]) /
+                           (whole.expected[bin] - part.expected[bin]));
+        }
+        error[bin] = jackknife_error(left).value_or(undefined);
+    }
+    return error;
+}
+
+Curve PairDistribution::curve(const Block& all, Sums Block::*sums, const char* name,
+                              const char* title, const char* distance) const {
+    Curve curve{name,
+                title,
+                {{distance, "a", "Distance", {}},
+                 {"g", "-", "Pair distribution", {}},
+                 {"err", "-", "Standard error", errors(all, sums)},
+                 {"n", "-", "Pairs", {}}},
+                {}};
+    const Sums& whole = all.*sums;
+    for (std::size_t bin = 0; bin < bins_; ++bin) {
+        const double expected = whole.expected[bin];
+        curve.columns[0].values.push_back((static_cast<double>(bin) + 0.5) * options_.bin);
+        curve.columns[1].values.push_back(expected > 0 ? whole.weight[bin] / expected : undefined);
+        curve.columns[3].values.push_back(static_cast<double>(whole.pairs[bin]));
+    }
+    return curve;
+}
+
+void PairDistribution::add_space(const Block& all, ObservableResult& result) const {
+    const std::string unknown = "heights are not known";
+    if (all.known < 2) {
+        result.measurements.push_back(missing("contact_number", "-", unknown));
+        return;
+    }
+    Curve space = curve(all, &Block::space, "gr_space", "Pair distribution in space", "r");
+    Column neighbours{"neighbours", "-", "Mean number of spheres within r", {}};
+    double within = 0;
+    for (const double weight : all.space.weight) {
+        within += weight;
+        neighbours.values.push_back(within / all.known);
+    }
+    space.columns.push_back(std::move(neighbours));
+    result.curves.push_back(std::move(space));
+
+    Curve contacts{"contacts",
+                   "Contacts of a sphere",
+                   {{"n", "-", "Contacts", {}}, {"share", "-", "Share of spheres", {}}},
+                   {}};
+    double spheres = 0, sum = 0;
+    for (std::size_t n = 0; n <= most_contacts; ++n) {
+        spheres += static_cast<double>(all.contacts[n]);
+        sum += static_cast<double>(n) * static_cast<double>(all.contacts[n]);
+    }
+    if (!(spheres > 0)) {
+        result.measurements.push_back(
+            missing("contact_number", "-", "no sphere further from a wall than a contact"));
+        return;
+    }
+    for (std::size_t n = 0; n <= most_contacts; ++n) {
+        contacts.columns[0].values.push_back(static_cast<double>(n));
+        contacts.columns[1].values.push_back(static_cast<double>(all.contacts[n]) / spheres);
+    }
+    result.curves.push_back(std::move(contacts));
+
+    std::vector<double> left;
+    for (const Block& block : blocks_) {
+        if (block.frames == 0) continue;
+        double rest = spheres, rest_sum = sum;
+        for (std::size_t n = 0; n <= most_contacts; ++n) {
+            rest -= static_cast<double>(block.contacts[n]);
+            rest_sum -= static_cast<double>(n) * static_cast<double>(block.contacts[n]);
+        }
+        left.push_back(rest_sum / rest);
+    }
+    const auto error = jackknife_error(left, 4);
+    result.measurements.push_back(measured("contact_number", "-", sum / spheres, error, spheres,
+                                           error ? "" : "fewer than four frames: no error"));
+    result.measurements.push_back(measured("share_too_near", "-",
+                                           static_cast<double>(all.too_near) / spheres,
+                                           std::nullopt, spheres, "a check of heights: no error"));
+    result.measurements.push_back(measured("known_heights", "-", all.known / all.particles,
+                                           std::nullopt, all.particles, "counted: no error"));
+}
+
+ObservableResult PairDistribution::result() const {
+    ObservableResult result;
+    result.name = "gr";
+    PairDistributionOptions options = options_;
+    result.options = recorded(describe(options));
+    const Block all = total();
+    if (added_ == 0 || all.particles < 2) {
+        result.reason =
+            added_ == 0 ? "no frames"
+            : bins_ == 0
+                ? fmt::format("half the box is narrower than a bin of {:.3g} a", options_.bin)
+                : "fewer than two particles";
+        return result;
+    }
+    result.curves.push_back(curve(all, &Block::plane, "gr", "Pair distribution in the plane", "s"));
+    const Curve& plane = result.curves.front();
+    const std::vector<double>& g = plane.columns[1].values;
+    const auto peak = static_cast<std::size_t>(
+        std::ranges::max_element(g, {}, [](double x) { return std::isnan(x) ? -1 : x; }) -
+        g.begin());
+    const double error = plane.columns[2].values[peak];
+    const double pairs = plane.columns[3].values[peak];
+    result.measurements.push_back(
+        std::isnan(error)
+            ? measured("gr_peak", "-", g[peak], std::nullopt, pairs, "too few blocks: no error")
+            : measured("gr_peak", "-", g[peak], error, pairs));
+    result.measurements.push_back(measured("gr_peak_distance", "a", plane.columns[0].values[peak],
+                                           0.5 * options_.bin, pairs));
+    add_space(all, result);
+    return result;
+}
+
+}  // namespace grainfield::analysis
