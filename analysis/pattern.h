@@ -25,7 +25,7 @@ struct Pattern {
 
 /// A height whose standard error is larger says no more than that the particle lies between the
 /// plates, and counts as not known [a].
-inline constexpr double largest_height_error = 0.25;
+inline constexpr double largest_height_error = 0.2;
 
 /// The pattern of a snapshot: r = r_source / diameter. A height is known where it is finite and its
 /// standard error, if there is one, at most `largest_height_error`.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -72,6 +73,14 @@ std::string field_title(const Preview& preview) {
                        preview.frame.index == 0 ? "density ρ" : "order field ψ", low, high);
 }
 
+void set_heights(ParticleMap& map, const Snapshot& snapshot) {
+    const auto is_known = [](double z) { return std::isfinite(z); };
+    if (std::ranges::none_of(snapshot.z, is_known)) return;
+    map.z = snapshot.z;
+    map.z_error = snapshot.z_error;
+    if (std::isfinite(snapshot.box.height)) map.height = std::max(0.0, snapshot.box.height);
+}
+
 ParticleMap describe(const Results& run, std::size_t index, const Preview& preview) {
     ParticleMap map;
     map.run = index;
@@ -90,6 +99,7 @@ ParticleMap describe(const Results& run, std::size_t index, const Preview& previ
     const std::vector<Layer>& layer = preview.snapshot.layer;
     const auto is_known = [](Layer l) { return l != Layer::unknown; };
     if (std::ranges::any_of(layer, is_known)) map.layer = layer;
+    set_heights(map, preview.snapshot);
     map.abs_q4 = preview.abs_q4;
     map.order = order_symbol(run);
     map.time = preview.snapshot.time;
@@ -135,10 +145,38 @@ std::vector<std::size_t> shares(const std::vector<Results>& runs, std::size_t bu
     return share;
 }
 
-void append_uint16(std::vector<std::uint8_t>& bytes, double part) {
-    const auto step = static_cast<unsigned>(std::lround(std::clamp(part, 0.0, 1.0) * 65535));
+void append_uint16(std::vector<std::uint8_t>& bytes, double part, int steps = 65535) {
+    const auto step = static_cast<unsigned>(std::lround(std::clamp(part, 0.0, 1.0) * steps));
     bytes.push_back(static_cast<std::uint8_t>(step & 255U));
     bytes.push_back(static_cast<std::uint8_t>(step >> 8U));
+}
+
+// Adds what map_json says of heights.
+void add_heights(const ParticleMap& map, nlohmann::ordered_json& page) {
+    std::array<double, 2> range{std::numeric_limits<double>::max(),
+                                std::numeric_limits<double>::lowest()};
+    for (const double z : map.z) {
+        if (std::isfinite(z)) range = {std::min(range[0], z), std::max(range[1], z)};
+    }
+    const double span = range[1] > range[0] ? range[1] - range[0] : map.diameter;
+    std::vector<std::uint8_t> heights;
+    for (const double z : map.z) {
+        if (std::isfinite(z)) {
+            append_uint16(heights, (z - range[0]) / span, 65534);
+        } else {
+            heights.insert(heights.end(), {255, 255});
+        }
+    }
+    std::vector<std::uint8_t> errors;
+    for (const double error : map.z_error) {
+        const double hundredths = std::clamp(100 * error / map.diameter, 0.0, 254.0);
+        errors.push_back(std::isnan(error) ? 255
+                                           : static_cast<std::uint8_t>(std::lround(hundredths)));
+    }
+    page["zRange"] = {range[0], range[0] + span};
+    page["z"] = base64(heights);
+    page["zErrors"] = base64(errors);
+    page["height"] = map.height;
 }
 
 }  // namespace
@@ -193,36 +231,39 @@ std::string map_json(const ParticleMap& map) {
     for (const Place& place : map.places) places.push_back({place.position.x, place.position.y});
     nlohmann::json phase;
     if (map.phase) phase = *map.phase;
-    const nlohmann::ordered_json page{{"run", map.run},
-                                      {"frame", map.frame},
-                                      {"phase", phase},
-                                      {"places", places},
-                                      {"title", clean_text(map.title)},
-                                      {"x", {map.x[0], map.x[1]}},
-                                      {"y", {map.y[0], map.y[1]}},
-                                      {"yDown", map.y_down},
-                                      {"unit", map.unit},
-                                      {"is_field", map.is_field},
-                                      {"diameter", map.diameter},
-                                      {"imageSize", {map.image_size[0], map.image_size[1]}},
-                                      {"image", image},
-                                      {"pointsX", {x[0], x[1]}},
-                                      {"pointsY", {y[0], y[1]}},
-                                      {"points", base64(points)},
-                                      {"order", base64(order)},
-                                      {"orderName", clean_text(map.order)},
-                                      {"ids", base64(ids)},
-                                      {"layers", base64(layers)}};
+    nlohmann::ordered_json page{{"run", map.run},
+                                {"frame", map.frame},
+                                {"phase", phase},
+                                {"places", places},
+                                {"title", clean_text(map.title)},
+                                {"x", {map.x[0], map.x[1]}},
+                                {"y", {map.y[0], map.y[1]}},
+                                {"yDown", map.y_down},
+                                {"unit", map.unit},
+                                {"is_field", map.is_field},
+                                {"diameter", map.diameter},
+                                {"imageSize", {map.image_size[0], map.image_size[1]}},
+                                {"image", image},
+                                {"pointsX", {x[0], x[1]}},
+                                {"pointsY", {y[0], y[1]}},
+                                {"points", base64(points)},
+                                {"order", base64(order)},
+                                {"orderName", clean_text(map.order)},
+                                {"ids", base64(ids)},
+                                {"layers", base64(layers)}};
+    if (map.has_heights()) add_heights(map, page);
     return escape_json_for_script(page.dump());
 }
 
 std::string map_csv(const ParticleMap& map) {
-    std::string out = "frame,particle,x,y,abs_q4\n";
+    std::string out =
+        map.has_heights() ? "frame,particle,x,y,z,abs_q4\n" : "frame,particle,x,y,abs_q4\n";
     for (std::size_t i = 0; i < map.position.size(); ++i) {
         const auto particle = map.id.empty() ? static_cast<std::int64_t>(i) : map.id[i];
         const std::string q = map.abs_q4.empty() ? "" : csv_cell(map.abs_q4[i]);
-        out += fmt::format("{},{},{:.3f},{:.3f},{}\n", map.frame, particle, map.position[i].x,
-                           map.position[i].y, q);
+        const std::string z = map.has_heights() ? csv_cell(map.z[i]) + "," : "";
+        out += fmt::format("{},{},{:.3f},{:.3f},{}{}\n", map.frame, particle, map.position[i].x,
+                           map.position[i].y, z, q);
     }
     return out;
 }

@@ -34,6 +34,11 @@ struct ParticleMap {
     double time = 0;                     ///< of the frame [time unit]
     std::optional<double> phase{};  ///< of the vibration, 0 … 1, where its frequency is known
     std::vector<Place> places{};    ///< places_to_look_at
+    std::vector<double> z{};        ///< Snapshot::z; empty: of no particle known; NaN: of this one
+    std::vector<double> z_error{};  ///< Snapshot::z_error; empty: heights are exact
+    double height = 0;              ///< between the plates [length unit]; 0 if unknown
+
+    bool has_heights() const { return !z.empty(); }
 };
 
 /// How much of the previews goes into a report.
@@ -51,10 +56,12 @@ std::vector<ParticleMap> make_maps(const std::vector<Results>& runs, const MapBu
 
 /// The map for the page: discs as base64 of little-endian uint16 x, y (65535 steps over `x` and
 /// `y`, padded by half a diameter) and uint8 |Q4| (0 … 254, 255 undefined), the image as data URI;
-/// with identities uint32 of each (its lowest bits), with layers uint8 (0, 1, 255 unknown).
+/// with identities uint32 of each (its lowest bits), with layers uint8 (0, 1, 255 unknown). Only
+/// where heights are known: uint16 z (65534 steps over `zRange`, 65535 unknown), its error in uint8
+/// hundredths of a diameter (254 and more as 254, 255 unknown), and the distance of the plates.
 std::string map_json(const ParticleMap& map);
 
-/// frame, particle, x, y, abs_q4
+/// frame, particle, x, y, abs_q4; with z after y where heights are known
 std::string map_csv(const ParticleMap& map);
 
 }  // namespace grainfield::report

@@ -9,6 +9,7 @@
 
 #include "report/figures/colours.h"
 #include "report/page/file_links.h"
+#include "report/page/space_section.h"
 #include "report/text.h"
 
 namespace grainfield::report {
@@ -82,7 +83,9 @@ std::string view_html(const PageContent& content, const std::vector<std::size_t>
            " <span class=\"caption\"></span></p>\n"
            "<div class=\"stage\" tabindex=\"0\" role=\"group\" aria-label=\"Picture of " +
            escape_html(content.labels[shown]) +
-           ": arrow keys move the lens, plus and minus zoom, 0 shows all\"><canvas></canvas>"
+           ": arrow keys move the lens, plus and minus zoom, 0 shows all" +
+           (has_space(content) ? ", Enter shows the place from the side" : "") +
+           "\"><canvas></canvas>"
            "<div class=\"plot\" role=\"img\" aria-label=\"Particles\"></div>"
            "<canvas class=\"lens\" hidden></canvas></div></div>\n";
 }

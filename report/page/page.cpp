@@ -16,6 +16,7 @@
 #include "report/page/map_section.h"
 #include "report/page/paper_section.h"
 #include "report/page/run_record.h"
+#include "report/page/space_section.h"
 #include "report/page/table_section.h"
 #include "report/text.h"
 
@@ -28,7 +29,7 @@ std::string policy() {
         return "'sha256-" + base64(bytes_of_hex(sha256)) + "'";
     };
     return "default-src 'none'; script-src " + hash(page_script_sha256) + " " +
-           hash(plotly_script_sha256) +
+           hash(plotly_script_sha256) + " " + hash(space_script_sha256) +
            "; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'";
 }
 
@@ -63,11 +64,12 @@ std::string page_html(const PageContent& content) {
     const std::string warnings = warnings_html(content.runs, content.labels, content.plan);
     const std::string tables = tables_html(content);
     const std::string pictures = map_html(content);
+    const std::string space = space_html(content);
     if (!content.paper.empty()) {
         const auto run = run_of_paper_map(content.runs);
         out += paper_section_html(content.paper, paper_map(content.maps, run),
                                   run ? content.labels[*run] : "");
-        out += pictures + tables + warnings + critical_html(content);
+        out += pictures + space + tables + warnings + critical_html(content);
     } else if (content.key_numbers) {
         out += critical_html(content);
         constexpr std::size_t most_runs = 4;  // on a card
@@ -78,10 +80,10 @@ std::string page_html(const PageContent& content) {
         const bool one_run = content.runs.size() == 1;
         out += fmt::format("<div class=\"first{}\">\n", one_run && !cards.empty() ? " beside" : "");
         const std::string missing = absences_html(content.runs, content.labels, content.titles);
-        out += pictures + "<div>" + cards + missing + warnings + "</div></div>\n" + tables;
+        out += pictures + "<div>" + cards + missing + warnings + "</div></div>\n" + space + tables;
     } else {
         out += critical_html(content) + pictures + alternatives_html(content.alternatives) +
-               blocks_html(content.blocks) + warnings + tables;
+               blocks_html(content.blocks) + space + warnings + tables;
     }
     out += main_curves_html(content) + differences_html(content) + more_curves_html(content);
     if (!content.paper.empty()) {
@@ -95,6 +97,7 @@ std::string page_html(const PageContent& content) {
     out += "<script type=\"application/json\" id=\"report-data\">\n" + data_json(content);
     out += "\n</script>\n<script>";
     out += page_script;
+    if (has_space(content)) out.append("</script>\n<script>").append(space_script);
     out += "</script>\n<!-- plotly.js, https://plotly.com/javascript\n\n";
     out += plotly_licence;
     out += "-->\n<script>";

@@ -344,6 +344,16 @@
       context.globalAlpha = 1;
     }
 
+    // Tells space.js what a view shows.
+    const tell = (view) => document.dispatchEvent(new CustomEvent("map-shown", { detail: {
+      view: views.indexOf(view), map: view.map, caption: `${labels[view.map.run]}, ${view.map.title}`,
+      colours: () => {
+        const out = [];
+        for (const [colour, members] of classes(view.map)) for (const i of members) out[i] = colour;
+        return out;
+      },
+    } }));
+
     // Index of each identity in a map.
     const whereOf = (map) => {
       map.where = map.where || new Map(map.identity.map((id, i) => [id, i]));
@@ -365,7 +375,7 @@
       const canvas = root.querySelector("canvas:not(.lens)");
       const lens = root.querySelector(".lens");
       const pick = root.querySelector(".pick-run");
-      const view = { root, plot, stage, pick, map: null, frames: [], at: null };
+      const view = { root, plot, stage, pick, map: null, frames: [], at: null, boxes: [] };
       let waiting = 0;
 
       // Plotly's axes, in CSS pixels of the plot.
@@ -423,6 +433,16 @@
         context.clip();
         paintMap(context, view.map, f, ratio, marks);
         if (marks !== "none") paintTrails(context, f);
+        // What space.js shows from the side.
+        for (const [colour, wide, dash] of [["#fff", 3, []], ["#111", 1.2, [5, 4]]]) {
+          context.strokeStyle = colour;
+          context.lineWidth = wide;
+          context.setLineDash(dash);
+          for (const [x0, y0, x1, y1] of view.boxes) {
+            context.strokeRect(f.x(x0), f.y(y0), f.x(x1) - f.x(x0), f.y(y1) - f.y(y0));
+          }
+        }
+        context.setLineDash([]);
         // Numbered rims of the places to look at.
         context.font = "600 12px system-ui, sans-serif";
         view.map.places.forEach(([px, py], p) => {
@@ -529,6 +549,7 @@
           { ...config(true), displayModeBar: false });
         await next.loaded;
         view.paint();
+        tell(view);
       };
 
       // What is in sight: its centre, in diameters from that of the picture, y downwards, and how large
@@ -675,7 +696,7 @@
 
     for (const view of views) view.pick.addEventListener("change", listRuns);
     slider.addEventListener("input", showFrame);
-    select.colour.addEventListener("change", () => { colouring = select.colour.value; showColourBar(); paintAll(); });
+    select.colour.addEventListener("change", () => { colouring = select.colour.value; showColourBar(); paintAll(); views.forEach(tell); });
     for (const button of [select.trails, select.lens]) {
       button.addEventListener("click", () => {
         button.setAttribute("aria-pressed", String(!isPressed(button)));
@@ -736,6 +757,16 @@
         if (where) point(view, ...where); else leave();
       });
       view.plot.addEventListener("pointerleave", leave);
+      // A click, not the end of a drag, chooses a place for space.js.
+      const choose = ([x, y]) => document.dispatchEvent(new CustomEvent("map-place", {
+        detail: { view: views.indexOf(view), x, y } }));
+      let pressed = null;
+      view.plot.addEventListener("pointerdown", (event) => { pressed = event; }, true);
+      window.addEventListener("pointerup", (event) => {
+        const isClick = pressed && Math.hypot(event.clientX - pressed.clientX, event.clientY - pressed.clientY) < 4;
+        pressed = null;
+        if (isClick && at(event)) choose(at(event));
+      }, true);
       view.stage.addEventListener("blur", leave);
       // Without a pointer: arrows move the lens, + and - zoom about it, 0 shows all, Escape takes it away.
       view.stage.addEventListener("keydown", (event) => {
@@ -753,6 +784,8 @@
           view.look([u, v, size * (event.key === "-" ? 0.8 : 1.25)]).then(() => lead(view));
         } else if (event.key === "0") {
           showAll();
+        } else if (event.key === "Enter" && view.at) {
+          choose(view.at);
         } else if (event.key === "Escape") {
           leave();
         } else {
@@ -761,6 +794,11 @@
         event.preventDefault();
       });
     }
+
+    document.addEventListener("space-boxes", ({ detail }) => {
+      views[detail.view].boxes = detail.boxes;
+      views[detail.view].repaint();
+    });
 
     return listRuns().then(() => {
       for (const view of views) {

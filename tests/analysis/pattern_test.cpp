@@ -57,7 +57,7 @@ TEST(Pattern, KnowsOnlyHeightsWithAUsefulError) {
     snapshot.box.length = {40, 40};
     snapshot.position = {{5, 5}, {9, 9}, {std::nan(""), 1}, {20, 20}};
     snapshot.z = {4, 6, 8, std::nan("")};
-    snapshot.z_error = {1.9, 2.1, 0.1, 0.1};
+    snapshot.z_error = {1.5, 1.7, 0.1, 0.1};
     const Pattern pattern = pattern_of(snapshot, 8);
     ASSERT_EQ(pattern.z.size(), 3U);
     EXPECT_EQ(pattern.z[0], 0.5);

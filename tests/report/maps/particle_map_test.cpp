@@ -140,5 +140,65 @@ TEST(ParticleMap, CsvHasARowAParticleAndEmptyCellsForUndefined) {
               "frame,particle,x,y,abs_q4\n7,12,1.000,2.000,0.25\n7,9,3.500,4.000,\n");
 }
 
+// Three spheres between plates: one on the low plate, one of unknown height, one at the high plate.
+Results layer_with_heights() {
+    Results run;
+    run.source.length_unit = LengthUnit::pixel;
+    run.source.diameter = 10;
+    run.previews.resize(1);
+    Snapshot& snapshot = run.previews[0].snapshot;
+    snapshot.box = {{0, 0}, {100, 100}, {}, 18.4};
+    snapshot.position = {{10, 20}, {30, 40}, {50, 60}};
+    snapshot.z = {5, std::nan(""), 13.4};
+    snapshot.z_error = {0.5, 80, std::nan("")};
+    return run;
+}
+
+TEST(ParticleMap, CarriesHeightsToAThousandthOfAPixelAndTheirErrors) {
+    const auto maps = make_maps({layer_with_heights()}, {});
+    ASSERT_EQ(maps.size(), 1U);
+    EXPECT_TRUE(maps[0].has_heights());
+    const auto page = nlohmann::json::parse(map_json(maps[0]));
+    const auto steps = decode_base64(page["z"]);
+    const auto errors = decode_base64(page["zErrors"]);
+    ASSERT_EQ(steps.size(), 6U);
+    const double low = page["zRange"][0];
+    const double high = page["zRange"][1];
+    const auto step = [&](std::size_t i) { return steps[2 * i] + 256 * steps[2 * i + 1]; };
+    EXPECT_NEAR(low + (high - low) * step(0) / 65534, 5, 1e-3);
+    EXPECT_EQ(step(1), 65535) << "unknown";
+    EXPECT_NEAR(low + (high - low) * step(2) / 65534, 13.4, 1e-3);
+    EXPECT_THAT(errors, testing::ElementsAre(5, 254, 255)) << "hundredths of a diameter";
+    EXPECT_EQ(page["height"], 18.4);
+}
+
+TEST(ParticleMap, OfSpheresAtOneHeightHasThatHeight) {
+    Results run = layer_with_heights();
+    run.previews[0].snapshot.z = {5, 5, 5};
+    run.previews[0].snapshot.z_error.clear();
+    const auto page = nlohmann::json::parse(map_json(make_maps({run}, {})[0]));
+    EXPECT_EQ(page["zRange"][0], 5);
+    EXPECT_THAT(decode_base64(page["z"]), testing::Each(0));
+    EXPECT_EQ(page["zErrors"], "") << "heights are exact";
+}
+
+TEST(ParticleMap, SaysNothingOfHeightsWhereNoneIsKnown) {
+    Results run = layer_with_heights();
+    for (double& z : run.previews[0].snapshot.z) z = std::nan("");
+    const auto maps = make_maps({run}, {});
+    EXPECT_FALSE(maps[0].has_heights());
+    const auto page = nlohmann::json::parse(map_json(maps[0]));
+    for (const char* key : {"z", "zRange", "zErrors", "height"}) {
+        EXPECT_FALSE(page.contains(key)) << key;
+    }
+    EXPECT_THAT(map_csv(maps[0]), testing::StartsWith("frame,particle,x,y,abs_q4\n"));
+}
+
+TEST(ParticleMap, CsvHasHeightsOnlyWhereTheyAreKnown) {
+    EXPECT_EQ(map_csv(make_maps({layer_with_heights()}, {})[0]),
+              "frame,particle,x,y,z,abs_q4\n0,0,10.000,20.000,5,\n0,1,30.000,40.000,,\n"
+              "0,2,50.000,60.000,13.4,\n");
+}
+
 }  // namespace
 }  // namespace grainfield::report

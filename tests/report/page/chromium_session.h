@@ -99,6 +99,21 @@ class ChromiumSession {
         return answer["result"].value("value", json());
     }
 
+    /// The left button pressed at one place of the screen and released at another [CSS pixels].
+    void drag(double from_x, double from_y, double to_x, double to_y) {
+        const auto mouse = [&](const char* type, double x, double y, int buttons) {
+            call("Input.dispatchMouseEvent", {{"type", type},
+                                              {"x", x},
+                                              {"y", y},
+                                              {"button", "left"},
+                                              {"buttons", buttons},
+                                              {"clickCount", 1}});
+        };
+        mouse("mousePressed", from_x, from_y, 1);
+        if (from_x != to_x || from_y != to_y) mouse("mouseMoved", to_x, to_y, 1);
+        mouse("mouseReleased", to_x, to_y, 0);
+    }
+
     /// A key as of a keyboard: "Tab", "Enter", "ArrowRight", " ".
     void press(const std::string& key, bool shift = false) {
         int code = key == "Tab" ? 9 : key == "Enter" ? 13 : key == " " ? 32 : 0;

@@ -38,6 +38,19 @@ Results film(std::uint64_t seed, const std::string& label) {
     return run;
 }
 
+// The same with heights in two layers, every fifth of them uncertain.
+Results film_in_space(std::uint64_t seed, const std::string& label) {
+    Results run = film(seed, label);
+    for (Preview& preview : run.previews) {
+        Snapshot& snapshot = preview.snapshot;
+        for (std::size_t i = 0; i < snapshot.size(); ++i) {
+            snapshot.z.push_back((i % 3 == 0 ? 1.3 : 0.5) * run.source.diameter);
+            snapshot.z_error.push_back((i % 5 == 0 ? 0.24 : 0.02) * run.source.diameter);
+        }
+    }
+    return run;
+}
+
 Results critical_point() {
     Results run;
     run.label = "critical";
@@ -94,6 +107,7 @@ TEST_F(PageOnScreens, FitsALaptopAndATelephoneWithoutScrollingSideways) {
         {"one film",
          {film(1, "a film with a name that is far longer than any screen is wide, 4.5 g, run 12")}},
         {"two runs", {film(1, "tracked"), film(2, "true positions")}},
+        {"heights", {film_in_space(1, "tracked"), film_in_space(2, "true positions")}},
         {"critical point",
          {critical_point(), film(1, "Γ = 3.5"), film(2, "Γ = 4"), film(3, "Γ = 4.5")}},
     };
@@ -354,11 +368,11 @@ TEST_F(PageOnScreens, OpensThePaperWithItsOwnFiguresInItsOwnArrangement) {
 }
 
 TEST_F(PageOnScreens, ReachesEveryControlWithTabAndShowsWhereItIs) {
-    browser_->open_page(page({film(1, "tracked"), film(2, "true positions")}), 1366, 768);
+    browser_->open_page(page({film_in_space(1, "tracked"), film(2, "true positions")}), 1366, 768);
     // What a pointer can do something with.
     const json expected = browser_->evaluate(R"JS((() => {
         document.querySelectorAll("details").forEach((d) => { d.open = true; });
-        const all = [...document.querySelectorAll("a, button, select, input, summary, .stage, .term, .modebar-btn")]
+        const all = [...document.querySelectorAll("a, button, select, input, summary, .stage, .patch, .term, .modebar-btn")]
             .filter((e) => e.checkVisibility({visibilityProperty: true}));
         all.forEach((e, i) => { e.dataset.order = String(i); });
         return all.map((e) => `${e.tagName}.${e.className} ${e.title || e.textContent.slice(0, 30)}`);
@@ -421,6 +435,87 @@ TEST_F(PageOnScreens, DoesWithKeysWhatAPointerDoes) {
     browser_->press("Enter");
     browser_->evaluate("new Promise((done) => setTimeout(done, 500))");
     EXPECT_LT(browser_->evaluate(range).get<double>(), 0.8 * all) << "a curve, closer";
+}
+
+// A number that changes with the picture on a canvas; 0: nothing is drawn.
+std::string picture_of(const std::string& canvas) {
+    return "(async () => { await new Promise((done) => setTimeout(done, 300)); const c = "
+           "document.querySelector('" +
+           canvas +
+           "'); return c.getContext('2d').getImageData(0, 0, c.width, c.height).data.reduce((sum, "
+           "v, i) => (sum * 31 + v * (1 + i % 7)) % 1000003, 0); })()";
+}
+
+TEST_F(PageOnScreens, TurnsAPatchInSpaceByDraggingAndByKeys) {
+    browser_->open_page(page({film_in_space(1, "layer")}), 1366, 768);
+    const std::string patch = picture_of(".space canvas.patch");
+    const auto angles = [&] {
+        return browser_->evaluate("document.querySelector('.patch-view .state').textContent")
+            .get<std::string>();
+    };
+    browser_->evaluate("document.querySelector('canvas.patch').scrollIntoView({block: 'center'})");
+    const json first = browser_->evaluate(patch);
+    EXPECT_NE(first, 0);
+    EXPECT_NE(browser_->evaluate(picture_of(".space canvas.side")), 0);
+    EXPECT_THAT(angles(), testing::StartsWith("Turned by 30°, seen from 35°"));
+    const json box = browser_->evaluate(
+        "(() => { const b = document.querySelector('canvas.patch').getBoundingClientRect(); return "
+        "[(b.left + b.right) / 2, (b.top + b.bottom) / 2]; })()");
+    const double x = box[0].get<double>();
+    const double y = box[1].get<double>();
+    browser_->drag(x, y, x + 60, y - 20);
+    const json turned = browser_->evaluate(patch);
+    EXPECT_NE(turned, first);
+    EXPECT_THAT(angles(), testing::StartsWith("Turned by 60°, seen from 25°"));
+    browser_->evaluate("document.querySelector('canvas.patch').focus()");
+    browser_->press("ArrowRight");
+    EXPECT_NE(browser_->evaluate(patch), turned);
+    EXPECT_THAT(angles(), testing::StartsWith("Turned by 65°, seen from 25°"));
+    browser_->evaluate(
+        "document.activeElement.dispatchEvent(new KeyboardEvent('keydown', {key: '0'}))");
+    EXPECT_EQ(browser_->evaluate(patch), first);
+    EXPECT_EQ(browser_->evaluate("document.documentElement.dataset.errors ?? ''"), "");
+}
+
+TEST_F(PageOnScreens, ShowsFromTheSideWhatIsChosenInTheMap) {
+    browser_->open_page(page({film_in_space(1, "layer"), film(2, "no heights")}), 1366, 768);
+    const std::string side = picture_of(".space canvas.side");
+    const json first = browser_->evaluate(side);
+    EXPECT_EQ(
+        browser_->evaluate("[...document.querySelectorAll('.side-view, .patch-view')].map((f) "
+                           "=> f.hidden)"),
+        json({false, true, false, true}))
+        << "the other run has no heights";
+    EXPECT_THAT(
+        browser_->evaluate("document.querySelector('.side-view .state').textContent").dump(),
+        testing::ContainsRegex("[0-9]+ spheres, the height of [0-9]+ uncertain .dashed."));
+    EXPECT_EQ(browser_->evaluate("document.querySelector('.space .doubtful').hidden"), false);
+    // A click in the map, a quarter from its upper edge.
+    const json at = browser_->evaluate(
+        "(() => { const b = document.querySelector('#map .plot').getBoundingClientRect(); return "
+        "[(b.left + b.right) / 2, b.top + b.height / 4]; })()");
+    browser_->drag(at[0], at[1], at[0], at[1]);
+    const json moved = browser_->evaluate(side);
+    EXPECT_NE(moved, first);
+    EXPECT_THAT(browser_->evaluate("document.querySelector('.across + output').textContent").dump(),
+                testing::HasSubstr("a above the middle"));
+    EXPECT_LT(browser_->evaluate("Number(document.querySelector('.across').value)"), -4);
+    browser_->evaluate(
+        "(() => { const s = document.querySelector('.across'); s.value = '0'; s.dispatchEvent(new "
+        "Event('input')); const u = document.querySelector('.along'); u.value = '0'; "
+        "u.dispatchEvent(new Event('input')); })()");
+    EXPECT_EQ(browser_->evaluate(side), first) << "the middle again";
+    // The lens by its keys.
+    browser_->evaluate("document.querySelector('#map .stage').focus()");
+    for (int i = 0; i < 6; ++i) browser_->press("ArrowRight");
+    browser_->press("Enter");
+    EXPECT_GT(browser_->evaluate("Number(document.querySelector('.along').value)"), 0.5);
+    // Colours are those of the map.
+    browser_->evaluate(
+        "(() => { const c = document.querySelector('.pick-colour'); c.value = 'layer'; "
+        "c.dispatchEvent(new Event('change')); })()");
+    EXPECT_NE(browser_->evaluate(side), first);
+    EXPECT_EQ(browser_->evaluate("document.documentElement.dataset.errors ?? ''"), "");
 }
 
 TEST_F(PageOnScreens, CopiesSettingsAndGoesToMarkedSpheres) {
@@ -521,6 +616,7 @@ TEST_F(PageOnScreens, SlidersShowWhatOtherSettingsFindAndTheSettings) {
 TEST_F(PageOnScreens, IsReadInGrey) {
     std::vector<Results> runs;
     for (std::uint64_t i = 1; i <= 4; ++i) runs.push_back(film(i, "run " + std::to_string(i)));
+    runs[0] = film_in_space(1, "run 1");
     browser_->open_page(page(runs), 1366, 768);
     // WCAG: text needs 4.5 times the luminance of its ground, or the reverse; luminance is what
     // grey keeps.

@@ -66,6 +66,10 @@ TEST(Page, EmbedsItsScriptsByteForByte) {
     std::stringstream file;
     file << std::ifstream(std::string(GRAINFIELD_SOURCE_DIR) + "/report/page/page.js").rdbuf();
     EXPECT_EQ(page_script, file.str());
+    std::stringstream space;
+    space << std::ifstream(std::string(GRAINFIELD_SOURCE_DIR) + "/report/page/space.js").rdbuf();
+    EXPECT_EQ(space_script, space.str());
+    EXPECT_EQ(space_script.find("</script"), std::string_view::npos);
     EXPECT_EQ(plotly_script.find("</script"), std::string_view::npos);
     EXPECT_EQ(page_script.find("</script"), std::string_view::npos);
     EXPECT_EQ(plotly_licence.find("--"), std::string_view::npos);
@@ -121,6 +125,33 @@ TEST(Page, NamesTheMapAfterWhatItShows) {
     Results without = sample::results();
     for (Preview& preview : without.previews) preview.frame.image = {};
     EXPECT_THAT(page_of({without}), HasSubstr("<h2>Positions</h2>"));
+}
+
+TEST(Page, ShowsTheLayerFromTheSideOnlyWhereHeightsAreKnown) {
+    Results run = sample::results({1, 120, 40, true, "A"});
+    const std::string without = page_of({run});
+    EXPECT_THAT(without, Not(HasSubstr("The layer from the side")));
+    EXPECT_THAT(without, Not(HasSubstr(std::string(space_script)))) << "nor its script";
+    EXPECT_THAT(without, Not(HasSubstr("from the side\"")));
+    run.previews[0].snapshot.z.assign(run.previews[0].snapshot.size(), 5.0);
+    const std::string with = page_of({run});
+    EXPECT_THAT(with, HasSubstr("<h2>The layer from the side</h2>"));
+    EXPECT_THAT(with, HasSubstr("<script>" + std::string(space_script) + "</script>"));
+    EXPECT_THAT(with, HasSubstr("Enter shows the place from the side"));
+    const std::regex views("<canvas class=\"(side|patch)\"");
+    EXPECT_EQ(std::distance(std::sregex_iterator(with.begin(), with.end(), views), {}), 2);
+    EXPECT_LT(with.find("class=\"cards\""), with.find("<section class=\"space\">"));
+    EXPECT_LT(with.find("<section class=\"space\">"), with.find("figure-q4_histogram"));
+}
+
+TEST(Page, ShowsBothOfTwoRunsFromTheSideThoughOneAloneHasHeights) {
+    std::vector<Results> runs{sample::results({1, 120, 40, true, "A"}),
+                              sample::results({2, 120, 40, true, "B"})};
+    runs[1].previews[0].snapshot.z.assign(runs[1].previews[0].snapshot.size(), 5.0);
+    const std::string page = page_of(runs);
+    const std::regex views("<canvas class=\"(side|patch)\"");
+    EXPECT_EQ(std::distance(std::sregex_iterator(page.begin(), page.end(), views), {}), 4)
+        << "one of each for every picture; the script hides those without";
 }
 
 TEST(Page, OfEmptyResultsSaysThatThereIsNothing) {
