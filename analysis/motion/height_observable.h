@@ -9,6 +9,7 @@ namespace grainfield::analysis {
 class HeightObservable final : public AccumulatorOf<HeightObservable, HeightSeries::Sample> {
  public:
     static constexpr const char* name = "height";
+    static constexpr bool can_be_saved = true;
     static void plan(const PlanSetup& setup, RunPlan& plan);
     static std::vector<FigureHint> figures();
     static ObservableTitles titles();
@@ -18,6 +19,12 @@ class HeightObservable final : public AccumulatorOf<HeightObservable, HeightSeri
     void add(Sample& sample, const Moment& /*moment*/) { series_.add(sample); }
     void merge(const HeightObservable& later) { series_.merge(later.series_); }
     ObservableResult result(const Inputs& /*inputs*/) const override { return series_.result(); }
+    void save(Checkpoint& checkpoint, const std::string& prefix) const override {
+        series_.save(checkpoint, prefix);
+    }
+    void restore(const Checkpoint& checkpoint, const std::string& prefix) override {
+        series_.restore(checkpoint, prefix);
+    }
 
  private:
     HeightSeries series_;

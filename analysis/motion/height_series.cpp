@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "analysis/statistics/blocks.h"
+#include "core/errors.h"
 
 namespace grainfield::analysis {
 namespace {
@@ -69,6 +70,45 @@ void HeightSeries::merge(const HeightSeries& later) {
     append(high_, later.high_);
     append(known_, later.known_);
     for (std::size_t b = 0; b < profile_.size(); ++b) profile_[b] += later.profile_[b];
+}
+
+void HeightSeries::save(Checkpoint& checkpoint, const std::string& prefix) const {
+    checkpoint.reals[prefix + "time"] = time_;
+    checkpoint.reals[prefix + "mean"] = mean_;
+    checkpoint.reals[prefix + "low"] = low_;
+    checkpoint.reals[prefix + "high"] = high_;
+    checkpoint.integers[prefix + "known"] = known_;
+    checkpoint.integers[prefix + "profile"] = profile_;
+}
+
+void HeightSeries::restore(const Checkpoint& checkpoint, const std::string& prefix) {
+    const auto take = [&](const auto& stored, const char* name, auto& values) {
+        const auto found = stored.find(prefix + name);
+        if (found == stored.end()) {
+            throw InputError(ErrorText{"stored heights do not fit",
+                                       fmt::format("there is no '{}'", name), "",
+                                       "measure the part again"});
+        }
+        values = found->second;
+    };
+    const std::size_t bins = profile_.size();
+    take(checkpoint.reals, "time", time_);
+    take(checkpoint.reals, "mean", mean_);
+    take(checkpoint.reals, "low", low_);
+    take(checkpoint.reals, "high", high_);
+    take(checkpoint.integers, "known", known_);
+    take(checkpoint.integers, "profile", profile_);
+    const std::size_t frames = time_.size();
+    const auto is_finite_number = [](double value) { return std::isfinite(value); };
+    const bool are_numbers = std::ranges::all_of(time_, is_finite_number) &&
+                             std::ranges::all_of(mean_, is_finite_number);
+    const auto is_bad = [](std::int64_t count) { return count < 0 || count > 1'000'000'000'000; };
+    if (mean_.size() != frames || low_.size() != frames || high_.size() != frames ||
+        known_.size() != frames || profile_.size() != bins || !are_numbers ||
+        std::ranges::any_of(profile_, is_bad) || std::ranges::any_of(known_, is_bad)) {
+        throw InputError(ErrorText{"stored heights do not fit", "columns of different lengths", "",
+                                   "measure the part again"});
+    }
 }
 
 // Nothing where the times leave the three terms indistinct.

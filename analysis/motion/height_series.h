@@ -2,10 +2,12 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "analysis/pattern.h"
 #include "core/results.h"
+#include "core/support/checkpoint.h"
 #include "core/trajectory.h"
 
 namespace grainfield::analysis {
@@ -47,6 +49,11 @@ class HeightSeries {
     void add(const Sample& sample);
     void merge(const HeightSeries& later);
     ObservableResult result() const;
+
+    /// What was gathered so far, under names that begin with `prefix`; `restore` takes it into one
+    /// of the same trajectory. Throws InputError if it does not fit.
+    void save(Checkpoint& checkpoint, const std::string& prefix) const;
+    void restore(const Checkpoint& checkpoint, const std::string& prefix);
 
  private:
     struct Motion {

@@ -425,12 +425,17 @@ ObservableResult PairDistribution::result() const {
         g.begin());
     const double error = plane.columns[2].values[peak];
     const double pairs = plane.columns[3].values[peak];
-    result.measurements.push_back(
-        std::isnan(error)
-            ? measured("gr_peak", "-", g[peak], std::nullopt, pairs, "too few blocks: no error")
-            : measured("gr_peak", "-", g[peak], error, pairs));
-    result.measurements.push_back(measured("gr_peak_distance", "a", plane.columns[0].values[peak],
-                                           0.5 * options_.bin, pairs));
+    if (!(pairs > 0)) {
+        result.measurements.push_back(
+            missing("gr_peak", "-", fmt::format("no pair nearer than {:.3g} a", options_.range)));
+    } else {
+        result.measurements.push_back(
+            std::isnan(error)
+                ? measured("gr_peak", "-", g[peak], std::nullopt, pairs, "too few blocks: no error")
+                : measured("gr_peak", "-", g[peak], error, pairs));
+        result.measurements.push_back(measured(
+            "gr_peak_distance", "a", plane.columns[0].values[peak], 0.5 * options_.bin, pairs));
+    }
     add_space(all, result);
     return result;
 }

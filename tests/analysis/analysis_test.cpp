@@ -45,6 +45,7 @@ MemorySource video(int frames, bool linked = true) {
             if (i >= 800) home[i] += 0.3 * Vec2{random.normal(), random.normal()};
             s.position[i] += 0.2 * Vec2{random.normal(), random.normal()};
         }
+        s.z.assign(home.size(), 4 + 0.4 * std::sin(0.7 * f));
         if (linked) s.id = identities(home.size());
         source.snapshots.push_back(std::move(s));
     }
@@ -93,7 +94,7 @@ TEST(Analysis, GivesTheSameBitsForOneTwoAndEightThreads) {
 TEST(Analysis, OfALinkedVideoMeasuresAllObservables) {
     MemorySource source = video(40);
     const auto results = run(source);
-    ASSERT_EQ(results.size(), 8U);
+    ASSERT_EQ(results.size(), 10U);
     for (const ObservableResult& r : results) {
         // Nothing here has a pre-peak.
         EXPECT_EQ(r.reason.empty(), r.name != "fit") << r.name << ": " << r.reason;
@@ -120,7 +121,7 @@ TEST(Analysis, TakesATrajectoryInMemoryWithNothingElseGiven) {
     EXPECT_EQ(of_trajectory.particles_mean, 1400);
     EXPECT_EQ(of_trajectory.box, source.snapshots[0].box);
     EXPECT_EQ(of_trajectory.source.diameter, 8);
-    ASSERT_EQ(of_trajectory.observables.size(), 8U);
+    ASSERT_EQ(of_trajectory.observables.size(), 10U);
     const auto q4_mean = [](const Results& results) {
         return *results.find("q4")->find_measurement("q4_mean")->value;
     };
@@ -238,8 +239,10 @@ TEST(Analysis, HandlesUnequalNumbersAndAnEmptyFrameInBetween) {
     MemorySource source = video(6);
     source.snapshots[2].position.clear();
     source.snapshots[2].id.clear();
+    source.snapshots[2].z.clear();
     source.snapshots[4].position.resize(700);
     source.snapshots[4].id.resize(700);
+    source.snapshots[4].z.resize(700);
     for (const ObservableResult& r : run(source))
         if (r.name != "fit") {  // nothing here has a pre-peak
             EXPECT_EQ(r.reason, "") << r.name;

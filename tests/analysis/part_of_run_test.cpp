@@ -31,6 +31,7 @@ MemorySource gas() {
         s.box = square_box(160, Boundary::walls);
         for (int i = 0; i < 150 + f % 3; ++i) {
             s.position.push_back({160 * random.uniform(), 160 * random.uniform()});
+            s.z.push_back(4 + 8 * random.uniform());
         }
         source.snapshots.push_back(std::move(s));
     }
@@ -39,7 +40,7 @@ MemorySource gas() {
 
 AnalysisOptions options() {
     AnalysisOptions options;
-    options.observables = {"sk", "s4", "variance", "fit", "synthetic"};
+    options.observables = {"sk", "s4", "variance", "fit", "synthetic", "gr", "height"};
     options.of<ListedWavevectors>().k = {{0.3, 0.1}, {1.2, -0.4}};
     options.of<NumberVarianceOptions>().largest = 10;
     return options;

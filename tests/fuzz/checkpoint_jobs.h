@@ -1,6 +1,7 @@
 #pragma once
 
 #include "analysis/analysis_options.h"
+#include "analysis/pairs/pair_distribution.h"
 #include "simulate/field/integrators/field_integrator.h"
 #include "simulate/md/md_options.h"
 
@@ -24,7 +25,8 @@ inline simulate::FieldSetup field_setup() {
 
 inline analysis::AnalysisOptions part_options() {
     analysis::AnalysisOptions options;
-    options.observables = {"sk", "s4", "variance"};
+    options.observables = {"sk", "s4", "variance", "gr", "height"};
+    options.of<analysis::PairDistributionOptions>().bin = 0.5;  // a small seed
     return options;
 }
 
