@@ -15,7 +15,7 @@ namespace {
 // [a]; NaN where it is not known
 double height_of(const Snapshot& snapshot, std::size_t i, double diameter) {
     const double z = snapshot.z[i] / diameter;
-    const bool is_known = snapshot.z_error.size() != snapshot.size() ||
+    const bool is_known = snapshot.z_error.empty() ||
                           snapshot.z_error[i] / diameter <= largest_height_error;
     return is_known && std::isfinite(z) ? z : std::numeric_limits<double>::quiet_NaN();
 }
@@ -27,6 +27,12 @@ Pattern pattern_of(const Snapshot& snapshot, double diameter) {
     if (!snapshot.id.empty() && snapshot.id.size() != n) {
         throw InputError(ErrorText{fmt::format("frame {} is inconsistent", snapshot.frame),
                                    fmt::format("{} identities", snapshot.id.size()),
+                                   fmt::format("{}, one per position", n), ""});
+    }
+    for (const auto* column : {&snapshot.z, &snapshot.z_error}) {
+        if (column->empty() || column->size() == n) continue;
+        throw InputError(ErrorText{fmt::format("frame {} is inconsistent", snapshot.frame),
+                                   fmt::format("{} heights or errors of them", column->size()),
                                    fmt::format("{}, one per position", n), ""});
     }
     Pattern pattern;
@@ -48,7 +54,7 @@ Pattern pattern_of(const Snapshot& snapshot, double diameter) {
         }
         pattern.position.push_back(pattern.box.wrap(p));
         if (!snapshot.id.empty()) pattern.id.push_back(snapshot.id[i]);
-        if (snapshot.z.size() == n) pattern.z.push_back(height_of(snapshot, i, diameter));
+        if (!snapshot.z.empty()) pattern.z.push_back(height_of(snapshot, i, diameter));
     }
     const auto is_known = [](double z) { return !std::isnan(z); };
     if (std::ranges::none_of(pattern.z, is_known)) pattern.z.clear();

@@ -40,6 +40,7 @@ ordered_json synthesis_facts(const tracking::TrackSummary& summary) {
             {"doubtful", found.doubtful},
             {"frames_doubtful", found.doubtful_frames},
             {"frames_not_converged", found.risen_frames},
+            {"frames_unexplained", found.unexplained_frames},
             {"frames_unscaled_errors", found.unscaled_frames},
             {"optics",
              {{"reflectivity", optics.reflectivity},

@@ -39,7 +39,7 @@ ObservableTitles HeightObservable::titles() {
             "Heights",
             {
                 {"height_mean", "Mean height of the centres"},
-                {"height_spread", "Standard deviation of the heights"},
+                {"height_spread", "Standard deviation of the heights, motion included"},
                 {"height_amplitude", "Amplitude of the layer's vertical motion"},
                 {"height_phase", "Phase of the layer's vertical motion"},
                 {"height_frequency", "Frequency of the layer's vertical motion"},

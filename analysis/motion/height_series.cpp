@@ -14,9 +14,16 @@ namespace grainfield::analysis {
 namespace {
 
 constexpr double lowest = -5, highest = 50, bin = 0.02;  // of the profile [a]
-constexpr std::size_t least_frames = 8;
+constexpr std::size_t least_frames = 12;
 constexpr std::size_t searched_frames = 2048;
-constexpr double least_significance = 5;
+constexpr double least_periods = 2;
+constexpr double most_chance = 1e-6;     // that noise alone looks so periodic
+constexpr double least_distinct = 0.02;  // eigenvalue of the terms, per frame
+constexpr int most_rounds = 30;
+
+// Of four or five unknowns.
+using Unknowns = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 5, 1>;
+using UnknownsSquared = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 5, 5>;
 
 // The value that a share of the sorted ones is below.
 double quantile(const std::vector<double>& sorted, double share) {
@@ -40,7 +47,10 @@ HeightSeries::Sample HeightSeries::measure(const Pattern& pattern) {
     sample.known = static_cast<std::int64_t>(sample.z.size());
     if (sample.z.empty()) return sample;
     std::ranges::sort(sample.z);
-    for (const double z : sample.z) sample.mean += z / static_cast<double>(sample.known);
+    for (const double z : sample.z) {
+        sample.mean += z / static_cast<double>(sample.known);
+        sample.square += z * z / static_cast<double>(sample.known);
+    }
     sample.low = quantile(sample.z, 0.05);
     sample.high = quantile(sample.z, 0.95);
     return sample;
@@ -50,6 +60,7 @@ void HeightSeries::add(const Sample& sample) {
     if (sample.known == 0) return;
     time_.push_back(sample.time);
     mean_.push_back(sample.mean);
+    square_.push_back(sample.square);
     low_.push_back(sample.low);
     high_.push_back(sample.high);
     known_.push_back(sample.known);
@@ -66,6 +77,7 @@ void HeightSeries::merge(const HeightSeries& later) {
     };
     append(time_, later.time_);
     append(mean_, later.mean_);
+    append(square_, later.square_);
     append(low_, later.low_);
     append(high_, later.high_);
     append(known_, later.known_);
@@ -75,6 +87,7 @@ void HeightSeries::merge(const HeightSeries& later) {
 void HeightSeries::save(Checkpoint& checkpoint, const std::string& prefix) const {
     checkpoint.reals[prefix + "time"] = time_;
     checkpoint.reals[prefix + "mean"] = mean_;
+    checkpoint.reals[prefix + "square"] = square_;
     checkpoint.reals[prefix + "low"] = low_;
     checkpoint.reals[prefix + "high"] = high_;
     checkpoint.integers[prefix + "known"] = known_;
@@ -94,6 +107,7 @@ void HeightSeries::restore(const Checkpoint& checkpoint, const std::string& pref
     const std::size_t bins = profile_.size();
     take(checkpoint.reals, "time", time_);
     take(checkpoint.reals, "mean", mean_);
+    take(checkpoint.reals, "square", square_);
     take(checkpoint.reals, "low", low_);
     take(checkpoint.reals, "high", high_);
     take(checkpoint.integers, "known", known_);
@@ -101,52 +115,106 @@ void HeightSeries::restore(const Checkpoint& checkpoint, const std::string& pref
     const std::size_t frames = time_.size();
     const auto is_finite_number = [](double value) { return std::isfinite(value); };
     const bool are_numbers = std::ranges::all_of(time_, is_finite_number) &&
-                             std::ranges::all_of(mean_, is_finite_number);
+                             std::ranges::all_of(mean_, is_finite_number) &&
+                             std::ranges::all_of(square_, is_finite_number);
     const auto is_bad = [](std::int64_t count) { return count < 0 || count > 1'000'000'000'000; };
-    if (mean_.size() != frames || low_.size() != frames || high_.size() != frames ||
-        known_.size() != frames || profile_.size() != bins || !are_numbers ||
-        std::ranges::any_of(profile_, is_bad) || std::ranges::any_of(known_, is_bad)) {
+    if (mean_.size() != frames || square_.size() != frames || low_.size() != frames ||
+        high_.size() != frames || known_.size() != frames || profile_.size() != bins ||
+        !are_numbers || std::ranges::any_of(profile_, is_bad) ||
+        std::ranges::any_of(known_, is_bad)) {
         throw InputError(ErrorText{"stored heights do not fit", "columns of different lengths", "",
                                    "measure the part again"});
     }
 }
 
-// Nothing where the times leave the three terms indistinct.
-std::optional<HeightSeries::Motion> HeightSeries::motion(double frequency,
-                                                         std::size_t frames) const {
-    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d right = Eigen::Vector3d::Zero();
-    const double first = mean_.front();  // so that nothing cancels
-    double squares = 0;
-    for (std::size_t i = 0; i < frames; ++i) {
-        const double angle = 2 * std::numbers::pi * std::fmod(frequency * time_[i], 1.0);
-        const Eigen::Vector3d terms(1, std::sin(angle), std::cos(angle));
-        normal += terms * terms.transpose();
-        right += terms * (mean_[i] - first);
-        squares += (mean_[i] - first) * (mean_[i] - first);
+struct HeightSeries::Motion {
+    double frequency = 0, frequency_error = 0;
+    double amplitude = 0, amplitude_error = 0;
+    double phase = 0, phase_error = 0;  // at t = 0
+    double left = 0;                    // sum of squares
+    double chance = 1;                  // that noise is as periodic at one frequency
+};
+
+// Nothing where the times leave the terms indistinct.
+std::optional<HeightSeries::Motion> HeightSeries::fit(double frequency, bool is_free,
+                                                      std::size_t frames) const {
+    const double middle = 0.5 * (time_.front() + time_[frames - 1]);
+    const double half = 0.5 * (time_[frames - 1] - time_.front());
+    const auto n = static_cast<double>(frames);
+    const double first = mean_.front();           // so that nothing cancels
+    Eigen::Vector4d c = Eigen::Vector4d::Zero();  // 1, drift, sine, cosine about the middle
+    double left = 0, without = 0;
+    UnknownsSquared covariance;
+    for (int round = 0; round < (is_free ? most_rounds : 1); ++round) {
+        // The last column is that of the frequency, in units of 1/(2π half).
+        const Eigen::Index columns = is_free && round > 0 ? 5 : 4;
+        UnknownsSquared normal = UnknownsSquared::Zero(columns, columns);
+        Unknowns right = Unknowns::Zero(columns);
+        double squares = 0;
+        for (std::size_t i = 0; i < frames; ++i) {
+            const double t = time_[i] - middle;
+            const double angle = 2 * std::numbers::pi * std::fmod(frequency * t, 1.0);
+            Unknowns terms(columns);
+            terms.head<4>() << 1, t / half, std::sin(angle), std::cos(angle);
+            if (columns == 5) terms[4] = t / half * (c[2] * terms[3] - c[3] * terms[2]);
+            const double height = mean_[i] - first;
+            normal += terms * terms.transpose();
+            right += height * terms;
+            squares += height * height;
+        }
+        const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> solver(normal.topLeftCorner<4, 4>());
+        if (!(solver.eigenvalues()[0] > least_distinct * n)) return std::nullopt;
+        const Unknowns found = normal.ldlt().solve(right);
+        c = found.head<4>();
+        left = std::max(0.0, squares - found.dot(right));
+        const Eigen::Vector2d plain = normal.topLeftCorner<2, 2>().ldlt().solve(right.head<2>());
+        without = std::max(0.0, squares - plain.dot(right.head<2>()));
+        covariance = normal.inverse() * left / (n - static_cast<double>(columns));
+        if (columns < 5) continue;
+        const double step = found[4] / (2 * std::numbers::pi * half);
+        frequency += std::clamp(step, -0.1 / half, 0.1 / half);
+        if (std::abs(step) < 1e-9 / half) break;
     }
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(normal);
-    if (!(solver.eigenvalues()[0] > 0.02 * static_cast<double>(frames))) return std::nullopt;
-    const Eigen::Vector3d c = normal.ldlt().solve(right);
-    const double turn = std::atan2(c[2], c[1]) / (2 * std::numbers::pi);
-    return Motion{.height = first + c[0],
-                  .amplitude = std::hypot(c[1], c[2]),
-                  .phase = turn < 0 ? turn + 1 : turn,
-                  .rest = std::max(0.0, squares - c.dot(right)) /
-                          std::max(1.0, static_cast<double>(frames) - 3)};
+    Motion motion;
+    motion.frequency = frequency;
+    motion.left = left;
+    motion.amplitude = std::hypot(c[2], c[3]);
+    if (!(motion.amplitude > 0)) return motion;
+    const double turns = std::atan2(c[3], c[2]) / (2 * std::numbers::pi) - frequency * middle;
+    motion.phase = turns - std::floor(turns);
+    const Eigen::Index columns = covariance.rows();
+    Unknowns amplitude = Unknowns::Zero(columns);
+    Unknowns phase = Unknowns::Zero(columns);
+    amplitude.segment<2>(2) << c[2], c[3];
+    amplitude /= motion.amplitude;
+    phase.segment<2>(2) << -c[3], c[2];
+    phase /= 2 * std::numbers::pi * motion.amplitude * motion.amplitude;
+    if (columns == 5) {
+        const double unit = 1 / (2 * std::numbers::pi * half);
+        phase[4] = -middle * unit;
+        motion.frequency_error = unit * std::sqrt(covariance(4, 4));
+    }
+    motion.amplitude_error = std::sqrt(amplitude.dot(covariance * amplitude));
+    motion.phase_error = std::sqrt(phase.dot(covariance * phase));
+    // Of the F distribution with 2 and ν degrees of freedom: P(F > x) = (1 + 2x/ν)^(−ν/2).
+    motion.chance = std::pow(std::max(left, 1e-300) / std::max(without, 1e-300), 0.5 * (n - 4));
+    return motion;
 }
 
-double HeightSeries::searched_frequency() const {
+std::optional<HeightSeries::Motion> HeightSeries::searched(std::int64_t& tried) const {
     const std::size_t frames = std::min(time_.size(), searched_frames);
     const double length = time_[frames - 1] - time_.front();
-    const double rate = static_cast<double>(frames - 1) / length;
-    double best = 0, amplitude = 0;
-    for (double f = 1 / length; f <= 0.5 * rate; f += 0.25 / length) {
-        const auto fit = motion(f, frames);
-        if (!fit || fit->amplitude <= amplitude) continue;
-        amplitude = fit->amplitude;
-        best = f;
+    const double highest_frequency = 0.5 * static_cast<double>(frames - 1) / length;
+    const auto steps = static_cast<std::int64_t>(4 * (highest_frequency * length - least_periods));
+    std::optional<Motion> best;
+    for (std::int64_t step = 0; step < steps; ++step) {
+        const double f = (least_periods + 0.25 * static_cast<double>(step)) / length;
+        const auto found = fit(f, false, frames);
+        if (found && (!best || found->left < best->left)) best = found;
     }
+    tried = std::max<std::int64_t>(1, steps);
+    if (best) best = fit(best->frequency, true, frames);
+    if (best && frames < time_.size()) best = fit(best->frequency, true, time_.size());
     return best;
 }
 
@@ -159,27 +227,38 @@ void HeightSeries::add_motion(ObservableResult& result) const {
         none(fmt::format("{} frames with heights, {} are needed", frames, least_frames));
         return;
     }
-    const double frequency = frequency_ ? *frequency_ : searched_frequency();
-    const auto fit = motion(frequency, frames);
-    if (!fit || !(fit->amplitude > 0)) {
-        none(frequency_ ? "frames are at one or two phases of the vibration"
-                        : "the mean height does not change");
+    if (std::ranges::adjacent_find(time_, std::ranges::greater_equal{}) != time_.end()) {
+        none("times do not grow");
         return;
     }
-    const double error = std::sqrt(2 * fit->rest / static_cast<double>(frames));
-    if (!(fit->amplitude > least_significance * error)) {
-        none(fmt::format("{:.2g} ± {:.2g} a: less than {} errors", fit->amplitude, error,
-                         least_significance));
+    std::int64_t tried = 1;
+    const auto found = frequency_ ? fit(*frequency_, false, frames) : searched(tried);
+    if (!found) {
+        none("frames are at one or two phases of the vibration");
+        return;
+    }
+    const double chance = found->chance * static_cast<double>(tried);
+    if (!(found->amplitude > 0) || !(chance < most_chance)) {
+        none(fmt::format("{:.2g} ± {:.2g} a: noise alone is as periodic", found->amplitude,
+                         found->amplitude_error));
         return;
     }
     const auto samples = static_cast<double>(frames);
-    const double phase_error = error / (2 * std::numbers::pi * fit->amplitude);
-    result.measurements.push_back(
-        measured("height_amplitude", "a", fit->amplitude, error, samples));
-    result.measurements.push_back(measured("height_phase", "-", fit->phase, phase_error, samples));
-    result.measurements.push_back(
-        measured("height_frequency", "1/time unit", frequency, std::nullopt, samples,
-                 frequency_ ? "that of the vibration, as given" : "searched in steps: no error"));
+    const auto add = [&](const char* name, const char* unit, double value, double error) {
+        const bool is_exact = !(error > 0);
+        result.measurements.push_back(
+            is_exact ? measured(name, unit, value, std::nullopt, samples, "nothing is left over")
+                     : measured(name, unit, value, error, samples));
+    };
+    add("height_amplitude", "a", found->amplitude, found->amplitude_error);
+    add("height_phase", "-", found->phase, found->phase_error);
+    if (frequency_) {
+        result.measurements.push_back(measured("height_frequency", "1/time unit", *frequency_,
+                                               std::nullopt, samples,
+                                               "that of the vibration, as given"));
+    } else {
+        add("height_frequency", "1/time unit", found->frequency, found->frequency_error);
+    }
 }
 
 ObservableResult HeightSeries::result() const {
@@ -198,8 +277,8 @@ ObservableResult HeightSeries::result() const {
                               {"high", "a", "Height that 95 % are below", high_},
                               {"n", "-", "Known heights", std::move(known)}},
                              {}});
-    double all = 0, sum = 0, squares = 0;
-    for (const std::int64_t count : profile_) all += static_cast<double>(count);
+    double in_profile = 0;
+    for (const std::int64_t count : profile_) in_profile += static_cast<double>(count);
     Curve profile{"height_profile",
                   "Profile of heights",
                   {{"z", "a", "Height of the centre", {}}, {"density", "1/a", "Density", {}}},
@@ -210,22 +289,26 @@ ObservableResult HeightSeries::result() const {
     for (auto b = from; b < end; ++b) {
         const double z = lowest + (static_cast<double>(b) + 0.5) * bin;
         const double density =
-            static_cast<double>(profile_[static_cast<std::size_t>(b)]) / (all * bin);
+            static_cast<double>(profile_[static_cast<std::size_t>(b)]) / (in_profile * bin);
         profile.columns[0].values.push_back(z);
         profile.columns[1].values.push_back(density);
-        sum += z * density * bin;
-        squares += z * z * density * bin;
     }
-    if (all > 0) result.curves.push_back(std::move(profile));
+    if (in_profile > 0) result.curves.push_back(std::move(profile));
     MeanSeries mean;
     for (const double height : mean_) mean.add(height);
     result.measurements.push_back(
         mean.measurement("height_mean", "a", std::nullopt, "one frame: no error"));
-    if (all > 0) {
-        const double spread = std::sqrt(std::max(0.0, squares - sum * sum));
-        result.measurements.push_back(
-            measured("height_spread", "a", spread, std::nullopt, all, "of the profile: no error"));
+    double all = 0, sum = 0, squares = 0;
+    for (std::size_t i = 0; i < time_.size(); ++i) {
+        const auto n = static_cast<double>(known_[i]);
+        all += n;
+        sum += n * mean_[i];
+        squares += n * square_[i];
     }
+    const double average = sum / all;
+    const double spread = std::sqrt(std::max(0.0, squares / all - average * average));
+    result.measurements.push_back(measured("height_spread", "a", spread, std::nullopt, all,
+                                           "of all spheres and frames: no error"));
     add_motion(result);
     return result;
 }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -17,7 +19,33 @@ namespace {
 
 constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t most_contacts = 16;  // more count as so many
-constexpr double too_near = 0.95;          // no two hard spheres are so near [a]
+constexpr std::int64_t most_stored = 1'000'000'000'000;
+constexpr double least_peak = 0.5;  // nearer pairs are no neighbours [a]
+constexpr double least_pairs = 20;  // of a bin that can be the peak
+constexpr double too_near = 0.95;   // no two hard spheres are so near [a]
+
+// The part of the box in which centres can be: along walled axes between the outermost ones, and as
+// much beyond them as independent ones leave on average.
+Box window_of(const Pattern& pattern) {
+    Box window = pattern.box;
+    const auto n = static_cast<double>(pattern.size());
+    const auto narrow = [&](double Vec2::*axis) {
+        double low = pattern.position[0].*axis;
+        double high = low;
+        for (const Vec2 p : pattern.position) {
+            low = std::min(low, p.*axis);
+            high = std::max(high, p.*axis);
+        }
+        const double beyond = (high - low) / (n - 1);
+        low = std::max(low - beyond, window.origin.*axis);
+        high = std::min(high + beyond, window.origin.*axis + window.length.*axis);
+        window.origin.*axis = low;
+        window.length.*axis = high - low;
+    };
+    if (window.boundary[0] == Boundary::walls) narrow(&Vec2::x);
+    if (window.boundary[1] == Boundary::walls) narrow(&Vec2::y);
+    return window;
+}
 
 // A/A_w(s): what walls cut off of the pairs this far apart.
 double wall_weight(const Box& box, Vec2 s) {
@@ -39,6 +67,21 @@ bool is_inside(const Box& box, Vec2 p, double border) {
 template <class Number>
 void add_each(std::vector<Number>& to, const std::vector<Number>& from) {
     for (std::size_t i = 0; i < to.size(); ++i) to[i] += from[i];
+}
+
+// Pairs of particles that stand exactly above each other, which the cells leave out.
+template <class Visit>
+void visit_columns(const std::vector<Vec2>& position, const Visit& visit) {
+    std::vector<std::size_t> order(position.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::sort(order, {},
+                      [&](std::size_t i) { return std::pair(position[i].x, position[i].y); });
+    for (std::size_t a = 0; a < order.size(); ++a) {
+        for (std::size_t b = a + 1; b < order.size(); ++b) {
+            if (!(position[order[a]] == position[order[b]])) break;
+            visit(order[a], order[b]);
+        }
+    }
 }
 
 // Σ over ordered pairs i ≠ j of π max(0, r² − (z_i − z_j)²); z ascending.
@@ -114,9 +157,9 @@ PairDistribution::PairDistribution(const PairDistributionOptions& options, const
       stride_(stride(options, frames)) {
     const double range = std::min(options.range, 0.5 * std::min(box.length.x, box.length.y));
     bins_ = static_cast<std::size_t>(std::floor(range / options.bin * (1 + 1e-12)));
-    if (bins_ > 1'000'000) {
+    if (bins_ > 100'000) {
         throw OptionError(ErrorText{"too many bins of the pair distribution",
-                                    fmt::format("{}", bins_), "1,000,000 at most",
+                                    fmt::format("{}", bins_), "100,000 at most",
                                     "take a smaller gr.range or a larger gr.bin"});
     }
     blocks_.assign(static_cast<std::size_t>(plan_.blocks), empty_block());
@@ -129,7 +172,7 @@ PairDistribution::Block PairDistribution::empty_block() const {
         sums->expected.assign(bins_, 0);
         sums->pairs.assign(bins_, 0);
     }
-    block.contacts.assign(most_contacts + 1, 0);
+    block.spheres_with.assign(most_contacts + 1, 0);
     return block;
 }
 
@@ -146,28 +189,32 @@ PairDistribution::Sample PairDistribution::measure(const Pattern& pattern,
     Sample sample;
     sample.is_used = ordinal % stride_ == 0 && bins_ > 0;
     if (!sample.is_used) return sample;
+    const Box window = pattern.size() > 1 ? window_of(pattern) : box_;
+    if (!(window.area() > 0)) {  // all in one line
+        sample.is_used = false;
+        return sample;
+    }
     const Block empty = empty_block();
     sample.plane = empty.plane;
     sample.space = empty.space;
-    sample.contacts = empty.contacts;
+    sample.spheres_with = empty.spheres_with;
     sample.particles = static_cast<double>(pattern.size());
-    count(pattern, sample);
-    expect(std::vector<double>(pattern.size(), 0), box_.area(), sample.plane);
+    count(pattern, window, sample);
+    expect(std::vector<double>(pattern.size(), 0), window.area(), sample.plane);
     std::vector<double> known;
     std::ranges::copy_if(pattern.z, std::back_inserter(known),
                          [](double z) { return !std::isnan(z); });
     sample.known = static_cast<double>(known.size());
-    expect(std::move(known), box_.area(), sample.space);
+    expect(std::move(known), window.area(), sample.space);
     return sample;
 }
 
 // Each pair once, for the plane and, where both heights are known, for space.
-void PairDistribution::count(const Pattern& pattern, Sample& sample) const {
+void PairDistribution::count(const Pattern& pattern, const Box& window, Sample& sample) const {
     const bool has_heights = !pattern.z.empty();
     const double range = static_cast<double>(bins_) * options_.bin;
     const double reach = has_heights ? std::max(range, options_.contact) : range;
-    const CellList cells(pattern.position, pattern.box);
-    std::vector<std::size_t> contacts(has_heights ? pattern.size() : 0, 0);
+    std::vector<std::int64_t> contacts(has_heights ? pattern.size() : 0, 0);
     std::vector<bool> is_too_near(contacts.size(), false);
     const auto enter = [&](Sums& sums, double r, double weight) {
         const auto bin = static_cast<std::size_t>(r / options_.bin);
@@ -175,30 +222,37 @@ void PairDistribution::count(const Pattern& pattern, Sample& sample) const {
         sums.weight[bin] += 2 * weight;
         ++sums.pairs[bin];
     };
+    const auto enter_pair = [&](std::size_t i, std::size_t j, Vec2 d, double r2) {
+        const double weight = wall_weight(window, d);
+        enter(sample.plane, std::sqrt(r2), weight);
+        if (!has_heights) return;
+        const double h = pattern.z[j] - pattern.z[i];
+        if (std::isnan(h)) return;
+        const double r = std::sqrt(r2 + h * h);
+        enter(sample.space, r, weight);
+        if (r >= options_.contact) return;
+        ++contacts[i];
+        ++contacts[j];
+        if (r < too_near) is_too_near[i] = is_too_near[j] = true;
+    };
+    const CellList cells(pattern.position, pattern.box);
     NeighbourList near;
     for (const int i : cells.order()) {
-        const auto at = static_cast<std::size_t>(i);
         cells.within(i, reach, near);
         for (const Neighbour& other : near) {
-            const auto j = static_cast<std::size_t>(other.index);
-            if (j < at) continue;
-            const double weight = wall_weight(pattern.box, other.d);
-            enter(sample.plane, std::sqrt(other.r2), weight);
-            if (!has_heights) continue;
-            const double h = pattern.z[j] - pattern.z[at];
-            if (std::isnan(h)) continue;
-            const double r = std::sqrt(other.r2 + h * h);
-            enter(sample.space, r, weight);
-            if (r >= options_.contact) continue;
-            ++contacts[at];
-            ++contacts[j];
-            if (r < too_near) is_too_near[at] = is_too_near[j] = true;
+            if (other.index < i) continue;
+            enter_pair(static_cast<std::size_t>(i), static_cast<std::size_t>(other.index), other.d,
+                       other.r2);
         }
     }
+    visit_columns(pattern.position, [&](std::size_t i, std::size_t j) {
+        enter_pair(i, j, {0, 0}, 0);
+    });
     for (std::size_t i = 0; i < contacts.size(); ++i) {
         if (std::isnan(pattern.z[i])) continue;
-        if (!is_inside(pattern.box, pattern.position[i], options_.contact)) continue;
-        ++sample.contacts[std::min(contacts[i], most_contacts)];
+        if (!is_inside(window, pattern.position[i], options_.contact)) continue;
+        ++sample.spheres_with[std::min(static_cast<std::size_t>(contacts[i]), most_contacts)];
+        sample.contacts += contacts[i];
         sample.too_near += is_too_near[i] ? 1 : 0;
     }
 }
@@ -222,7 +276,8 @@ void PairDistribution::add(const Sample& sample) {
     block.known += sample.known;
     block.plane.add(sample.plane);
     block.space.add(sample.space);
-    add_each(block.contacts, sample.contacts);
+    add_each(block.spheres_with, sample.spheres_with);
+    block.contacts += sample.contacts;
     block.too_near += sample.too_near;
 }
 
@@ -232,7 +287,8 @@ void PairDistribution::add_block(Block& to, const Block& from) {
     to.known += from.known;
     to.plane.add(from.plane);
     to.space.add(from.space);
-    add_each(to.contacts, from.contacts);
+    add_each(to.spheres_with, from.spheres_with);
+    to.contacts += from.contacts;
     to.too_near += from.too_near;
 }
 
@@ -260,8 +316,8 @@ void PairDistribution::save(Checkpoint& checkpoint, const std::string& prefix) c
     counts = {added_};
     for (const Block& block : blocks_) {
         reals.insert(reals.end(), {block.particles, block.known});
-        counts.insert(counts.end(), {block.frames, block.too_near});
-        counts.insert(counts.end(), block.contacts.begin(), block.contacts.end());
+        counts.insert(counts.end(), {block.frames, block.too_near, block.contacts});
+        counts.insert(counts.end(), block.spheres_with.begin(), block.spheres_with.end());
         for (const Sums* sums : {&block.plane, &block.space}) {
             reals.insert(reals.end(), sums->weight.begin(), sums->weight.end());
             reals.insert(reals.end(), sums->expected.begin(), sums->expected.end());
@@ -273,10 +329,11 @@ void PairDistribution::save(Checkpoint& checkpoint, const std::string& prefix) c
 void PairDistribution::restore(const Checkpoint& checkpoint, const std::string& prefix) {
     const auto reals = checkpoint.reals.find(prefix + "sums");
     const auto counts = checkpoint.integers.find(prefix + "counts");
-    const auto is_bad = [](std::int64_t count) { return count < 0; };
+    // So that sums over all parts stay exact.
+    const auto is_bad = [](std::int64_t count) { return count < 0 || count > most_stored; };
     if (reals == checkpoint.reals.end() || counts == checkpoint.integers.end() ||
         reals->second.size() != blocks_.size() * (2 + 4 * bins_) ||
-        counts->second.size() != 1 + blocks_.size() * (3 + most_contacts + 2 * bins_) ||
+        counts->second.size() != 1 + blocks_.size() * (4 + most_contacts + 2 * bins_) ||
         std::ranges::any_of(counts->second, is_bad) ||
         !std::ranges::all_of(reals->second, [](double sum) { return sum >= 0 && sum < 1e300; })) {
         throw InputError(ErrorText{"stored sums of the pair distribution do not fit",
@@ -291,7 +348,8 @@ void PairDistribution::restore(const Checkpoint& checkpoint, const std::string& 
         block.known = *real++;
         block.frames = *count++;
         block.too_near = *count++;
-        for (std::int64_t& number : block.contacts) number = *count++;
+        block.contacts = *count++;
+        for (std::int64_t& number : block.spheres_with) number = *count++;
         for (Sums* sums : {&block.plane, &block.space}) {
             for (double& sum : sums->weight) sum = *real++;
             for (double& sum : sums->expected) sum = *real++;
@@ -323,7 +381,7 @@ std::vector<double> PairDistribution::errors(const Block& all, Sums Block::*sums
             left.push_back((whole.weight[bin] - part.weight[bin]) /
                            (whole.expected[bin] - part.expected[bin]));
         }
-        error[bin] = jackknife_error(left).value_or(undefined);
+        if (whole.pairs[bin] > 0) error[bin] = left_out_error(left).error.value_or(undefined);
     }
     return error;
 }
@@ -367,11 +425,8 @@ void PairDistribution::add_space(const Block& all, ObservableResult& result) con
                    "Contacts of a sphere",
                    {{"n", "-", "Contacts", {}}, {"share", "-", "Share of spheres", {}}},
                    {}};
-    double spheres = 0, sum = 0;
-    for (std::size_t n = 0; n <= most_contacts; ++n) {
-        spheres += static_cast<double>(all.contacts[n]);
-        sum += static_cast<double>(n) * static_cast<double>(all.contacts[n]);
-    }
+    double spheres = 0;
+    for (const std::int64_t count : all.spheres_with) spheres += static_cast<double>(count);
     if (!(spheres > 0)) {
         result.measurements.push_back(
             missing("contact_number", "-", "no sphere further from a wall than a contact"));
@@ -379,28 +434,47 @@ void PairDistribution::add_space(const Block& all, ObservableResult& result) con
     }
     for (std::size_t n = 0; n <= most_contacts; ++n) {
         contacts.columns[0].values.push_back(static_cast<double>(n));
-        contacts.columns[1].values.push_back(static_cast<double>(all.contacts[n]) / spheres);
+        contacts.columns[1].values.push_back(static_cast<double>(all.spheres_with[n]) / spheres);
     }
     result.curves.push_back(std::move(contacts));
 
+    const auto sum = static_cast<double>(all.contacts);
     std::vector<double> left;
     for (const Block& block : blocks_) {
         if (block.frames == 0) continue;
-        double rest = spheres, rest_sum = sum;
-        for (std::size_t n = 0; n <= most_contacts; ++n) {
-            rest -= static_cast<double>(block.contacts[n]);
-            rest_sum -= static_cast<double>(n) * static_cast<double>(block.contacts[n]);
-        }
-        left.push_back(rest_sum / rest);
+        double rest = spheres;
+        for (const std::int64_t count : block.spheres_with) rest -= static_cast<double>(count);
+        left.push_back((sum - static_cast<double>(block.contacts)) / rest);
     }
-    const auto error = jackknife_error(left, 4);
-    result.measurements.push_back(measured("contact_number", "-", sum / spheres, error, spheres,
-                                           error ? "" : "fewer than four frames: no error"));
+    const SeriesError error = left_out_error(left);
+    result.measurements.push_back(
+        measured("contact_number", "-", sum / spheres, error.error, spheres, error.reason));
     result.measurements.push_back(measured("share_too_near", "-",
                                            static_cast<double>(all.too_near) / spheres,
                                            std::nullopt, spheres, "a check of heights: no error"));
     result.measurements.push_back(measured("known_heights", "-", all.known / all.particles,
                                            std::nullopt, all.particles, "counted: no error"));
+}
+
+void PairDistribution::add_peak(const Curve& plane, ObservableResult& result) const {
+    const std::vector<double>& g = plane.columns[1].values;
+    std::optional<std::size_t> peak;
+    for (std::size_t bin = 0; bin < g.size(); ++bin) {
+        const bool counts = plane.columns[0].values[bin] >= least_peak &&
+                            plane.columns[3].values[bin] >= least_pairs;
+        if (counts && (!peak || g[bin] > g[*peak])) peak = bin;
+    }
+    if (!peak) {
+        result.measurements.push_back(
+            missing("gr_peak", "-",
+                    fmt::format("no bin beyond {} a holds {} pairs", least_peak, least_pairs)));
+        return;
+    }
+    const double pairs = plane.columns[3].values[*peak];
+    result.measurements.push_back(measured("gr_peak", "-", g[*peak], std::nullopt, pairs,
+                                           "the largest of the bins: no error"));
+    result.measurements.push_back(measured("gr_peak_distance", "a", plane.columns[0].values[*peak],
+                                           std::nullopt, pairs, "the middle of a bin: no error"));
 }
 
 ObservableResult PairDistribution::result() const {
@@ -414,28 +488,11 @@ ObservableResult PairDistribution::result() const {
             added_ == 0 ? "no frames"
             : bins_ == 0
                 ? fmt::format("half the box is narrower than a bin of {:.3g} a", options_.bin)
-                : "fewer than two particles";
+                : "fewer than two particles, or all in one line";
         return result;
     }
     result.curves.push_back(curve(all, &Block::plane, "gr", "Pair distribution in the plane", "s"));
-    const Curve& plane = result.curves.front();
-    const std::vector<double>& g = plane.columns[1].values;
-    const auto peak = static_cast<std::size_t>(
-        std::ranges::max_element(g, {}, [](double x) { return std::isnan(x) ? -1 : x; }) -
-        g.begin());
-    const double error = plane.columns[2].values[peak];
-    const double pairs = plane.columns[3].values[peak];
-    if (!(pairs > 0)) {
-        result.measurements.push_back(
-            missing("gr_peak", "-", fmt::format("no pair nearer than {:.3g} a", options_.range)));
-    } else {
-        result.measurements.push_back(
-            std::isnan(error)
-                ? measured("gr_peak", "-", g[peak], std::nullopt, pairs, "too few blocks: no error")
-                : measured("gr_peak", "-", g[peak], error, pairs));
-        result.measurements.push_back(measured(
-            "gr_peak_distance", "a", plane.columns[0].values[peak], 0.5 * options_.bin, pairs));
-    }
+    add_peak(Curve(result.curves.front()), result);
     add_space(all, result);
     return result;
 }

@@ -14,7 +14,7 @@
 namespace grainfield::analysis {
 
 struct PairDistributionOptions {
-    double range = 8;           ///< largest distance of a pair [a]; at most half the box
+    double range = 5;           ///< largest distance of a pair [a]; at most half the box
     double bin = 0.02;          ///< width of the bins [a]
     double contact = 1.1;       ///< spheres nearer in space touch [a]
     std::int64_t frames = 200;  ///< most frames that are used, evenly spread; 0: all
@@ -28,10 +28,12 @@ OptionTable describe(PairDistributionOptions& options);
 ///   g(r) = Σ_{i≠j} [r_ij in the bin] A/A_w(s_ij)  /  Σ_{i≠j} V(z_i − z_j)/A
 ///
 /// s_ij is the vector from i to j in the plane, r_ij its length (in the plane) or the distance in
-/// space. A [a²] is the area of the box. A_w(s) = (Lx − |s_x|)(Ly − |s_y|) is the area that the box
-/// and the box displaced by s share: it makes up for the pairs that walls cut off (translation
-/// correction, `stoyan1994`). On periodic axes nothing is cut off and L stands alone. V(h) is the
-/// area of the ring that the bin leaves in the plane at the difference of heights h,
+/// space. A [a²] is the area of the window in which centres are seen. A_w(s) = (Lx − |s_x|)(Ly −
+/// |s_y|) is the area that the window and the window displaced by s share: it makes up for the
+/// pairs that its sides cut off (translation correction, `stoyan1994`). On periodic axes nothing is
+/// cut off and L stands alone. Along others the window reaches from the first to the last centre of
+/// the frame, and by 1/(N − 1) of that beyond: hard walls and the border of a film hold no centres.
+/// V(h) is the area of the ring that the bin leaves in the plane at the difference of heights h,
 ///
 ///   V(h) = π max(0, r₂² − h²) − π max(0, r₁² − h²),      h = 0 in the plane.
 ///
@@ -41,13 +43,18 @@ OptionTable describe(PairDistributionOptions& options);
 ///
 /// Curve `gr`: s, g, err, n (pairs). Curve `gr_space`: r, g, err, n, neighbours (mean number of
 /// spheres within r). Curve `contacts`: share of spheres with n contacts. Spheres nearer than
-/// `contact` to a wall are not counted as centres. Only spheres with a known height enter the last
-/// two; where some are unknown, contacts are too few, and `known_heights` says by how much.
+/// `contact` to a side of the window are not counted as centres. Only spheres with a known height
+/// enter the last two; where some are unknown, contacts are too few, and `known_heights` says by
+/// how much.
 ///
-/// Validity: homogeneous layers. Layers of order at a wall stay in g. Error: jackknife over at most
-/// 16 blocks of time; below four frames √n of the pairs, which takes pairs as independent.
+/// Validity: homogeneous layers. Layers of order at a wall stay in g. In small windows of crystals
+/// the window is a spacing too narrow, and g too small by as much of the area. Error:
+/// left_out_error of at most 16 blocks of time; below four frames g/√n of n pairs, which takes them
+/// as independent. The last row of `contacts` is 16 or more. The peak is the largest bin beyond 0.5
+/// a with 20 pairs.
 ///
-/// Cost O(N ρ range²) a frame that is used. Memory: 16 blocks of a few kB.
+/// Cost O(N ρ range²) a frame that is used, ρ the number per area of the projection. Memory: 48 B a
+/// bin for each of 16 blocks, 200 kB with 250 bins.
 class PairDistribution {
  public:
     /// Sums of one frame; those of `weight` have A/A_w.
@@ -61,8 +68,9 @@ class PairDistribution {
         double particles = 0;
         double known = 0;  ///< with a known height
         Sums plane, space;
-        std::vector<std::int64_t> contacts;  ///< spheres with n contacts
-        std::int64_t too_near = 0;           ///< of them, with one nearer than 0.95 a
+        std::vector<std::int64_t> spheres_with;  ///< n contacts; the last: so many or more
+        std::int64_t contacts = 0;               ///< of all of them
+        std::int64_t too_near = 0;               ///< of them, with one nearer than 0.95 a
     };
 
     /// Of a part of a run `frames` is the length of the run, `first` the number of its first frame.
@@ -90,17 +98,19 @@ class PairDistribution {
         double particles = 0;
         double known = 0;
         Sums plane, space;
-        std::vector<std::int64_t> contacts;
+        std::vector<std::int64_t> spheres_with;
+        std::int64_t contacts = 0;
         std::int64_t too_near = 0;
     };
     Block empty_block() const;
     static void add_block(Block& to, const Block& from);
     Block total() const;
-    void count(const Pattern& pattern, Sample& sample) const;
+    void count(const Pattern& pattern, const Box& window, Sample& sample) const;
     void expect(std::vector<double> z, double area, Sums& sums) const;
     std::vector<double> errors(const Block& all, Sums Block::*sums) const;
     Curve curve(const Block& all, Sums Block::*sums, const char* name, const char* title,
                 const char* distance) const;
+    void add_peak(const Curve& plane, ObservableResult& result) const;
     void add_space(const Block& all, ObservableResult& result) const;
 
     PairDistributionOptions options_;

@@ -13,8 +13,8 @@ namespace {
 constexpr const char* reading =
     "<p class=\"reading\">A strip two diameters deep, to scale. Spheres nearer to the lower edge "
     "of "
-    "the map stand in front; those behind are paler. Thin lines are the faces of the plates at "
-    "rest, as far as they are known. Colours are those of the map, where dashed boxes mark the "
+    "the map stand in front; those behind are paler. Thin lines are the faces of the plates, "
+    "as far as they are known. Colours are those of the map, where dashed boxes mark the "
     "strip and the patch below. A click there, or Enter at the lens, moves both.</p>\n";
 
 constexpr const char* turning =

@@ -299,6 +299,7 @@ TEST(AbsQ4, KeepsOneEntryAParticleEvenForPositionsThatAreNotNumbers) {
     Snapshot& s = source.snapshots[0];
     const std::vector<double> before = abs_q4(s, 8, {});
     s.position.insert(s.position.begin(), {std::numeric_limits<double>::quiet_NaN(), 0});
+    s.z.insert(s.z.begin(), 0);
     s.id.clear();
     const std::vector<double> after = abs_q4(s, 8, {});
     ASSERT_EQ(after.size(), before.size() + 1);
@@ -312,6 +313,7 @@ TEST(Analysis, PlansFromTheFirstFrameThatHasParticles) {
     for (int f : {0, 1}) {
         source.snapshots[static_cast<std::size_t>(f)].position.clear();
         source.snapshots[static_cast<std::size_t>(f)].id.clear();
+        source.snapshots[static_cast<std::size_t>(f)].z.clear();
     }
     RunPlan plan;
     plan_measurement(source, {}, plan);

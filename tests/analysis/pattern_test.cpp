@@ -65,6 +65,11 @@ TEST(Pattern, KnowsOnlyHeightsWithAUsefulError) {
     EXPECT_TRUE(std::isnan(pattern.z[2]));
     snapshot.z_error = {3, 3, 3, 3};
     EXPECT_TRUE(pattern_of(snapshot, 8).z.empty());
+    snapshot.z_error.pop_back();
+    EXPECT_THROW(pattern_of(snapshot, 8), InputError);
+    snapshot.z_error.clear();
+    snapshot.z.pop_back();
+    EXPECT_THROW(pattern_of(snapshot, 8), InputError);
 }
 
 }  // namespace

@@ -124,6 +124,8 @@ BrightnessSynthesis synthesise_brightness(const Image& seen, const Image& seen_c
     result.light = fit.light();
     result.residual = fit.residual();
     result.residual_rms = fit.rms();
+    result.unexplained =
+        coherent_rms(fit.residual(), static_cast<int>(std::ceil(diameter))) / fit.light().gain;
     mark_doubtful(start.spheres, result);
     return result;
 }

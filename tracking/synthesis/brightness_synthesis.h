@@ -30,6 +30,7 @@ struct BrightnessSynthesis {
     Image residual;              ///< evened image − rendering
     double residual_before = 0;  ///< RMS at the start [contrast]
     double residual_rms = 0;     ///< … at the end
+    double unexplained = 0;      ///< of it what neighbouring pixels share (coherent_rms)
     int rounds = 0, trials = 0, added = 0, removed = 0, lifted = 0;
 };
 

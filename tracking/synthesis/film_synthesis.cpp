@@ -77,6 +77,7 @@ SynthesisedFrame FilmSynthesis::next(const Image& counts, const std::vector<Vec2
             .error_scale = result.error_scale,
             .residual_before = result.residual_before,
             .residual_rms = result.residual_rms,
+            .unexplained = result.unexplained,
             .added = result.added,
             .removed = result.removed,
             .lifted = result.lifted,
@@ -113,6 +114,8 @@ void add(const SynthesisedFrame& found, std::int64_t frame, SynthesisSummary& su
     summary.residual_rms += found.residual_rms;
     summary.optics = found.optics;
     summary.risen_frames += found.residual_rms < found.residual_before ? 0 : 1;
+    summary.unexplained_frames += found.unexplained > kMostUnexplained ? 1 : 0;
+    summary.most_unexplained = std::max(summary.most_unexplained, found.unexplained);
     summary.unscaled_frames += found.error_scale.spheres == 0 ? 1 : 0;
     const double share = static_cast<double>(found.doubtful) / static_cast<double>(spheres);
     summary.doubtful_frames += share > kDoubtfulShare ? 1 : 0;
@@ -138,6 +141,16 @@ void warn_of(const SynthesisSummary& summary, RunPlan& plan) {
                               "differ no less at its end than at its start",
                               summary.risen_frames, summary.frames));
     }
+    if (summary.unexplained_frames > 0) {
+        plan.warn(WarningCode::doubtful_heights,
+                  fmt::format("in {} of {} frames the rendering leaves more than {:.0f} % of the "
+                              "contrast, white noise apart ({:.1f} % at most): errors may not "
+                              "hold. Unless the camera smooths its noise: are "
+                              "track.sphere-diameter, the height of the cell and the distance of "
+                              "the camera right, and the spheres mirrors above a bright panel?",
+                              summary.unexplained_frames, summary.frames, 100 * kMostUnexplained,
+                              100 * summary.most_unexplained));
+    }
     if (summary.unscaled_frames > 0) {
         plan.warn(
             WarningCode::unscaled_errors,
@@ -158,19 +171,20 @@ void transfer(NumberArchive& archive, MirrorOptics& optics) {
 
 void transfer(NumberArchive& archive, SynthesisedFrame& found) {
     auto& [position, error, z, z_error, residual, optics, error_scale, residual_before,
-           residual_rms, added, removed, lifted, doubtful] = found;
+           residual_rms, unexplained, added, removed, lifted, doubtful] = found;
     archive.members<SynthesisedFrame>(position, error, z, z_error, residual, optics, error_scale,
-                                      residual_before, residual_rms, added, removed, lifted,
-                                      doubtful);
+                                      residual_before, residual_rms, unexplained, added, removed,
+                                      lifted, doubtful);
 }
 
 void transfer(NumberArchive& archive, SynthesisSummary& summary) {
     auto& [frames, spheres, doubtful, added, removed, lifted, residual_before, residual_rms,
-           doubtful_frames, risen_frames, unscaled_frames, worst_frame, worst_share, optics] =
-        summary;
+           doubtful_frames, risen_frames, unexplained_frames, most_unexplained, unscaled_frames,
+           worst_frame, worst_share, optics] = summary;
     archive.members<SynthesisSummary>(frames, spheres, doubtful, added, removed, lifted,
                                       residual_before, residual_rms, doubtful_frames, risen_frames,
-                                      unscaled_frames, worst_frame, worst_share, optics);
+                                      unexplained_frames, most_unexplained, unscaled_frames,
+                                      worst_frame, worst_share, optics);
 }
 
 }  // namespace grainfield::tracking

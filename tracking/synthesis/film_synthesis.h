@@ -25,8 +25,14 @@ struct SynthesisedFrame {
     MirrorOptics optics;
     ErrorScale error_scale;
     double residual_before = 0, residual_rms = 0;  ///< of the whole frame [contrast]
+    double unexplained = 0;  ///< the part of residual_rms that is no noise [contrast]
     std::int64_t added = 0, removed = 0, lifted = 0, doubtful = 0;
 };
+
+/// A rendering that leaves more of the contrast than this, white noise apart, is called into doubt.
+/// Chosen between what right and wrong descriptions of ray-traced frames leave; the figures are in
+/// bench/results/synthesis.md.
+inline constexpr double kMostUnexplained = 0.03;
 
 /// All frames together.
 struct SynthesisSummary {
@@ -36,6 +42,8 @@ struct SynthesisSummary {
     double residual_before = 0, residual_rms = 0;  ///< sums over frames [contrast]
     std::int64_t doubtful_frames = 0;              ///< with more than 1 % of their spheres doubtful
     std::int64_t risen_frames = 0;                 ///< whose residual did not fall
+    std::int64_t unexplained_frames = 0;           ///< that leave more than kMostUnexplained
+    double most_unexplained = 0;                   ///< [contrast]
     std::int64_t unscaled_frames = 0;              ///< whose errors are those of the fit alone
     std::int64_t worst_frame = 0;                  ///< with the largest share of doubtful spheres
     double worst_share = 0;                        ///< that share [-]
@@ -86,7 +94,8 @@ class FilmSynthesis {
 void add(const SynthesisedFrame& found, std::int64_t frame, SynthesisSummary& summary);
 
 /// Warns (WarningCode::doubtful_heights) of frames with more than 1 % of their spheres doubtful,
-/// and of those whose residual did not fall; of errors that are those of the fit alone
+/// of those whose residual did not fall, and of those that leave more than kMostUnexplained; of
+/// errors that are those of the fit alone
 /// (WarningCode::unscaled_errors).
 void warn_of(const SynthesisSummary& summary, RunPlan& plan);
 

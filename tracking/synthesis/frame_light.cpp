@@ -209,4 +209,17 @@ double inner_rms(const Image& image, int border) {
     return n > 0 ? std::sqrt(squares / n) : 0;
 }
 
+double coherent_rms(const Image& image, int border) {
+    double products = 0;
+    double n = 0;
+    for (int y = border; y < image.height() - border - 1; ++y) {
+        for (int x = border; x < image.width() - border - 1; ++x) {
+            products += static_cast<double>(image(x, y)) *
+                        static_cast<double>(image(x + 1, y) + image(x, y + 1));
+            n += 2;
+        }
+    }
+    return n > 0 ? std::sqrt(std::max(0.0, products / n)) : 0;
+}
+
 }  // namespace grainfield::tracking

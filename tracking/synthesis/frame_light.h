@@ -63,4 +63,9 @@ UnevenLight even_out(Image& brightness, Image& ceiling, const Image& radiance, d
 /// RMS of an image but for a border [px].
 double inner_rms(const Image& image, int border);
 
+/// The part of inner_rms that neighbouring pixels share, √max(0, ⟨v(x) v(x + e)⟩) with e a step to
+/// the right or downwards. White noise has none; noise that a camera smooths has some. What a model
+/// lacks is shared as far as it is wider than a pixel.
+double coherent_rms(const Image& image, int border);
+
 }  // namespace grainfield::tracking

@@ -43,9 +43,10 @@ double anywhere_between(double cell_height);
 ///
 ///     A_kl = Σ_pixels ∂M/∂q_k ∂M/∂q_l / σ²  [1/a²]
 ///
-/// M: the image of MirrorScene, whose optics are known, under even light. σ: noise of a pixel. No
-/// unbiased estimate has a covariance below (A + P)⁻¹, the Cramér–Rao bound; P: what is known
-/// without the picture, 1/known_to² on the diagonal. That spheres cannot overlap is not in P.
+/// M: the image of MirrorScene, whose optics are known, under even light. σ: noise of a pixel.
+/// Bounds are those of (A + P)⁻¹. P is what is known without the picture, as if it were Gaussian:
+/// 1/known_to² on the diagonal. Where the picture decides, this is the Cramér–Rao bound; where it
+/// tells nothing, what was known. That spheres cannot overlap is not in P.
 /// Derivatives are central differences of images of the same rays. Those of one sphere leave out
 /// what is mirrored farther than 3 a away, those of several nothing. Valid where M is linear over
 /// the error: bounds above about 0.1 a say only that the coordinate is badly told. Rays sample

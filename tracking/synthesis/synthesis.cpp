@@ -54,6 +54,7 @@ Synthesis synthesise(const Image& counts, const ImageModel& model, double diamet
     result.optics = fit.optics;
     result.residual_before = fit.residual_before;
     result.residual_rms = fit.residual_rms;
+    result.unexplained = fit.unexplained;
     result.rounds = fit.rounds;
     result.trials = fit.trials;
     result.added = fit.added;

@@ -39,6 +39,7 @@ struct Synthesis {
     ErrorScale error_scale;      ///< that errors hold
     double residual_before = 0;  ///< RMS of image − rendering at the start [contrast]
     double residual_rms = 0;     ///< … at the end
+    double unexplained = 0;      ///< of it what neighbouring pixels share: no noise
     int rounds = 0;              ///< Gauss–Newton rounds
     int trials = 0;              ///< other arrangements tried
     int added = 0, removed = 0, lifted = 0;

@@ -61,6 +61,14 @@ TEST(PairDistribution, EqualsTheDefinitionPairByPair) {
     box.boundary[1] = Boundary::periodic;
     const Pattern layer = random_layer(60, box, 1);
     const PairDistributionOptions options{.range = 4, .bin = 0.25};
+    // The window along x: from the first to the last centre, and 1/59 of that beyond.
+    double first = 99, last = -99;
+    for (const Vec2 p : layer.position) {
+        first = std::min(first, p.x);
+        last = std::max(last, p.x);
+    }
+    const double length = (last - first) * 61 / 59;
+    ASSERT_LT(length, 9);
     const ObservableResult r = measured_over({layer}, options).result();
     const auto& space = column(r, "gr_space", "g");
     ASSERT_EQ(space.size(), 16U);
@@ -78,11 +86,11 @@ TEST(PairDistribution, EqualsTheDefinitionPairByPair) {
                 const double h = layer.z[j] - layer.z[i];
                 const double plane = std::hypot(s.x, s.y);
                 const double r3 = std::hypot(plane, h);
-                const double share = 9 / (9 - std::abs(s.x));  // A/A_w
+                const double share = length / (length - std::abs(s.x));  // A/A_w
                 weight += r3 >= low && r3 < high ? share : 0;
                 plane_weight += plane >= low && plane < high ? share : 0;
-                expected += std::numbers::pi * (disc(high, h) - disc(low, h)) / 81;
-                plane_expected += std::numbers::pi * (high * high - low * low) / 81;
+                expected += std::numbers::pi * (disc(high, h) - disc(low, h)) / (9 * length);
+                plane_expected += std::numbers::pi * (high * high - low * low) / (9 * length);
             }
         }
         EXPECT_NEAR(space[bin], weight / expected, 1e-11);
@@ -123,6 +131,50 @@ TEST(PairDistribution, CountsTheEightContactsOfABodyCentredLayer) {
             EXPECT_NEAR(neighbours[bin], 8, 1e-12);
         }
     }
+}
+
+// A cell 10 a high: spheres stand exactly above each other.
+TEST(PairDistribution, CountsTheSixContactsOfASimpleCubicStack) {
+    Pattern stack;
+    stack.box = square_box(6);
+    for (int i = 0; i < 6 * 6 * 5; ++i) {
+        stack.position.push_back({i % 6 + 0.5, (i / 6) % 6 + 0.5});
+        stack.z.push_back(i / 36 + 0.5);
+    }
+    const ObservableResult r = measured_over({stack}).result();
+    EXPECT_NEAR(value(r, "contact_number"), (3 * 6 + 2 * 5) / 5.0, 1e-12);
+    stack.position.push_back(stack.position[7]);
+    stack.z.push_back(stack.z[7]);
+    EXPECT_GT(value(measured_over({stack}).result(), "share_too_near"), 0);
+}
+
+TEST(PairDistribution, CountsMoreContactsThanItsTableHasRows) {
+    const ObservableResult r = measured_over({body_centred(12)}, {.contact = 1.8}).result();
+    EXPECT_EQ(value(r, "contact_number"), 8 + 4 + 8);
+    EXPECT_EQ(column(r, "contacts", "share").back(), 1);
+}
+
+// Films show no centre within a quarter of a diameter of their border. As above for the alarms.
+TEST(PairDistribution, IsOneWhereAStripAlongTheBorderIsEmpty) {
+    std::vector<Pattern> layers;
+    for (int f = 0; f < 20; ++f) {
+        Pattern layer = random_layer(600, square_box(24, Boundary::walls), 500 + f, f);
+        for (Vec2& p : layer.position) p = {0.5 + p.x * 23 / 24, 0.5 + p.y * 23 / 24};
+        layers.push_back(layer);
+    }
+    const ObservableResult r = measured_over(layers, {.range = 4, .bin = 1}).result();
+    for (std::size_t bin = 0; bin < 4; ++bin) {
+        const double pairs = column(r, "gr", "n")[bin];
+        EXPECT_NEAR(column(r, "gr", "g")[bin], 1, 6 * 1.3 / std::sqrt(pairs));
+    }
+}
+
+TEST(PairDistribution, AFrozenCrystalHasAReasonInPlaceOfAnErrorOfZero) {
+    const std::vector<Pattern> frozen(20, body_centred(8));
+    const ObservableResult r = measured_over(frozen).result();
+    EXPECT_FALSE(r.find_measurement("contact_number")->error);
+    EXPECT_FALSE(r.find_measurement("contact_number")->reason.empty());
+    for (const double error : column(r, "gr_space", "err")) EXPECT_FALSE(error == 0);
 }
 
 TEST(PairDistribution, SaysHowManySpheresAreNearerThanTheyCanBe) {

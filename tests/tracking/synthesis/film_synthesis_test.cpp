@@ -186,6 +186,7 @@ TEST(FilmSynthesis, WarnsOfDoubtfulSpheresAndOfAResidualThatDidNotFall) {
     SynthesisedFrame bad = good;
     bad.doubtful = 20;
     bad.residual_rms = 0.06;
+    bad.unexplained = 0.045;
     add(bad, 4, summary);
     add({}, 5, summary);  // nothing was found there
     EXPECT_EQ(summary.frames, 2);
@@ -193,7 +194,9 @@ TEST(FilmSynthesis, WarnsOfDoubtfulSpheresAndOfAResidualThatDidNotFall) {
     EXPECT_DOUBLE_EQ(summary.mean_after(), 0.04);
     RunPlan plan;
     warn_of(summary, plan);
-    ASSERT_EQ(plan.warnings().size(), 2U);
+    ASSERT_EQ(plan.warnings().size(), 3U);
+    EXPECT_EQ(plan.warnings()[2].code, WarningCode::doubtful_heights);
+    EXPECT_THAT(plan.warnings()[2].text, HasSubstr("white noise apart (4.5 % at most)"));
     EXPECT_EQ(plan.warnings()[0].code, WarningCode::doubtful_heights);
     EXPECT_THAT(plan.warnings()[0].text, HasSubstr("in 1 of 2 frames"));
     EXPECT_THAT(plan.warnings()[0].text, HasSubstr("worst frame 4: 10.0 %"));

@@ -59,6 +59,23 @@ TEST(FrameLight, SaturatedPixelsAndTheBorderHaveNoSay) {
     EXPECT_GT(inner_rms(left, 0), 0.05);
 }
 
+// Of 10,000 pixels; a product of neighbours has the standard deviation σ²/√20,000.
+TEST(FrameLight, NeighboursShareAWaveAndNoNoise) {
+    RandomStream random(5, "noise");
+    Image noise(100, 100);
+    Image wave(100, 100);
+    for (int y = 0; y < 100; ++y) {
+        for (int x = 0; x < 100; ++x) {
+            noise(x, y) = static_cast<float>(random.normal());
+            wave(x, y) = static_cast<float>(std::sin(0.2 * x) + std::cos(0.2 * y));
+        }
+    }
+    EXPECT_NEAR(inner_rms(noise, 2), 1, 0.05);
+    EXPECT_LT(coherent_rms(noise, 2), 0.2);
+    EXPECT_NEAR(coherent_rms(wave, 2) / inner_rms(wave, 2), 1, 0.02);
+    EXPECT_EQ(coherent_rms(noise, 50), 0);
+}
+
 TEST(FrameLight, AResidualIsImageLessRenderingUnderTheLight) {
     const Image radiance = some_radiance(20, 20);
     Image brightness = lit(radiance, kLight);
