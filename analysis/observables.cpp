@@ -22,10 +22,10 @@ namespace grainfield::analysis {
 
 const std::vector<Observable>& observables() {
     static const std::vector<Observable> all{
-        observable_of<Q4Observable>(),  observable_of<PhaseObservable>(),
-        observable_of<MsdObservable>(), observable_of<SkObservable>(),
-        observable_of<S4Observable>(),  observable_of<VarianceObservable>(),
-        observable_of<FitObservable>(), observable_of<SyntheticObservable>(),
+        observable_of<Q4Observable>(),    observable_of<PhaseObservable>(),
+        observable_of<MsdObservable>(),   observable_of<SkObservable>(),
+        observable_of<S4Observable>(),    observable_of<VarianceObservable>(),
+        observable_of<FitObservable>(),   observable_of<SyntheticObservable>(),
         observable_of<PairsObservable>(), observable_of<HeightObservable>(),
     };
     return all;

@@ -15,8 +15,8 @@ namespace {
 // [a]; NaN where it is not known
 double height_of(const Snapshot& snapshot, std::size_t i, double diameter) {
     const double z = snapshot.z[i] / diameter;
-    const bool is_known = snapshot.z_error.empty() ||
-                          snapshot.z_error[i] / diameter <= largest_height_error;
+    const bool is_known =
+        snapshot.z_error.empty() || snapshot.z_error[i] / diameter <= largest_height_error;
     return is_known && std::isfinite(z) ? z : std::numeric_limits<double>::quiet_NaN();
 }
 
