@@ -12,7 +12,8 @@ void HeightObservable::plan(const PlanSetup& setup, RunPlan& plan) {
 
 std::vector<FigureHint> HeightObservable::figures() {
     const auto series = [](const char* label, const char* column) {
-        return SeriesHint{.label = label, .from = {"height", "height", "t", column, ""}};
+        return SeriesHint{
+            .label = label, .mark = Mark::curve, .from = {"height", "height", "t", column, ""}};
     };
     return {{.name = "height",
              .title = "Height of the layer",
@@ -35,15 +36,16 @@ std::vector<FigureHint> HeightObservable::figures() {
 }
 
 ObservableTitles HeightObservable::titles() {
-    return {name,
-            "Heights",
-            {
-                {"height_mean", "Mean height of the centres"},
-                {"height_spread", "Standard deviation of the heights, motion included"},
-                {"height_amplitude", "Amplitude of the layer's vertical motion"},
-                {"height_phase", "Phase of the layer's vertical motion"},
-                {"height_frequency", "Frequency of the layer's vertical motion"},
-            }};
+    return {
+        name,
+        "Heights",
+        {
+            {"height_mean", "Mean height of the centres"},
+            {"height_spread", "Standard deviation of the heights, motion included"},
+            {"height_amplitude", "Amplitude of the layer's vertical motion"},
+            {"height_phase", "Phase of the layer's vertical motion at t = 0, parts of a period"},
+            {"height_frequency", "Frequency of the layer's vertical motion"},
+        }};
 }
 
 }  // namespace grainfield::analysis

@@ -130,9 +130,10 @@ void HeightSeries::restore(const Checkpoint& checkpoint, const std::string& pref
 struct HeightSeries::Motion {
     double frequency = 0, frequency_error = 0;
     double amplitude = 0, amplitude_error = 0;
-    double phase = 0, phase_error = 0;  // at t = 0
-    double left = 0;                    // sum of squares
-    double chance = 1;                  // that noise is as periodic at one frequency
+    double phase = 0, phase_error = 0;    // at t = 0
+    double height = 0, height_error = 0;  // h₀
+    double left = 0;                      // sum of squares
+    double chance = 1;                    // that noise is as periodic at one frequency
 };
 
 // Nothing where the times leave the terms indistinct.
@@ -178,6 +179,8 @@ std::optional<HeightSeries::Motion> HeightSeries::fit(double frequency, bool is_
     Motion motion;
     motion.frequency = frequency;
     motion.left = left;
+    motion.height = first + c[0];
+    motion.height_error = std::sqrt(covariance(0, 0));
     motion.amplitude = std::hypot(c[2], c[3]);
     if (!(motion.amplitude > 0)) return motion;
     const double turns = std::atan2(c[3], c[2]) / (2 * std::numbers::pi) - frequency * middle;
@@ -224,7 +227,7 @@ void HeightSeries::add_motion(ObservableResult& result) const {
     };
     const std::size_t frames = time_.size();
     if (frames < least_frames) {
-        none(fmt::format("{} frames with heights, {} are needed", frames, least_frames));
+        none(fmt::format("heights in {} of the {} frames that are needed", frames, least_frames));
         return;
     }
     if (std::ranges::adjacent_find(time_, std::ranges::greater_equal{}) != time_.end()) {
@@ -250,6 +253,12 @@ void HeightSeries::add_motion(ObservableResult& result) const {
             is_exact ? measured(name, unit, value, std::nullopt, samples, "nothing is left over")
                      : measured(name, unit, value, error, samples));
     };
+    for (Measurement& known : result.measurements) {
+        if (known.name != "height_mean") continue;  // whose fluctuations were those of the motion
+        known.value = found->height;
+        if (found->height_error > 0) known.error = found->height_error;
+        known.samples = samples;
+    }
     add("height_amplitude", "a", found->amplitude, found->amplitude_error);
     add("height_phase", "-", found->phase, found->phase_error);
     if (frequency_) {

@@ -29,6 +29,9 @@ namespace grainfield::analysis {
 /// folded back. Errors are those of the fit, s² (JᵀJ)⁻¹ with s² the mean square that is left,
 /// propagated to A and φ. They take frames as independent.
 ///
+/// The mean height is h₀ then, with its error; else that
+/// of the frames, whose fluctuations hold the motion.
+///
 /// No motion, and a reason: fewer than twelve frames with heights; times that do not grow; frames
 /// at one or two phases of the vibration (stroboscopic); noise that would look as periodic once in
 /// 10⁶ series or more often, by the F test of the two terms times the number of frequencies tried.

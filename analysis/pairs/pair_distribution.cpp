@@ -20,31 +20,26 @@ namespace {
 constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t most_contacts = 16;  // more count as so many
 constexpr std::int64_t most_stored = 1'000'000'000'000;
-constexpr double least_peak = 0.5;  // nearer pairs are no neighbours [a]
-constexpr double least_pairs = 20;  // of a bin that can be the peak
-constexpr double too_near = 0.95;   // no two hard spheres are so near [a]
+constexpr double least_peak = 0.5;      // nearer pairs are no neighbours [a]
+constexpr double least_pairs = 20;      // of a bin that can be the peak
+constexpr double least_known = 0.9;     // share of heights that contacts need
+constexpr double most_too_near = 0.05;  // share of spheres
+constexpr double too_near = 0.95;       // no two hard spheres are so near [a]
 
-// The part of the box in which centres can be: along walled axes between the outermost ones, and as
-// much beyond them as independent ones leave on average.
-Box window_of(const Pattern& pattern) {
-    Box window = pattern.box;
-    const auto n = static_cast<double>(pattern.size());
-    const auto narrow = [&](double Vec2::*axis) {
-        double low = pattern.position[0].*axis;
-        double high = low;
-        for (const Vec2 p : pattern.position) {
-            low = std::min(low, p.*axis);
-            high = std::max(high, p.*axis);
-        }
-        const double beyond = (high - low) / (n - 1);
-        low = std::max(low - beyond, window.origin.*axis);
-        high = std::min(high + beyond, window.origin.*axis + window.length.*axis);
-        window.origin.*axis = low;
-        window.length.*axis = high - low;
-    };
-    if (window.boundary[0] == Boundary::walls) narrow(&Vec2::x);
-    if (window.boundary[1] == Boundary::walls) narrow(&Vec2::y);
-    return window;
+// Less a strip along walls.
+Box window_of(Box box, double border) {
+    for (const auto& [boundary, axis] :
+         {std::pair(box.boundary[0], &Vec2::x), std::pair(box.boundary[1], &Vec2::y)}) {
+        if (boundary == Boundary::periodic) continue;
+        box.origin.*axis += border;
+        box.length.*axis -= 2 * border;
+    }
+    return box;
+}
+
+double border_of(const PairDistributionOptions& options, const Box& box) {
+    if (options.border) return *options.border;
+    return std::min(10.0, 0.1 * std::min(box.length.x, box.length.y));
 }
 
 // A/A_w(s): what walls cut off of the pairs this far apart.
@@ -130,6 +125,8 @@ OptionTable describe(PairDistributionOptions& options) {
     table.number("range", options.range, "a", {0.1, 1e4},
                  "largest distance of a pair; at most half the box");
     table.number("bin", options.bin, "a", {1e-4, 10}, "width of the bins");
+    table.number("border", options.border, "a", {0, 1e6},
+                 "strip left free along walls; auto: 10, at most a tenth of the box");
     table.number("contact", options.contact, "a", {0.1, 10},
                  "spheres whose centres are nearer in space count as touching");
     table.integer("most-frames", options.frames, "", {0, 1'000'000'000},
@@ -152,10 +149,12 @@ PairDistribution::PairDistribution(const PairDistributionOptions& options, const
                                    std::int64_t frames, std::int64_t first)
     : options_(options),
       box_(box),
+      window_(window_of(box, border_of(options, box))),
       plan_(BlockPlan::of(frames)),
       first_(first),
       stride_(stride(options, frames)) {
-    const double range = std::min(options.range, 0.5 * std::min(box.length.x, box.length.y));
+    const double side = std::min(window_.length.x, window_.length.y);
+    const double range = std::max(0.0, std::min(options.range, 0.5 * side));
     bins_ = static_cast<std::size_t>(std::floor(range / options.bin * (1 + 1e-12)));
     if (bins_ > 100'000) {
         throw OptionError(ErrorText{"too many bins of the pair distribution",
@@ -189,22 +188,22 @@ PairDistribution::Sample PairDistribution::measure(const Pattern& pattern,
     Sample sample;
     sample.is_used = ordinal % stride_ == 0 && bins_ > 0;
     if (!sample.is_used) return sample;
-    const Box window = pattern.size() > 1 ? window_of(pattern) : box_;
-    if (!(window.area() > 0)) {  // all in one line
-        sample.is_used = false;
-        return sample;
-    }
     const Block empty = empty_block();
     sample.plane = empty.plane;
     sample.space = empty.space;
     sample.spheres_with = empty.spheres_with;
-    sample.particles = static_cast<double>(pattern.size());
-    count(pattern, window, sample);
-    expect(std::vector<double>(pattern.size(), 0), window.area(), sample.plane);
+    Box window = window_;
+    window.origin += pattern.box.origin - box_.origin;
     std::vector<double> known;
-    std::ranges::copy_if(pattern.z, std::back_inserter(known),
-                         [](double z) { return !std::isnan(z); });
+    for (std::size_t i = 0; i < pattern.size(); ++i) {
+        if (!is_inside(window, pattern.position[i], 0)) continue;
+        sample.particles += 1;
+        if (!pattern.z.empty() && !std::isnan(pattern.z[i])) known.push_back(pattern.z[i]);
+    }
     sample.known = static_cast<double>(known.size());
+    count(pattern, window, sample);
+    expect(std::vector<double>(static_cast<std::size_t>(sample.particles), 0), window.area(),
+           sample.plane);
     expect(std::move(known), window.area(), sample.space);
     return sample;
 }
@@ -216,6 +215,10 @@ void PairDistribution::count(const Pattern& pattern, const Box& window, Sample& 
     const double reach = has_heights ? std::max(range, options_.contact) : range;
     std::vector<std::int64_t> contacts(has_heights ? pattern.size() : 0, 0);
     std::vector<bool> is_too_near(contacts.size(), false);
+    std::vector<char> is_in(pattern.size());
+    for (std::size_t i = 0; i < is_in.size(); ++i) {
+        is_in[i] = is_inside(window, pattern.position[i], 0) ? 1 : 0;
+    }
     const auto enter = [&](Sums& sums, double r, double weight) {
         const auto bin = static_cast<std::size_t>(r / options_.bin);
         if (bin >= bins_) return;
@@ -223,13 +226,14 @@ void PairDistribution::count(const Pattern& pattern, const Box& window, Sample& 
         ++sums.pairs[bin];
     };
     const auto enter_pair = [&](std::size_t i, std::size_t j, Vec2 d, double r2) {
-        const double weight = wall_weight(window, d);
-        enter(sample.plane, std::sqrt(r2), weight);
+        const bool counts = is_in[i] != 0 && is_in[j] != 0;
+        const double weight = counts ? wall_weight(window, d) : 0;
+        if (counts) enter(sample.plane, std::sqrt(r2), weight);
         if (!has_heights) return;
         const double h = pattern.z[j] - pattern.z[i];
         if (std::isnan(h)) return;
         const double r = std::sqrt(r2 + h * h);
-        enter(sample.space, r, weight);
+        if (counts) enter(sample.space, r, weight);
         if (r >= options_.contact) return;
         ++contacts[i];
         ++contacts[j];
@@ -250,7 +254,8 @@ void PairDistribution::count(const Pattern& pattern, const Box& window, Sample& 
     });
     for (std::size_t i = 0; i < contacts.size(); ++i) {
         if (std::isnan(pattern.z[i])) continue;
-        if (!is_inside(window, pattern.position[i], options_.contact)) continue;
+        if (is_in[i] == 0 || !is_inside(pattern.box, pattern.position[i], options_.contact))
+            continue;
         ++sample.spheres_with[std::min(static_cast<std::size_t>(contacts[i]), most_contacts)];
         sample.contacts += contacts[i];
         sample.too_near += is_too_near[i] ? 1 : 0;
@@ -293,7 +298,7 @@ void PairDistribution::add_block(Block& to, const Block& from) {
 }
 
 void PairDistribution::merge(const PairDistribution& later) {
-    if (later.bins_ != bins_ || later.box_.length != box_.length) {
+    if (later.bins_ != bins_ || later.window_.length != window_.length) {
         throw InputError(ErrorText{"the parts to merge have different boxes or bins", "", "",
                                    "analyse them one by one"});
     }
@@ -432,7 +437,9 @@ void PairDistribution::add_space(const Block& all, ObservableResult& result) con
             missing("contact_number", "-", "no sphere further from a wall than a contact"));
         return;
     }
-    for (std::size_t n = 0; n <= most_contacts; ++n) {
+    std::size_t last = most_contacts;
+    while (last > 0 && all.spheres_with[last] == 0) --last;
+    for (std::size_t n = 0; n <= last; ++n) {
         contacts.columns[0].values.push_back(static_cast<double>(n));
         contacts.columns[1].values.push_back(static_cast<double>(all.spheres_with[n]) / spheres);
     }
@@ -447,13 +454,22 @@ void PairDistribution::add_space(const Block& all, ObservableResult& result) con
         left.push_back((sum - static_cast<double>(block.contacts)) / rest);
     }
     const SeriesError error = left_out_error(left);
+    const double share_known = all.known / all.particles;
+    const double share_near = static_cast<double>(all.too_near) / spheres;
     result.measurements.push_back(
-        measured("contact_number", "-", sum / spheres, error.error, spheres, error.reason));
-    result.measurements.push_back(measured("share_too_near", "-",
-                                           static_cast<double>(all.too_near) / spheres,
-                                           std::nullopt, spheres, "a check of heights: no error"));
-    result.measurements.push_back(measured("known_heights", "-", all.known / all.particles,
-                                           std::nullopt, all.particles, "counted: no error"));
+        share_known < least_known
+            ? missing("contact_number", "-",
+                      fmt::format("{:.0f} % of the heights are known", 100 * share_known))
+        : share_near > most_too_near
+            ? missing("contact_number", "-",
+                      fmt::format("heights are off: {:.0f} % of the spheres are nearer than {} a "
+                                  "to another",
+                                  100 * share_near, too_near))
+            : measured("contact_number", "-", sum / spheres, error.error, spheres, error.reason));
+    result.measurements.push_back(measured("share_too_near", "-", share_near, std::nullopt, spheres,
+                                           "a check of heights: no error"));
+    result.measurements.push_back(measured("known_heights", "-", share_known, std::nullopt,
+                                           all.particles, "counted: no error"));
 }
 
 void PairDistribution::add_peak(const Curve& plane, ObservableResult& result) const {
@@ -487,8 +503,8 @@ ObservableResult PairDistribution::result() const {
         result.reason =
             added_ == 0 ? "no frames"
             : bins_ == 0
-                ? fmt::format("half the box is narrower than a bin of {:.3g} a", options_.bin)
-                : "fewer than two particles, or all in one line";
+                ? fmt::format("half the window is narrower than a bin of {:.3g} a", options_.bin)
+                : "fewer than two particles in the window";
         return result;
     }
     result.curves.push_back(curve(all, &Block::plane, "gr", "Pair distribution in the plane", "s"));

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,10 +15,11 @@
 namespace grainfield::analysis {
 
 struct PairDistributionOptions {
-    double range = 5;           ///< largest distance of a pair [a]; at most half the box
-    double bin = 0.02;          ///< width of the bins [a]
-    double contact = 1.1;       ///< spheres nearer in space touch [a]
-    std::int64_t frames = 200;  ///< most frames that are used, evenly spread; 0: all
+    double range = 5;                ///< largest distance of a pair [a]; at most half the box
+    double bin = 0.02;               ///< width of the bins [a]
+    std::optional<double> border{};  ///< strip left free along walls [a]; auto: 10, at most L/10
+    double contact = 1.1;            ///< spheres nearer in space touch [a]
+    std::int64_t frames = 200;       ///< most frames that are used, evenly spread; 0: all
 };
 
 OptionTable describe(PairDistributionOptions& options);
@@ -28,12 +30,12 @@ OptionTable describe(PairDistributionOptions& options);
 ///   g(r) = Σ_{i≠j} [r_ij in the bin] A/A_w(s_ij)  /  Σ_{i≠j} V(z_i − z_j)/A
 ///
 /// s_ij is the vector from i to j in the plane, r_ij its length (in the plane) or the distance in
-/// space. A [a²] is the area of the window in which centres are seen. A_w(s) = (Lx − |s_x|)(Ly −
-/// |s_y|) is the area that the window and the window displaced by s share: it makes up for the
-/// pairs that its sides cut off (translation correction, `stoyan1994`). On periodic axes nothing is
-/// cut off and L stands alone. Along others the window reaches from the first to the last centre of
-/// the frame, and by 1/(N − 1) of that beyond: hard walls and the border of a film hold no centres.
-/// V(h) is the area of the ring that the bin leaves in the plane at the difference of heights h,
+/// space. A [a²] is the area of the window: the box less a strip along
+/// walls, where density is not that of the bulk and films show no centres. A_w(s) = (Lx − |s_x|)
+/// (Ly − |s_y|) is the area that the window and the window displaced by s share: it makes up for
+/// the pairs that its sides cut off (translation correction, `stoyan1994`). On periodic axes
+/// nothing is cut off and L stands alone. V(h) is the area of the ring that the bin leaves in the
+/// plane at the difference of heights h,
 ///
 ///   V(h) = π max(0, r₂² − h²) − π max(0, r₁² − h²),      h = 0 in the plane.
 ///
@@ -43,12 +45,12 @@ OptionTable describe(PairDistributionOptions& options);
 ///
 /// Curve `gr`: s, g, err, n (pairs). Curve `gr_space`: r, g, err, n, neighbours (mean number of
 /// spheres within r). Curve `contacts`: share of spheres with n contacts. Spheres nearer than
-/// `contact` to a side of the window are not counted as centres. Only spheres with a known height
-/// enter the last two; where some are unknown, contacts are too few, and `known_heights` says by
-/// how much.
+/// `contact` to a wall are not counted as centres. No number of contacts where less than 0.9 of
+/// the heights are known, or more than 0.05 of the spheres are too near to another. Only spheres
+/// with a known height enter the last two; where some are unknown, contacts are too few, and
+/// `known_heights` says by how much.
 ///
-/// Validity: homogeneous layers. Layers of order at a wall stay in g. In small windows of crystals
-/// the window is a spacing too narrow, and g too small by as much of the area. Error:
+/// Validity: homogeneous layers. Error:
 /// left_out_error of at most 16 blocks of time; below four frames g/√n of n pairs, which takes them
 /// as independent. The last row of `contacts` is 16 or more. The peak is the largest bin beyond 0.5
 /// a with 20 pairs.
@@ -115,6 +117,7 @@ class PairDistribution {
 
     PairDistributionOptions options_;
     Box box_;
+    Box window_;
     std::size_t bins_ = 0;
     BlockPlan plan_;
     std::int64_t first_;   // of the run

@@ -30,7 +30,7 @@ std::vector<FigureHint> PairsObservable::figures() {
          .place = 79},
         {.name = "contacts",
          .title = "Contacts of a sphere",
-         .note = "Other spheres nearer in space than the distance of a contact.",
+         .note = "Other spheres nearer in space than 1.1 a, or what was set.",
          .x = {"n", "Contacts", "", Scale::linear, true},
          .y = {"share", "Share of spheres", "", Scale::linear, true},
          .series = {{.label = "spheres",
