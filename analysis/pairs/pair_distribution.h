@@ -19,7 +19,7 @@ struct PairDistributionOptions {
     double bin = 0.02;               ///< width of the bins [a]
     std::optional<double> border{};  ///< strip left free along walls [a]; auto: 10, at most L/10
     double contact = 1.1;            ///< spheres nearer in space touch [a]
-    std::int64_t frames = 200;       ///< most frames that are used, evenly spread; 0: all
+    std::int64_t frames = 64;        ///< most frames that are used, evenly spread; 0: all
 };
 
 OptionTable describe(PairDistributionOptions& options);
