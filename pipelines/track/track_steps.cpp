@@ -141,8 +141,11 @@ void refuse_without_spheres(const TrackJobResult& result, std::int64_t frames) {
 void add_curves(const TrackJobResult& result, KeptTracks& tracks) {
     const tracking::TrackSummary& summary = result.summary;
     if (result.has_residual()) {
+        // Of the model that positions come from: verdicts are of what is in the file.
+        const double residual =
+            summary.synthesis.frames > 0 ? summary.synthesis.mean_after() : summary.residual_rms;
         tracks.add_curve(calibration_curve(result.spheres->diameter, result.spheres->edge_width,
-                                           summary.residual_rms, summary.noise));
+                                           residual, summary.noise));
     }
     if (const auto units = curve_of(result.lab)) tracks.add_curve(*units);
     if (result.camera) tracks.add_curve(curve_of(*result.camera));

@@ -444,6 +444,20 @@ TEST_F(TrackOptions, SynthesisGivesHeightsOpticsAndTheirErrors) {
         EXPECT_LE(std::stod(row["z"]), 1.44 * 10.09 + 1e-3);
         EXPECT_GT(std::stod(row["z_std"]), 0);
     }
+    const Outcome analysed =
+        run_grainfield({"analyze", folder_ / "t.h5", "-o", folder_ / "r.h5", "--json"});
+    ASSERT_EQ(analysed.code, 0) << analysed.err;
+    const json results = json::parse(analysed.out);
+    const auto measurement = [&](const char* observable, const std::string& name) {
+        for (const json& m : results.at(observable).at("measurements")) {
+            if (m.at("name") == name) return m;
+        }
+        return json{};
+    };
+    EXPECT_EQ(measurement("lengths", "residual").at("value"), found.at("residual_rms"))
+        << "that of the rendering, where positions come from it";
+    EXPECT_GT(measurement("gr", "known_heights").at("value").get<double>(), 0.3);
+    EXPECT_GT(measurement("height", "height_spread").at("value").get<double>(), 0.05);
 }
 
 }  // namespace
