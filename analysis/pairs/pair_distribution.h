@@ -95,6 +95,8 @@ class PairDistribution {
     void restore(const Checkpoint& checkpoint, const std::string& prefix);
 
  private:
+    static constexpr std::size_t most_contacts = 16;  // more count as so many
+    static constexpr double too_near = 0.95;          // no two hard spheres are so near [a]
     struct Block {
         std::int64_t frames = 0;  // used
         double particles = 0;
