@@ -175,13 +175,9 @@ PairDistribution::Sample PairDistribution::measure(const Pattern& pattern,
                       fmt::format("{} x {} a as before", box_.length.x, box_.length.y),
                       "analyse the parts with a constant box one by one"});
     }
-    Sample sample;
-    sample.is_used = ordinal % stride_ == 0 && bins_ > 0;
-    if (!sample.is_used) return sample;
-    const Block empty = empty_block();
-    sample.plane = empty.plane;
-    sample.space = empty.space;
-    sample.spheres_with = empty.spheres_with;
+    if (ordinal % stride_ != 0 || bins_ == 0) return {};
+    Sample sample = empty_block();
+    sample.frames = 1;
     Box window = window_;
     window.origin += pattern.box.origin - box_.origin;
     std::vector<double> known;
@@ -265,15 +261,7 @@ void PairDistribution::expect(std::vector<double> z, double area, Sums& sums) co
 
 void PairDistribution::add(const Sample& sample) {
     Block& block = blocks_[static_cast<std::size_t>(plan_.block_of(first_ + added_++))];
-    if (!sample.is_used) return;
-    ++block.frames;
-    block.particles += sample.particles;
-    block.known += sample.known;
-    block.plane.add(sample.plane);
-    block.space.add(sample.space);
-    add_each(block.spheres_with, sample.spheres_with);
-    block.contacts += sample.contacts;
-    block.too_near += sample.too_near;
+    if (sample.frames > 0) add_block(block, sample);
 }
 
 void PairDistribution::add_block(Block& to, const Block& from) {

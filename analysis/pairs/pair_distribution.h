@@ -65,15 +65,17 @@ class PairDistribution {
         std::vector<std::int64_t> pairs;       ///< per bin, each once
         void add(const Sums& more);
     };
-    struct Sample {
-        bool is_used = false;
-        double particles = 0;
-        double known = 0;  ///< with a known height
+    /// Of one frame or of a block of them.
+    struct Counts {
+        std::int64_t frames = 0;  ///< that were used
+        double particles = 0;     ///< in the window
+        double known = 0;         ///< of them, with a known height
         Sums plane, space;
         std::vector<std::int64_t> spheres_with;  ///< n contacts; the last: so many or more
         std::int64_t contacts = 0;               ///< of all of them
         std::int64_t too_near = 0;               ///< of them, with one nearer than 0.95 a
     };
+    using Sample = Counts;  ///< without frames where the frame is not used
 
     /// Of a part of a run `frames` is the length of the run, `first` the number of its first frame.
     PairDistribution(const PairDistributionOptions& options, const Box& box, std::int64_t frames,
@@ -97,15 +99,7 @@ class PairDistribution {
  private:
     static constexpr std::size_t most_contacts = 16;  // more count as so many
     static constexpr double too_near = 0.95;          // no two hard spheres are so near [a]
-    struct Block {
-        std::int64_t frames = 0;  // used
-        double particles = 0;
-        double known = 0;
-        Sums plane, space;
-        std::vector<std::int64_t> spheres_with;
-        std::int64_t contacts = 0;
-        std::int64_t too_near = 0;
-    };
+    using Block = Counts;
     Block empty_block() const;
     static void add_block(Block& to, const Block& from);
     Block total() const;
