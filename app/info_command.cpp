@@ -281,6 +281,20 @@ Summary describe_calibration(const std::filesystem::path& path) {
                   fmt::format("positions corrected: {:.4f} to {:.4f} a RMS on synthesised frames",
                               bias.before, bias.after));
     }
+    if (kept.optics) {
+        const tracking::MirrorOptics& optics = kept.optics->optics;
+        const tracking::OpticsErrors& error = kept.optics->error;
+        sheet.add("optics", "optics",
+                  ordered_json{{"reflectivity", optics.reflectivity},
+                               {"reflectivity_std", error.reflectivity},
+                               {"blur_a", optics.blur},
+                               {"blur_std_a", error.blur},
+                               {"ambient", optics.ambient},
+                               {"ambient_std", error.ambient},
+                               {"grazing", optics.grazing},
+                               {"grazing_std", error.grazing}},
+                  in_words(optics, error));
+    }
     if (kept.camera) {
         sheet.add(
             "camera_residual_px", "camera", kept.camera->residual_rms,

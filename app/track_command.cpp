@@ -16,20 +16,19 @@ using pipelines::TrackJobResult;
 
 std::string synthesis_in_words(const tracking::SynthesisSummary& found) {
     if (found.frames == 0) return "";
-    const tracking::MirrorOptics& optics = found.optics;
     return fmt::format(
         "  synthesis  residual {:.4f} → {:.4f} of the contrast; {} added, {} removed, {} moved; {} "
         "of {} positions doubtful\n"
-        "  optics     reflectivity F0 {:.3f}, blur {:.4f} a, ambient {:.3f}, grazing {:.3f}\n",
+        "  optics     {}\n",
         found.mean_before(), found.mean_after(), found.added, found.removed, found.lifted,
-        found.doubtful, found.spheres, optics.reflectivity, optics.blur, optics.ambient,
-        optics.grazing);
+        found.doubtful, found.spheres, in_words(found.optics, found.optics_error));
 }
 
 ordered_json synthesis_facts(const tracking::TrackSummary& summary) {
     const tracking::SynthesisSummary& found = summary.synthesis;
     if (found.frames == 0) return nullptr;
     const tracking::MirrorOptics& optics = found.optics;
+    const tracking::OpticsErrors& error = found.optics_error;
     return {{"frames", found.frames},
             {"residual_before", found.mean_before()},
             {"residual_rms", found.mean_after()},
@@ -44,9 +43,13 @@ ordered_json synthesis_facts(const tracking::TrackSummary& summary) {
             {"frames_unscaled_errors", found.unscaled_frames},
             {"optics",
              {{"reflectivity", optics.reflectivity},
+              {"reflectivity_std", error.reflectivity},
               {"blur_a", optics.blur},
+              {"blur_std_a", error.blur},
               {"ambient", optics.ambient},
+              {"ambient_std", error.ambient},
               {"grazing", optics.grazing},
+              {"grazing_std", error.grazing},
               {"camera_distance_a", optics.distance}}},
             {"ms_per_frame", summary.ms_per_frame.synthesis}};
 }

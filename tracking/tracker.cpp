@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "core/errors.h"
 #include "core/support/interrupt.h"
 #include "core/support/parallel.h"
@@ -12,6 +14,25 @@
 #include "tracking/warm_start.h"
 
 namespace grainfield::tracking {
+
+namespace {
+
+/// The optics of a kept calibration, if they hold here.
+std::optional<FilmOptics> usable_optics(const KeptCalibration& kept,
+                                        const FilmSynthesis& synthesis, RunPlan& plan) {
+    if (!kept.optics) return std::nullopt;
+    const std::string mismatch = synthesis.mismatch(*kept.optics);
+    if (mismatch.empty()) {
+        plan.run("optics", "of the spheres: as kept with the calibration");
+        return kept.optics;
+    }
+    plan.warn(fmt::format("the kept optics do not hold here: {}. They are estimated from the "
+                          "first frame",
+                          mismatch));
+    return std::nullopt;
+}
+
+}  // namespace
 
 Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan)
     : source_(source), options_(options), plan_(plan), threads_(thread_count(options.threads)) {
@@ -54,6 +75,7 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
         synthesis.height = options_.layers.height.value_or(synthesis.height);
         synthesis_.emplace(model(), *options_.sphere_diameter,
                            options_.layers.camera_distance.value_or(0), synthesis);
+        if (options_.kept) kept_optics_ = usable_optics(*options_.kept, *synthesis_, plan);
     }
     plan_heights(options_, plan);
     bias_ = bias_of_film(source, options_, model(), film_.weighed_at, threads_, plan);
@@ -124,12 +146,13 @@ void Tracker::find_first_light() {
         jobs[0].position = position;
         if (caught_signal() != 0) return;
         fit(jobs);
+        if (synthesis_ && !first_optics_) synthesise(jobs);
     }
 }
 
 void Tracker::begin_stretch() {
     previous_ = {};
-    previous_.synthesised = first_optics_;
+    if (first_optics_) previous_.synthesised = FilmSynthesis::leaving(*first_optics_);
     light_ = first_light_;
 }
 
@@ -148,7 +171,7 @@ void Tracker::keep(Job& job) {
 TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress, const EachFrame& each_frame,
                           const TrackResumption& resumption) {
     first_light_ = {};
-    first_optics_.reset();
+    first_optics_ = kept_optics_;
     begin_stretch();
     repeated_ = {};
     bilayer_.reset();
@@ -188,6 +211,7 @@ TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress, const EachFram
             if (run.next % options_.stretch == 0) begin_stretch();
             std::vector<Job> jobs = read(run);
             fit(jobs);
+            if (synthesis_) synthesise(jobs);
             for (Job& job : jobs) {
                 progress.advance();
                 job.position < span().begin ? keep(job) : finish(job, run, each_frame);

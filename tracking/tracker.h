@@ -100,11 +100,12 @@ class Tracker {
     std::int64_t weighed_at() const { return film_.weighed_at; }
     /// What positions are corrected with; empty: they are those of the discs.
     const std::optional<BiasCorrection>& bias() const { return bias_; }
-    /// What films to come need to be measured alike, from the frame calibrated on. Call only if
-    /// is_calibrated().
+    /// What films to come need to be measured alike, from the frame calibrated on, and after a run
+    /// with synthesis its optics. Call only if is_calibrated().
     KeptCalibration to_keep() {
         KeptCalibration kept = tracking::to_keep(film_, source_, options_.visible, threads_);
         kept.bias = bias_;
+        kept.optics = first_optics_;
         return kept;
     }
 
@@ -183,7 +184,8 @@ class Tracker {
     RepeatedWarnings repeated_;  ///< of the frames tracked so far
     std::vector<Lane> lanes_;
     IlluminationFollower::State light_, first_light_;
-    std::optional<SynthesisedFrame> first_optics_;  ///< nothing but the optics
+    std::optional<FilmOptics> kept_optics_;   ///< of the calibration that is used
+    std::optional<FilmOptics> first_optics_;  ///< kept ones, or of the first frame
     Previous previous_;
     std::optional<Bilayer> bilayer_;
     std::optional<FilmSynthesis> synthesis_;

@@ -48,7 +48,6 @@ void Tracker::fit(std::vector<Job>& jobs) {
     for (std::size_t k = 0; k < jobs.size(); ++k) {
         if (jobs[k].is_repeated) jobs[k].found = k == 0 ? previous_.found : jobs[k - 1].found;
     }
-    if (synthesis_) synthesise(jobs);
 }
 
 /// One after the other, each on all threads: a frame starts from the one before it.
@@ -63,10 +62,7 @@ void Tracker::synthesise(std::vector<Job>& jobs) {
         job.ms.synthesis += milliseconds_since(begin);
         earlier = &*job.synthesised;
         if (!first_optics_ && earlier->residual_rms > 0) {
-            first_optics_.emplace();
-            first_optics_->optics = earlier->optics;
-            first_optics_->error_scale = earlier->error_scale;
-            first_optics_->residual_rms = earlier->residual_rms;
+            first_optics_ = synthesis_->optics_of(*earlier);
         }
     }
 }

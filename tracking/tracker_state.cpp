@@ -110,6 +110,11 @@ std::vector<double> Tracker::calibration_numbers() const {
                                 model().correction.spacing};
     numbers.insert(numbers.end(), model().correction.value.begin(), model().correction.value.end());
     if (bias_) numbers.insert(numbers.end(), bias_->weights.begin(), bias_->weights.end());
+    if (kept_optics_) {
+        const MirrorOptics& optics = kept_optics_->optics;
+        numbers.insert(numbers.end(),
+                       {optics.reflectivity, optics.blur, optics.ambient, optics.grazing});
+    }
     if (options_.camera) {
         const std::vector<double> camera = numbers_of(options_.camera->camera());
         numbers.insert(numbers.end(), camera.begin(), camera.end());

@@ -145,12 +145,9 @@ void print_line(const char* name, const Settings& s, const Truth& truth, const F
         synthesis.mean_before(),
         synthesis.frames > 0 ? synthesis.mean_after() : summary.residual_rms, seconds, cpu);
     if (synthesis.frames > 0) {
-        const auto& optics = synthesis.optics;
-        fmt::print(
-            "\n{} added, {} removed, {} moved, {} doubtful; F0 {:.3f}, blur {:.4f} a, "
-            "ambient {:.3f}, grazing {:.3f}\n",
-            synthesis.added, synthesis.removed, synthesis.lifted, synthesis.doubtful,
-            optics.reflectivity, optics.blur, optics.ambient, optics.grazing);
+        fmt::print("\n{} added, {} removed, {} moved, {} doubtful; {}\n", synthesis.added,
+                   synthesis.removed, synthesis.lifted, synthesis.doubtful,
+                   in_words(synthesis.optics, synthesis.optics_error));
     }
 }
 

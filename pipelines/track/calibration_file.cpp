@@ -1,5 +1,7 @@
 #include "pipelines/track/calibration_file.h"
 
+#include <algorithm>
+#include <array>
 #include <map>
 #include <span>
 #include <utility>
@@ -27,6 +29,38 @@ std::map<std::string, const Part*> by_name(std::span<const Part* const> parts) {
     std::map<std::string, const Part*> names;
     for (const Part* part : parts) names.emplace(part->name(), part);
     return names;
+}
+
+std::string pair_of(const std::array<double, 2>& numbers) {
+    return list_of(std::vector<double>(numbers.begin(), numbers.end()));
+}
+
+tracking::FilmOptics optics_in(TomlValues& values) {
+    tracking::FilmOptics film;
+    film.diameter = values.number("optics.diameter", 2, 2000);
+    film.height = values.number("optics.height", 1, 1e6);
+    tracking::MirrorOptics& optics = film.optics;
+    optics.distance = values.number("optics.camera-distance", 0, 1e9);
+    optics.reflectivity = values.number("optics.reflectivity", 0, 1);
+    optics.blur = values.number("optics.blur", 1e-3, 10);
+    optics.ambient = values.number("optics.ambient", 0, 1);
+    optics.grazing = values.number("optics.grazing", 0, 1);
+    film.error.reflectivity = values.number("optics.reflectivity-std", 0, 1e3);
+    film.error.blur = values.number("optics.blur-std", 0, 1e3);
+    film.error.ambient = values.number("optics.ambient-std", 0, 1e3);
+    film.error.grazing = values.number("optics.grazing-std", 0, 1e3);
+    const auto factors = [&](const char* key, std::array<double, 2>& into) {
+        const std::vector<double> numbers = values.list(key);
+        if (numbers.size() != into.size()) values.refuse_value(key, "2 numbers");
+        if (*std::min_element(numbers.begin(), numbers.end()) < 1) {
+            values.refuse_value(key, "factors of 1 or more");
+        }
+        std::copy(numbers.begin(), numbers.end(), into.begin());
+    };
+    factors("optics.factors-plane", film.error_scale.plane);
+    factors("optics.factors-height", film.error_scale.height);
+    film.error_scale.spheres = values.whole("optics.factors-spheres", 0, 1 << 30);
+    return film;
 }
 
 }  // namespace
@@ -62,6 +96,22 @@ std::string text_of(const KeptCalibration& kept) {
             text_of_number(bias.camera_distance), text_of_number(bias.before),
             text_of_number(bias.after), list_of(bias.quality), list_of(bias.remaining),
             list_of(bias.weights));
+    }
+    if (kept.optics) {
+        const tracking::FilmOptics& film = *kept.optics;
+        text += fmt::format(
+            "\n[optics]  # px, a; of 'grainfield track --synthesis', with standard errors\n"
+            "diameter = {}\nheight = {}\ncamera-distance = {}\nreflectivity = {}\n"
+            "reflectivity-std = {}\nblur = {}\nblur-std = {}\nambient = {}\nambient-std = {}\n"
+            "grazing = {}\ngrazing-std = {}\nfactors-plane = {}\nfactors-height = {}\n"
+            "factors-spheres = {}\n",
+            text_of_number(film.diameter), text_of_number(film.height),
+            text_of_number(film.optics.distance), text_of_number(film.optics.reflectivity),
+            text_of_number(film.error.reflectivity), text_of_number(film.optics.blur),
+            text_of_number(film.error.blur), text_of_number(film.optics.ambient),
+            text_of_number(film.error.ambient), text_of_number(film.optics.grazing),
+            text_of_number(film.error.grazing), pair_of(film.error_scale.plane),
+            pair_of(film.error_scale.height), film.error_scale.spheres);
     }
     if (kept.camera) {
         text += "\n# Lens and tilt, of 'grainfield calibrate-camera'.\n" +
@@ -109,6 +159,7 @@ KeptCalibration read_calibration(const std::filesystem::path& path) {
     kept.check.low = values.number("check.low", -largest, largest);
     kept.check.high = values.number("check.high", -largest, largest);
     if (values.has("camera")) kept.camera = camera_in(values, "camera.");
+    if (values.has("optics")) kept.optics = optics_in(values);
     if (values.has("bias")) {
         tracking::BiasCorrection& bias = kept.bias.emplace();
         bias.diameter = values.number("bias.diameter", 2, 2000);

@@ -18,12 +18,17 @@ namespace {
 /// The optics that synthesis found, and how well rendering and image agree with them.
 Curve synthesis_curve(const tracking::SynthesisSummary& found) {
     const tracking::MirrorOptics& optics = found.optics;
+    const tracking::OpticsErrors& error = found.optics_error;
     return {"synthesis",
             "Mirror spheres as synthesis sees them",
             {{"reflectivity", "-", "Reflectivity F0", {optics.reflectivity}},
+             {"reflectivity_std", "-", "Its standard error", {error.reflectivity}},
              {"blur", "a", "Blur (standard deviation)", {optics.blur}},
+             {"blur_std", "a", "Its standard error", {error.blur}},
              {"ambient", "-", "Radiance beside the panel", {optics.ambient}},
+             {"ambient_std", "-", "Its standard error", {error.ambient}},
              {"grazing", "-", "Sine of the least angle that meets the panel", {optics.grazing}},
+             {"grazing_std", "-", "Its standard error", {error.grazing}},
              {"camera_distance", "a", "Distance of the camera (0: telecentric)", {optics.distance}},
              {"residual_before",
               "-",

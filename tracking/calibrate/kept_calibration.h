@@ -9,6 +9,7 @@
 #include "tracking/model/image_model.h"
 #include "tracking/model/visible_pixels.h"
 #include "tracking/synthesis/bias_correction.h"
+#include "tracking/synthesis/film_synthesis.h"
 
 namespace grainfield::tracking {
 
@@ -28,6 +29,7 @@ struct KeptCalibration {
     CalibrationCheck check;             ///< of the frame it was made on
     std::optional<Camera> camera = {};  ///< lens and tilt, of whole frames; empty: not corrected
     std::optional<BiasCorrection> bias = {};  ///< of the discs; empty: not corrected
+    std::optional<FilmOptics> optics = {};    ///< of synthesis; empty: was not asked for
 
     /// Throws InputError, with both sizes, for frames of another size.
     void require_size(int other_width, int other_height, const std::string& film) const;

@@ -118,9 +118,11 @@ BrightnessSynthesis synthesise_brightness(const Image& seen, const Image& seen_c
     fit.sharpen(kManyRays);
     refine(fit, kLastRounds);
 
-    result.error = sphere_errors(fit, limits, threads);
+    result.error = sphere_errors(fit, threads);
+    if (start.wants_overlap_factor) result.overlap_factor = overlap_factor(fit, threads);
     result.spheres = fit.spheres();
     result.optics = fit.optics();
+    result.optics_error = fit.optics_error();
     result.light = fit.light();
     result.residual = fit.residual();
     result.residual_rms = fit.rms();

@@ -209,9 +209,11 @@ ErrorScale learn_error_scale(const Image& brightness, const Image& ceiling, doub
         judge(fit, truth, {wide, high}, ratios);
     }
     if (ratios.spheres() < ErrorScale::kLeast) return {};
-    return {.plane = error_factors(ratios.plane, 2),
-            .height = error_factors(ratios.height, 1),
-            .spheres = static_cast<std::int64_t>(ratios.spheres())};
+    ErrorScale scale{.plane = error_factors(ratios.plane, 2),
+                     .height = error_factors(ratios.height, 1),
+                     .spheres = static_cast<std::int64_t>(ratios.spheres())};
+    for (double& factor : scale.height) factor = std::max(factor, found.overlap_factor);
+    return scale;
 }
 
 void transfer(NumberArchive& archive, ErrorScale& scale) {

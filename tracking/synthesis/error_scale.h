@@ -48,6 +48,9 @@ std::vector<std::size_t> overlap_classes(const std::vector<Point3>& spheres);
 ///    less than 1. Errors of heights are about their mean difference. Doubtful spheres do not
 ///    count.
 ///
+/// 5. Factors of heights are no less than `found.overlap_factor`: hard spheres cannot overlap, and
+///    what the model of the light does wrong alike everywhere shows there and not in 1 to 4.
+///
 /// So it holds errors of the optics, of rounds that have not settled, of minima that look right and
 /// of height that neighbours share. It does not hold a wrong diameter or height of the cell.
 ///

@@ -63,6 +63,7 @@ SynthesisedFrame FilmSynthesis::next(const Image& counts, const std::vector<Vec2
     start.optics.distance = camera_distance_;
     if (earlier != nullptr && earlier->residual_rms > 0) {
         start.optics = earlier->optics;
+        start.optics_error = earlier->optics_error;
         start.are_optics_known = true;
         start.error_scale = earlier->error_scale;
         start.z = earlier_heights(discs, *earlier, diameter_, 0.5 * (options_.height - 1));
@@ -74,6 +75,7 @@ SynthesisedFrame FilmSynthesis::next(const Image& counts, const std::vector<Vec2
             .z_error = std::move(result.z_error),
             .residual = std::move(result.residual),
             .optics = result.optics,
+            .optics_error = result.optics_error,
             .error_scale = result.error_scale,
             .residual_before = result.residual_before,
             .residual_rms = result.residual_rms,
@@ -82,6 +84,34 @@ SynthesisedFrame FilmSynthesis::next(const Image& counts, const std::vector<Vec2
             .removed = result.removed,
             .lifted = result.lifted,
             .doubtful = result.doubtful};
+}
+
+FilmOptics FilmSynthesis::optics_of(const SynthesisedFrame& found) const {
+    return {diameter_, options_.height, found.optics, found.optics_error, found.error_scale};
+}
+
+SynthesisedFrame FilmSynthesis::leaving(const FilmOptics& film) {
+    SynthesisedFrame frame;
+    frame.optics = film.optics;
+    frame.optics_error = film.error;
+    frame.error_scale = film.error_scale;
+    frame.residual_rms = 1;  // it has been found
+    return frame;
+}
+
+std::string FilmSynthesis::mismatch(const FilmOptics& kept) const {
+    const auto differs = [](const char* option, double theirs, double ours) {
+        return theirs == ours ? std::string()
+                              : fmt::format("{} is {:.6g} there and {:.6g} here", option, theirs,
+                                            ours);
+    };
+    for (const std::string& words :
+         {differs("track.sphere-diameter", kept.diameter, diameter_),
+          differs("layers.height", kept.height, options_.height),
+          differs("layers.camera-distance", kept.optics.distance, camera_distance_)}) {
+        if (!words.empty()) return words;
+    }
+    return "";
 }
 
 void FilmSynthesis::report(const SynthesisedFrame& found, double border, Snapshot& snapshot) const {
@@ -113,6 +143,7 @@ void add(const SynthesisedFrame& found, std::int64_t frame, SynthesisSummary& su
     summary.residual_before += found.residual_before;
     summary.residual_rms += found.residual_rms;
     summary.optics = found.optics;
+    summary.optics_error = found.optics_error;
     summary.risen_frames += found.residual_rms < found.residual_before ? 0 : 1;
     summary.unexplained_frames += found.unexplained > kMostUnexplained ? 1 : 0;
     summary.most_unexplained = std::max(summary.most_unexplained, found.unexplained);
@@ -123,6 +154,13 @@ void add(const SynthesisedFrame& found, std::int64_t frame, SynthesisSummary& su
         summary.worst_share = share;
         summary.worst_frame = frame;
     }
+}
+
+std::string in_words(const MirrorOptics& optics, const OpticsErrors& error) {
+    return fmt::format("reflectivity F0 {:.3f} ± {:.3f}, blur {:.4f} ± {:.4f} a, ambient {:.3f} ± "
+                       "{:.3f}, grazing {:.3f} ± {:.3f}",
+                       optics.reflectivity, error.reflectivity, optics.blur, error.blur,
+                       optics.ambient, error.ambient, optics.grazing, error.grazing);
 }
 
 void warn_of(const SynthesisSummary& summary, RunPlan& plan) {
@@ -169,22 +207,32 @@ void transfer(NumberArchive& archive, MirrorOptics& optics) {
                                   middle_y, reflections);
 }
 
+void transfer(NumberArchive& archive, OpticsErrors& error) {
+    auto& [reflectivity, blur, ambient, grazing] = error;
+    archive.members<OpticsErrors>(reflectivity, blur, ambient, grazing);
+}
+
+void transfer(NumberArchive& archive, FilmOptics& film) {
+    auto& [diameter, height, optics, error, error_scale] = film;
+    archive.members<FilmOptics>(diameter, height, optics, error, error_scale);
+}
+
 void transfer(NumberArchive& archive, SynthesisedFrame& found) {
-    auto& [position, error, z, z_error, residual, optics, error_scale, residual_before,
-           residual_rms, unexplained, added, removed, lifted, doubtful] = found;
-    archive.members<SynthesisedFrame>(position, error, z, z_error, residual, optics, error_scale,
-                                      residual_before, residual_rms, unexplained, added, removed,
-                                      lifted, doubtful);
+    auto& [position, error, z, z_error, residual, optics, optics_error, error_scale,
+           residual_before, residual_rms, unexplained, added, removed, lifted, doubtful] = found;
+    archive.members<SynthesisedFrame>(position, error, z, z_error, residual, optics, optics_error,
+                                      error_scale, residual_before, residual_rms, unexplained,
+                                      added, removed, lifted, doubtful);
 }
 
 void transfer(NumberArchive& archive, SynthesisSummary& summary) {
     auto& [frames, spheres, doubtful, added, removed, lifted, residual_before, residual_rms,
            doubtful_frames, risen_frames, unexplained_frames, most_unexplained, unscaled_frames,
-           worst_frame, worst_share, optics] = summary;
+           worst_frame, worst_share, optics, optics_error] = summary;
     archive.members<SynthesisSummary>(frames, spheres, doubtful, added, removed, lifted,
                                       residual_before, residual_rms, doubtful_frames, risen_frames,
                                       unexplained_frames, most_unexplained, unscaled_frames,
-                                      worst_frame, worst_share, optics);
+                                      worst_frame, worst_share, optics, optics_error);
 }
 
 }  // namespace grainfield::tracking

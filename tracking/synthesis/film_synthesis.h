@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/frame.h"
@@ -15,6 +16,17 @@
 
 namespace grainfield::tracking {
 
+/// What the first frame of a film leaves to the others, and a kept calibration to other films.
+struct FilmOptics {
+    double diameter = 0;  ///< true diameter a [px]
+    double height = 0;    ///< of the cell [a]
+    MirrorOptics optics;
+    OpticsErrors error;
+    ErrorScale error_scale;
+
+    friend bool operator==(const FilmOptics&, const FilmOptics&) = default;
+};
+
 /// What synthesis found in one frame; all columns have one entry a sphere.
 struct SynthesisedFrame {
     std::vector<Vec2> position;    ///< those cut by the border included [px]
@@ -23,6 +35,7 @@ struct SynthesisedFrame {
     std::vector<double> z_error;   ///< [a]
     std::vector<double> residual;  ///< local RMS of image − rendering [contrast]
     MirrorOptics optics;
+    OpticsErrors optics_error;
     ErrorScale error_scale;
     double residual_before = 0, residual_rms = 0;  ///< of the whole frame [contrast]
     double unexplained = 0;  ///< the part of residual_rms that is no noise [contrast]
@@ -48,6 +61,7 @@ struct SynthesisSummary {
     std::int64_t worst_frame = 0;                  ///< with the largest share of doubtful spheres
     double worst_share = 0;                        ///< that share [-]
     MirrorOptics optics;                           ///< of the last frame
+    OpticsErrors optics_error;
 
     /// Mean over frames [contrast].
     double mean_before() const { return per_frame(residual_before); }
@@ -81,6 +95,13 @@ class FilmSynthesis {
     /// unknown within one standard error of it.
     void report(const SynthesisedFrame& found, double border, Snapshot& snapshot) const;
 
+    /// What a frame leaves to others.
+    FilmOptics optics_of(const SynthesisedFrame& found) const;
+    /// A frame without spheres, as next() takes it for the one before, that leaves these.
+    static SynthesisedFrame leaving(const FilmOptics& film);
+    /// Why optics of another film do not hold here; empty: they do.
+    std::string mismatch(const FilmOptics& kept) const;
+
     /// Distance of the plates [px].
     double cell_height() const { return options_.height * diameter_; }
 
@@ -93,6 +114,9 @@ class FilmSynthesis {
 
 void add(const SynthesisedFrame& found, std::int64_t frame, SynthesisSummary& summary);
 
+/// Optics with their standard errors, on one line.
+std::string in_words(const MirrorOptics& optics, const OpticsErrors& error);
+
 /// Warns (WarningCode::doubtful_heights) of frames with more than 1 % of their spheres doubtful,
 /// of those whose residual did not fall, and of those that leave more than kMostUnexplained; of
 /// errors that are those of the fit alone
@@ -101,6 +125,8 @@ void warn_of(const SynthesisSummary& summary, RunPlan& plan);
 
 /// Save or restore.
 void transfer(NumberArchive& archive, MirrorOptics& optics);
+void transfer(NumberArchive& archive, OpticsErrors& error);
+void transfer(NumberArchive& archive, FilmOptics& film);
 void transfer(NumberArchive& archive, SynthesisedFrame& found);
 void transfer(NumberArchive& archive, SynthesisSummary& summary);
 

@@ -1,8 +1,10 @@
 #include "tracking/synthesis/mirror_image.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "core/support/parallel.h"
 
@@ -12,7 +14,6 @@ namespace {
 constexpr int kMostSamples = 4;
 constexpr double kWidestPatch = 1.6;  // [a] from the sphere: what is mirrored farther away is weak
 constexpr double kBlurReach = 3.5;    // [σ]
-constexpr float kSquaredRadius = 0.25F;
 
 std::size_t at(std::ptrdiff_t index) {
     return static_cast<std::size_t>(index);
@@ -84,6 +85,14 @@ Point3 MirrorImage::place(std::int32_t ray) const {
             static_cast<float>((row * step + first) / scale_), 0};
 }
 
+std::vector<float> MirrorImage::places() const {
+    std::vector<float> x;
+    for (std::int32_t column = 0; column < width_ * samples_; ++column) {
+        x.push_back(place(column).x);
+    }
+    return x;
+}
+
 void MirrorImage::render(const MirrorScene& scene) {
     const int columns = width_ * samples_;
     const int rows = height_ * samples_;
@@ -93,23 +102,23 @@ void MirrorImage::render(const MirrorScene& scene) {
     Image sharp(width_, height_);
     std::vector<std::vector<Touch>> touches(static_cast<std::size_t>(height_));
     const float share = 1.0F / static_cast<float>(samples_ * samples_);
+    const std::vector<float> x = places();
     parallel_for(height_, threads_, [&](std::int64_t row) {
         std::vector<Touch>& list = touches[static_cast<std::size_t>(row)];
         float* out = sharp.row(static_cast<int>(row));
+        FirstSpheres begin;
         for (int v = 0; v < samples_; ++v) {
             auto ray = static_cast<std::int32_t>((row * samples_ + v) * columns);
+            const float y = place(ray).y;
+            scene.first_spheres(x, y, true, begin);
             for (int column = 0; column < columns; ++column, ++ray) {
-                const Point3 p = place(ray);
-                std::int32_t beside = -1;
-                const std::int32_t first = scene.first_sphere(p.x, p.y, beside);
-                TouchedSpheres touched;
-                float value = 1;
-                if (first >= 0) value = scene.radiance(p.x, p.y, first, touched);
-                if (beside >= 0) touched.add(beside);
+                const auto k = static_cast<std::size_t>(column);
+                TouchedSpheres touched = begin.touched(k);
+                const float value = scene.radiance(x[k], y, begin.first[k], touched);
                 value_[static_cast<std::size_t>(ray)] = value;
-                first_[static_cast<std::size_t>(ray)] = first >= 0 ? first : beside;
+                first_[static_cast<std::size_t>(ray)] = begin.first[k];
                 out[column / samples_] += share * value;
-                for (int k = 0; k < touched.count; ++k) list.push_back({touched.id[k], ray});
+                for (int n = 0; n < touched.count; ++n) list.push_back({touched.id[n], ray});
             }
         }
     });
@@ -130,22 +139,34 @@ void MirrorImage::render(const MirrorScene& scene) {
 }
 
 void MirrorImage::render_only(const MirrorScene& scene) {
+    image_ = std::move(renderings(scene, {scene.optics()}).front());
+}
+
+std::vector<Image> MirrorImage::renderings(const MirrorScene& scene,
+                                           const std::vector<MirrorOptics>& optics) const {
     const int columns = width_ * samples_;
-    Image sharp(width_, height_);
+    std::vector<Image> images(optics.size(), Image(width_, height_));
     const float share = 1.0F / static_cast<float>(samples_ * samples_);
+    const std::vector<float> x = places();
     parallel_for(height_, threads_, [&](std::int64_t row) {
-        float* out = sharp.row(static_cast<int>(row));
+        FirstSpheres begin;
+        std::array<float, MirrorScene::kMostOptics> value;
         for (int v = 0; v < samples_; ++v) {
-            auto ray = static_cast<std::int32_t>((row * samples_ + v) * columns);
-            for (int column = 0; column < columns; ++column, ++ray) {
-                const Point3 p = place(ray);
-                std::int32_t beside = -1;
-                const std::int32_t first = scene.first_sphere(p.x, p.y, beside);
-                out[column / samples_] += share * scene.radiance(p.x, p.y, first);
+            const float y = place(static_cast<std::int32_t>((row * samples_ + v) * columns)).y;
+            scene.first_spheres(x, y, false, begin);
+            for (int column = 0; column < columns; ++column) {
+                const auto k = static_cast<std::size_t>(column);
+                scene.radiances(x[k], y, begin.first[k], optics, value);
+                for (std::size_t n = 0; n < images.size(); ++n) {
+                    images[n](column / samples_, static_cast<int>(row)) += share * value[n];
+                }
             }
         }
     });
-    image_ = gaussian_blurred(sharp, scene.optics().blur * scale_, threads_);
+    for (std::size_t n = 0; n < images.size(); ++n) {
+        images[n] = gaussian_blurred(images[n], optics[n].blur * scale_, threads_);
+    }
+    return images;
 }
 
 void MirrorImage::blur(ImagePatch& patch, double sigma) const {
@@ -211,9 +232,7 @@ ImagePatch MirrorImage::change(const MirrorScene& scene, std::int32_t sphere, Po
         for (int column = 0; column < patch.width * samples_; ++column, ++ray) {
             const Point3 p = place(ray);
             if (from(p, centre) > farthest) continue;
-            std::int32_t first = first_[static_cast<std::size_t>(ray)];
-            if (first < 0 && from(p, to) < kSquaredRadius) first = sphere;
-            if (first < 0) continue;
+            const std::int32_t first = first_[static_cast<std::size_t>(ray)];
             out[column / samples_] += share * (scene.radiance(p.x, p.y, first, moved) -
                                                value_[static_cast<std::size_t>(ray)]);
         }

@@ -42,6 +42,10 @@ class MirrorImage {
     void render_only(const MirrorScene& scene);
     /// Radiance [panel], blurred.
     const Image& image() const { return image_; }
+    /// Images under several optics (at most MirrorScene::kMostOptics) with the camera of the scene;
+    /// each ray is followed once. What was rendered before stays.
+    std::vector<Image> renderings(const MirrorScene& scene,
+                                  const std::vector<MirrorOptics>& optics) const;
 
     /// ∂(image)/∂q where sphere i moves along `direction`, from a difference over that step [1/a].
     ImagePatch derivative(const MirrorScene& scene, std::int32_t sphere, Point3 step) const;
@@ -59,6 +63,8 @@ class MirrorImage {
         std::int32_t ray;
     };
     Point3 place(std::int32_t ray) const;
+    /// Of the rays of a row [a].
+    std::vector<float> places() const;
     ImagePatch empty_patch(Point3 centre, int half) const;
 
     int width_, height_;
@@ -67,7 +73,7 @@ class MirrorImage {
     int samples_;
     Image image_;
     std::vector<float> value_;         ///< of each ray, row by row
-    std::vector<std::int32_t> first_;  ///< sphere that it meets, or one that it passes; −1
+    std::vector<std::int32_t> first_;  ///< sphere that it meets; −1: none
     std::vector<std::int64_t> begin_;  ///< of the rays that touch each sphere
     std::vector<std::int32_t> ray_;
 };

@@ -22,6 +22,15 @@ struct MirrorOptics {
     double distance = 0;         ///< of the camera from the plane z = 0 [a]; 0: telecentric
     double middle_x = 0, middle_y = 0;  ///< what the camera looks down on [a]
     int reflections = 6;                ///< most mirrors on a path
+
+    friend bool operator==(const MirrorOptics&, const MirrorOptics&) = default;
+};
+
+/// Standard errors of what a frame says of MirrorOptics; 0: given, not estimated.
+struct OpticsErrors {
+    double reflectivity = 0, blur = 0, ambient = 0, grazing = 0;
+
+    friend bool operator==(const OpticsErrors&, const OpticsErrors&) = default;
 };
 
 }  // namespace grainfield::tracking

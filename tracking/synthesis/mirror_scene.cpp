@@ -1,6 +1,7 @@
 #include "tracking/synthesis/mirror_scene.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <utility>
@@ -36,12 +37,57 @@ struct SphereGrid {
 struct MirrorLayer {
     const Point3* spheres;
     const NearSpheres* near;
-    float reflectivity, ambient, grazing;
     int reflections;
     SphereGrid grid;
 
     Point3 centre(std::int32_t id, const MovedSphere& moved) const {
         return id == moved.id ? moved.centre : spheres[id];
+    }
+};
+
+/// Rays of the camera, side by side; whole vectors of lanes.
+struct CameraRays {
+    const float *x, *y, *dx, *dy, *dz;
+};
+
+/// What each of them meets first, and the spheres that it passes closely.
+struct FirstOfRays {
+    float* distance;
+    std::int32_t* first;
+    PassedSpheres* passed;  ///< null: not wanted
+};
+
+/// The light that comes along a path under one kind of optics.
+struct PathLight {
+    float reflectivity = 0, ambient = 0, grazing = 0;
+    float weight = 1;
+
+    PathLight() = default;
+    PathLight(const MirrorOptics& optics)  // NOLINT(google-explicit-constructor)
+        : reflectivity(static_cast<float>(optics.reflectivity)),
+          ambient(static_cast<float>(optics.ambient)),
+          grazing(static_cast<float>(optics.grazing)) {}
+
+    /// A mirror met at an angle of which (1 − cos)⁵ is given.
+    void mirror(float fifth) { weight *= reflectivity + (1 - reflectivity) * fifth; }
+    void block() { weight = 0; }
+    /// The path leaves the layer with this slope.
+    void leave(float dz) { weight = dz < -grazing ? weight : weight * ambient; }
+};
+
+/// The light under several optics along one path.
+struct PathLights {
+    PathLight* light;
+    std::size_t count;
+
+    void mirror(float fifth) {
+        for (std::size_t k = 0; k < count; ++k) light[k].mirror(fifth);
+    }
+    void block() {
+        for (std::size_t k = 0; k < count; ++k) light[k].block();
+    }
+    void leave(float dz) {
+        for (std::size_t k = 0; k < count; ++k) light[k].leave(dz);
     }
 };
 
@@ -64,6 +110,8 @@ constexpr float kFar = 1e9F;
 constexpr float kSquaredRadius = 0.25F;
 /// Of spheres that a ray meets within this distance of a sphere in the plane, all are near it [a].
 constexpr float kComplete = MirrorScene::kReach - 0.5F - MirrorScene::kTouch;
+/// (R + δ)² − R² for δ = kTouch.
+constexpr float kBeside = MirrorScene::kTouch * (1 + MirrorScene::kTouch);
 constexpr int kMostHops = 5;  // a ray is followed 2 a farther by each
 constexpr float kLeastSlope = 1e-9F;
 
@@ -131,8 +179,6 @@ HWY_INLINE Hit nearest_hit(const NearSpheres& near, const MirrorRay& ray, const 
         best = {ids[hn::FindFirstTrue(tag, hn::Eq(least, smallest))], distance};
     }
     if constexpr (kTouch) {
-        // (R + δ)² − R² for δ = kTouch.
-        constexpr float kBeside = MirrorScene::kTouch * (1 + MirrorScene::kTouch);
         for (int k = 0; k < near.count; k += lanes) {
             const auto along = hn::Load(tag, closest + k);
             const auto inside = hn::Load(tag, beside + k);
@@ -187,18 +233,30 @@ HWY_INLINE Hit first_hit(const MirrorLayer& layer, const MirrorRay& ray, std::in
     return hit;
 }
 
-/// Along a ray of the camera that meets `first` or one near it.
-template <bool kTouch>
-HWY_INLINE float follow(const MirrorLayer& layer, MirrorRay ray, std::int32_t first,
-                        const MovedSphere& moved, TouchedSpheres* touched) {
-    // The first sphere itself is not among those near it.
-    Hit hit = nearest_hit<kTouch>(layer.near[first], ray, moved,
-                                  own_hit(layer.centre(first, moved), ray, first), touched);
-    float weight = 1;
+/// What a ray of the camera meets, if it met `first` (−1: none) while nothing was moved.
+HWY_INLINE Hit camera_hit(const MirrorLayer& layer, const MirrorRay& ray, std::int32_t first,
+                          const MovedSphere& moved) {
+    if (first == moved.id) {  // what is behind may come to light
+        return nearest_hit<false>(layer.near[first], ray, moved,
+                                  own_hit(moved.centre, ray, moved.id), nullptr);
+    }
+    Hit hit;
+    if (first >= 0) hit = own_hit(layer.spheres[first], ray, first);
+    if (moved.id < 0) return hit;
+    const Hit other = own_hit(moved.centre, ray, moved.id);
+    return other.distance < hit.distance ? other : hit;
+}
+
+/// Along a ray of the camera that meets `first` while nothing is moved.
+template <bool kTouch, class Light>
+HWY_INLINE void follow(const MirrorLayer& layer, MirrorRay ray, std::int32_t first,
+                       const MovedSphere& moved, TouchedSpheres* touched, Light& light) {
+    Hit hit = camera_hit(layer, ray, first, moved);
+    if (hit.id < 0) return;  // the panel itself
     for (int n = 0; n < layer.reflections; ++n) {
         if (hit.id < 0) {
-            if (n == 0) return 1;  // the panel itself
-            return ray.dz < -layer.grazing ? weight : weight * layer.ambient;
+            light.leave(ray.dz);
+            return;
         }
         if constexpr (kTouch) touched->add(hit.id);
         ray.x += hit.distance * ray.dx;
@@ -209,28 +267,76 @@ HWY_INLINE float follow(const MirrorLayer& layer, MirrorRay ray, std::int32_t fi
         const float ny = 2 * (ray.y - c.y);
         const float nz = 2 * (ray.z - c.z);
         const float cosine = -(ray.dx * nx + ray.dy * ny + ray.dz * nz);
-        // Spheres that overlap: the ray began inside.
-        if (cosine <= 0) return 0;
+        if (cosine <= 0) {  // spheres that overlap: the ray began inside
+            light.block();
+            return;
+        }
         const float grazing = 1 - std::min(cosine, 1.0F);
         const float squared = grazing * grazing;
-        weight *= layer.reflectivity + (1 - layer.reflectivity) * squared * squared * grazing;
+        light.mirror(squared * squared * grazing);
         ray.dx += 2 * cosine * nx;
         ray.dy += 2 * cosine * ny;
         ray.dz += 2 * cosine * nz;
         hit = first_hit<kTouch>(layer, ray, hit.id, moved, touched);
     }
-    if (hit.id >= 0) return 0;
-    return ray.dz < -layer.grazing ? weight : weight * layer.ambient;
+    if (hit.id >= 0) {
+        light.block();
+    } else {
+        light.leave(ray.dz);
+    }
 }
 
-float radiance_along(const MirrorLayer& layer, const MirrorRay& ray, std::int32_t first,
-                     const MovedSphere& moved) {
-    return follow<false>(layer, ray, first, moved, nullptr);
+void light_along(const MirrorLayer& layer, const MirrorRay& ray, std::int32_t first,
+                 const MovedSphere& moved, PathLight& light) {
+    follow<false>(layer, ray, first, moved, nullptr, light);
 }
 
-float touching_radiance_along(const MirrorLayer& layer, const MirrorRay& ray, std::int32_t first,
-                              TouchedSpheres& touched) {
-    return follow<true>(layer, ray, first, {}, &touched);
+void lights_along(const MirrorLayer& layer, const MirrorRay& ray, std::int32_t first,
+                  PathLights& lights) {
+    follow<false>(layer, ray, first, {}, nullptr, lights);
+}
+
+void touching_light_along(const MirrorLayer& layer, const MirrorRay& ray, std::int32_t first,
+                          TouchedSpheres& touched, PathLight& light) {
+    follow<true>(layer, ray, first, {}, &touched, light);
+}
+
+/// The rays `begin` to `end` − 1 that meet a sphere, or pass it closely, are told so.
+void meet_sphere(const CameraRays& rays, int begin, int end, float from_height, const Point3& c,
+                 std::int32_t id, FirstOfRays& found) {
+    const FloatTag tag;
+    const IntTag integers;
+    const int lanes = static_cast<int>(hn::Lanes(tag));
+    const auto oz = hn::Set(tag, c.z - from_height);
+    const auto squared_radius = hn::Set(tag, kSquaredRadius);
+    for (int k = begin / lanes * lanes; k < end; k += lanes) {
+        const auto ox = hn::Sub(hn::Set(tag, c.x), hn::LoadU(tag, rays.x + k));
+        const auto oy = hn::Sub(hn::Set(tag, c.y), hn::LoadU(tag, rays.y + k));
+        const auto along =
+            hn::MulAdd(ox, hn::LoadU(tag, rays.dx + k),
+                       hn::MulAdd(oy, hn::LoadU(tag, rays.dy + k),
+                                  hn::Mul(oz, hn::LoadU(tag, rays.dz + k))));
+        const auto square = hn::MulAdd(ox, ox, hn::MulAdd(oy, oy, hn::Mul(oz, oz)));
+        const auto inside = hn::Sub(squared_radius, hn::NegMulAdd(along, along, square));
+        const auto distance = hn::Sub(along, hn::Sqrt(hn::Max(inside, hn::Zero(tag))));
+        const auto least = hn::LoadU(tag, found.distance + k);
+        const auto is_first = hn::And(hn::Gt(inside, hn::Zero(tag)), hn::Lt(distance, least));
+        hn::StoreU(hn::IfThenElse(is_first, distance, least), tag, found.distance + k);
+        hn::StoreU(hn::IfThenElse(hn::RebindMask(integers, is_first), hn::Set(integers, id),
+                                  hn::LoadU(integers, found.first + k)),
+                   integers, found.first + k);
+        if (found.passed == nullptr) continue;
+        const auto is_passed = hn::And(hn::Le(inside, hn::Zero(tag)),
+                                       hn::Gt(inside, hn::Set(tag, -kBeside)));
+        if (hn::AllFalse(tag, is_passed)) continue;
+        HWY_ALIGN float at[16];
+        HWY_ALIGN float margin[16];
+        hn::Store(along, tag, at);
+        hn::Store(inside, tag, margin);
+        for (int l = 0; l < lanes; ++l) {
+            if (margin[l] <= 0 && margin[l] > -kBeside) found.passed[k + l].add(id, at[l]);
+        }
+    }
 }
 
 }  // namespace grainfield::tracking::HWY_NAMESPACE
@@ -240,8 +346,10 @@ HWY_AFTER_NAMESPACE();
 namespace grainfield::tracking {
 namespace {
 
-HWY_EXPORT(radiance_along);
-HWY_EXPORT(touching_radiance_along);
+HWY_EXPORT(light_along);
+HWY_EXPORT(lights_along);
+HWY_EXPORT(touching_light_along);
+HWY_EXPORT(meet_sphere);
 
 constexpr float kStart = 3;  // [a] above the plane z = 0: rays begin above all spheres
 constexpr int kLanes = 16;
@@ -270,9 +378,6 @@ MirrorRay camera_ray(const MirrorOptics& optics, float x, float y) {
 MirrorLayer MirrorScene::layer() const {
     return {spheres_.data(),
             near_.data(),
-            static_cast<float>(optics_.reflectivity),
-            static_cast<float>(optics_.ambient),
-            static_cast<float>(optics_.grazing),
             optics_.reflections,
             {middle_.data(), columns_, rows_, left_, top_, lowest_, highest_}};
 }
@@ -369,42 +474,75 @@ void MirrorScene::each_near(float x, float y, float distance, Action&& action) c
     }
 }
 
-std::int32_t MirrorScene::first_sphere(float x, float y, std::int32_t& beside) const {
-    const MirrorRay ray = camera_ray(optics_, x, y);
-    beside = -1;
-    // A ray is inclined by less than 45°.
-    const float across = optics_.distance > 0 ? kStart * std::hypot(ray.dx, ray.dy) / -ray.dz : 0;
-    std::int32_t first = -1;
-    float least = 2 * kStart;
-    each_near(x, y, kSeen + across, [&](std::int32_t j, float) {
+void MirrorScene::first_spheres(const std::vector<float>& x, float y, bool wants_passed,
+                                FirstSpheres& row) const {
+    const std::size_t count = (x.size() + kLanes - 1) / kLanes * kLanes;
+    std::vector<float>& lanes = row.lanes;
+    lanes.assign(6 * count, kNowhere);
+    float* part[6];
+    for (std::size_t k = 0; k < 6; ++k) part[k] = lanes.data() + k * count;
+    row.first.assign(count, -1);
+    row.passed.assign(wants_passed ? count : 0, {});
+    float across = 0;
+    for (std::size_t k = 0; k < x.size(); ++k) {
+        const MirrorRay ray = camera_ray(optics_, x[k], y);
+        part[0][k] = ray.x;
+        part[1][k] = ray.y;
+        part[2][k] = ray.dx;
+        part[3][k] = ray.dy;
+        part[4][k] = ray.dz;
+        if (optics_.distance > 0) {
+            across = std::max(across, kStart * std::hypot(ray.dx, ray.dy) / -ray.dz);
+        }
+    }
+    const CameraRays rays{part[0], part[1], part[2], part[3], part[4]};
+    FirstOfRays found{part[5], row.first.data(), wants_passed ? row.passed.data() : nullptr};
+    const float reach = kSeen + across;
+    const auto row_of = [&](float v) {
+        return std::clamp(static_cast<int>(std::floor(v - top_)), 0, rows_ - 1);
+    };
+    const auto cells = [&](int v) {
+        return static_cast<std::size_t>(v) * static_cast<std::size_t>(columns_);
+    };
+    const float left = x.front();
+    const float per_step =
+        x.size() > 1 ? static_cast<float>(x.size() - 1) / (x.back() - left) : 1.0F;
+    for (std::int32_t m = begin_[cells(row_of(y - reach))];
+         m < begin_[cells(row_of(y + reach) + 1)]; ++m) {
+        const std::int32_t j = member_[static_cast<std::size_t>(m)];
         const Point3& c = spheres_[static_cast<std::size_t>(j)];
-        const float ox = c.x - ray.x;
-        const float oy = c.y - ray.y;
-        const float oz = c.z - ray.z;
-        const float along = ox * ray.dx + oy * ray.dy + oz * ray.dz;
-        const float inside = kSquaredRadius - (ox * ox + oy * oy + oz * oz - along * along);
-        if (inside <= 0) {
-            beside = j;
-            return;
-        }
-        const float distance = along - std::sqrt(inside);
-        if (distance < least) {
-            least = distance;
-            first = j;
-        }
-    });
-    return first;
+        if (std::abs(c.y - y) > reach || c.x + reach < left || c.x - reach > x.back()) continue;
+        const auto column = [&](float at) {
+            return std::clamp(static_cast<int>((at - left) * per_step), 0,
+                              static_cast<int>(x.size()) - 1);
+        };
+        HWY_DYNAMIC_DISPATCH(meet_sphere)
+        (rays, column(c.x - reach), column(c.x + reach) + 1, kStart, c, j, found);
+    }
+    row.distance = part[5];
 }
 
 float MirrorScene::radiance(float x, float y, std::int32_t first, const MovedSphere& moved) const {
-    if (first < 0) return 1;
-    return HWY_DYNAMIC_DISPATCH(radiance_along)(layer(), camera_ray(optics_, x, y), first, moved);
+    PathLight light(optics_);
+    HWY_DYNAMIC_DISPATCH(light_along)(layer(), camera_ray(optics_, x, y), first, moved, light);
+    return light.weight;
 }
 
 float MirrorScene::radiance(float x, float y, std::int32_t first, TouchedSpheres& touched) const {
-    if (first < 0) return 1;
-    return HWY_DYNAMIC_DISPATCH(touching_radiance_along)(layer(), camera_ray(optics_, x, y), first,
-                                                         touched);
+    PathLight light(optics_);
+    HWY_DYNAMIC_DISPATCH(touching_light_along)
+    (layer(), camera_ray(optics_, x, y), first, touched, light);
+    return light.weight;
+}
+
+void MirrorScene::radiances(float x, float y, std::int32_t first,
+                            std::span<const MirrorOptics> optics,
+                            std::span<float> radiance) const {
+    std::array<PathLight, kMostOptics> light;
+    std::copy(optics.begin(), optics.end(), light.begin());
+    PathLights lights{light.data(), optics.size()};
+    HWY_DYNAMIC_DISPATCH(lights_along)(layer(), camera_ray(optics_, x, y), first, lights);
+    for (std::size_t k = 0; k < optics.size(); ++k) radiance[k] = light[k].weight;
 }
 
 }  // namespace grainfield::tracking

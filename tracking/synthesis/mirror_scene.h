@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "tracking/synthesis/mirror_optics.h"
@@ -29,6 +31,38 @@ struct TouchedSpheres {
     }
 };
 
+/// Spheres that a ray of the camera passes closely, and where along the ray.
+struct PassedSpheres {
+    static constexpr int kMost = 4;
+    int count = 0;
+    std::int32_t id[kMost];
+    float along[kMost];  ///< [a]
+
+    void add(std::int32_t sphere, float at) {
+        if (count == kMost) return;
+        id[count] = sphere;
+        along[count++] = at;
+    }
+};
+
+/// What the rays of one row of the camera meet first.
+struct FirstSpheres {
+    std::vector<std::int32_t> first;  ///< −1: none
+    /// Spheres that a ray passes within MirrorScene::kTouch; empty where they are not wanted.
+    std::vector<PassedSpheres> passed;
+    std::vector<float> lanes;         ///< room of the kernel
+    const float* distance = nullptr;  ///< of the first hit along each ray [a]
+
+    /// Those that ray k passes before it meets one.
+    TouchedSpheres touched(std::size_t k) const {
+        TouchedSpheres result;
+        for (int n = 0; n < passed[k].count; ++n) {
+            if (passed[k].along[n] < distance[k]) result.add(passed[k].id[n]);
+        }
+        return result;
+    }
+};
+
 /// A sphere that is looked at elsewhere than where it is.
 struct MovedSphere {
     std::int32_t id = -2;  ///< none; −1 is a lane of NearSpheres without a sphere
@@ -47,6 +81,7 @@ class MirrorScene {
     static constexpr float kReach = 2.5F;  ///< of near(), in the plane [a]
     /// A ray that passes a sphere nearer than this touches it [a].
     static constexpr float kTouch = 0.035F;
+    static constexpr std::size_t kMostOptics = 8;
 
     MirrorScene(std::vector<Point3> spheres, const MirrorOptics& optics);
 
@@ -58,16 +93,18 @@ class MirrorScene {
         return near_[static_cast<std::size_t>(sphere)];
     }
 
-    /// The sphere that the ray through (x, y, 0) meets first; −1: none. `beside`: one that it
-    /// passes within kTouch, −1: none.
-    std::int32_t first_sphere(float x, float y, std::int32_t& beside) const;
+    /// What the rays through (x, y, 0) meet first. `x` rises in equal steps.
+    void first_spheres(const std::vector<float>& x, float y, bool wants_passed,
+                       FirstSpheres& row) const;
 
-    /// Radiance along the ray through (x, y, 0) that meets `first`, or one near it, first; the
-    /// panel's if first is −1. With `moved` elsewhere: give the moved sphere as `first` where there
-    /// was none.
+    /// Radiance along the ray through (x, y, 0), which meets `first` first while nothing is moved;
+    /// −1: none. With `moved` elsewhere.
     float radiance(float x, float y, std::int32_t first, const MovedSphere& moved = {}) const;
-    /// The same, and what it touches.
+    /// The same, and what it touches, to which `touched` is added.
     float radiance(float x, float y, std::int32_t first, TouchedSpheres& touched) const;
+    /// The same under each of at most kMostOptics optics, whose cameras must be that of optics().
+    void radiances(float x, float y, std::int32_t first, std::span<const MirrorOptics> optics,
+                   std::span<float> radiance) const;
 
  private:
     MirrorLayer layer() const;

@@ -31,6 +31,8 @@ constexpr int kOpticsRounds = 2;
 constexpr int kOpticsSquares = 3;
 constexpr double kOpticsSide = 7;     // [a]
 constexpr double kOpticsMiddle = 16;  // [a]
+constexpr double kBlock = 1.5;        // [a] residuals farther apart are taken as independent
+constexpr std::size_t kLeastBlocks = 9;
 
 using OpticsMatrix = Eigen::Matrix<double, kOpticsTerms, kOpticsTerms>;
 using OpticsVector = Eigen::Matrix<double, kOpticsTerms, 1>;
@@ -91,38 +93,49 @@ std::vector<OpticsSquare> optics_squares(const OpticsFrame& frame,
     return squares;
 }
 
-/// Adds what one square says of the optics, whatever its light is.
-void add_square(const OpticsSquare& square, MirrorOptics optics, double scale, int threads,
-                OpticsMatrix& a, OpticsVector& b) {
+/// What a part of the frame says of the optics: A δ = b.
+struct OpticsEquations {
+    OpticsMatrix a = OpticsMatrix::Zero();
+    OpticsVector b = OpticsVector::Zero();
+};
+
+/// What one square says, block by block, whatever its light is.
+std::vector<OpticsEquations> equations_of(const OpticsSquare& square, MirrorOptics optics,
+                                          double scale, int threads) {
     constexpr int kLight = 2;
+    constexpr int kTerms = kOpticsTerms + kLight;
+    struct Block {
+        Eigen::Matrix<double, kTerms, kTerms> a = Eigen::Matrix<double, kTerms, kTerms>::Zero();
+        Eigen::Matrix<double, kTerms, 1> b = Eigen::Matrix<double, kTerms, 1>::Zero();
+    };
     optics.middle_x -= square.corner_x;
     optics.middle_y -= square.corner_y;
     const int width = square.brightness.width();
     const int height = square.brightness.height();
-    MirrorImage rendering(width, height, scale, threads);
-    const auto image_with = [&](const MirrorOptics& with) {
-        rendering.render_only(MirrorScene(square.spheres, with));
-        return rendering.image();
-    };
+    const MirrorImage rendering(width, height, scale, threads);
+    std::vector<MirrorOptics> varied(kOpticsTerms + 1, optics);  // the last one as it is
+    for (int t = 0; t < kOpticsTerms; ++t) {
+        term_of(varied[static_cast<std::size_t>(t)], t) += kOpticsStep[t];
+    }
+    std::vector<Image> by = rendering.renderings(MirrorScene(square.spheres, optics), varied);
+    const Image base = std::move(by.back());
     const int border = static_cast<int>(std::ceil(scale));
-    const Image base = image_with(optics);
     const FrameLight light = fit_light(square.brightness, square.ceiling, base, border);
     const Image left = light_residual(square.brightness, square.ceiling, base, light, threads);
-    std::vector<Image> by;
     for (int t = 0; t < kOpticsTerms; ++t) {
-        MirrorOptics other = optics;
-        term_of(other, t) += kOpticsStep[t];
-        Image difference = image_with(other);
+        Image& difference = by[static_cast<std::size_t>(t)];
         for (std::size_t k = 0; k < difference.size(); ++k) {
             difference.pixels()[k] = (difference.pixels()[k] - base.pixels()[k]) *
                                      static_cast<float>(light.gain / kOpticsStep[t]);
         }
-        by.push_back(std::move(difference));
     }
-    constexpr int kTerms = kOpticsTerms + kLight;
-    Eigen::Matrix<double, kTerms, kTerms> whole = decltype(whole)::Zero();
-    Eigen::Matrix<double, kTerms, 1> right = decltype(right)::Zero();
+    const int side = std::max(1, static_cast<int>(std::lround(kBlock * scale)));
+    const int columns = std::max(1, (width - 2 * border) / side);
+    const int rows = std::max(1, (height - 2 * border) / side);
+    std::vector<Block> blocks(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+    Block whole;
     for (int y = border; y < height - border; ++y) {
+        const int row = std::min((y - border) / side, rows - 1);
         for (int x = border; x < width - border; ++x) {
             const auto r = static_cast<double>(left(x, y));
             if (std::abs(r) > kUnexplained * light.gain) continue;
@@ -133,40 +146,71 @@ void add_square(const OpticsSquare& square, MirrorOptics optics, double scale, i
             }
             j(kOpticsTerms) = static_cast<double>(base(x, y));
             j(kOpticsTerms + 1) = 1;
-            whole += j * j.transpose();
-            right += r * j;
+            const int column = std::min((x - border) / side, columns - 1);
+            Block& block = blocks[static_cast<std::size_t>(row * columns + column)];
+            block.a += j * j.transpose();
+            block.b += r * j;
         }
     }
-    Eigen::Matrix2d of_light = whole.bottomRightCorner<kLight, kLight>();
+    for (const Block& block : blocks) whole.a += block.a;
+    Eigen::Matrix2d of_light = whole.a.bottomRightCorner<kLight, kLight>();
     of_light.diagonal().array() += 1e-6;
     const Eigen::Matrix<double, kOpticsTerms, kLight> shared =
-        whole.topRightCorner<kOpticsTerms, kLight>() * of_light.inverse();
-    a += whole.topLeftCorner<kOpticsTerms, kOpticsTerms>() -
-         shared * whole.bottomLeftCorner<kLight, kOpticsTerms>();
-    b += right.head<kOpticsTerms>() - shared * right.tail<kLight>();
+        whole.a.topRightCorner<kOpticsTerms, kLight>() * of_light.inverse();
+    std::vector<OpticsEquations> equations;
+    for (const Block& block : blocks) {
+        equations.push_back({block.a.topLeftCorner<kOpticsTerms, kOpticsTerms>() -
+                                 shared * block.a.bottomLeftCorner<kLight, kOpticsTerms>(),
+                             block.b.head<kOpticsTerms>() - shared * block.b.tail<kLight>()});
+    }
+    return equations;
+}
+
+/// Standard errors after `step`, which solves A δ = Σ b but for what limits took from it.
+OpticsVector errors_of(const std::vector<OpticsEquations>& blocks, const OpticsMatrix& a,
+                       const OpticsVector& step) {
+    OpticsMatrix scores = OpticsMatrix::Zero();
+    for (const OpticsEquations& block : blocks) {
+        const OpticsVector score = block.b - block.a * step;
+        scores += score * score.transpose();
+    }
+    const auto n = static_cast<double>(blocks.size());
+    const OpticsMatrix inverse = a.inverse();
+    const OpticsMatrix covariance = inverse * scores * inverse * (n / (n - kOpticsTerms));
+    return covariance.diagonal().cwiseMax(0).cwiseSqrt();
 }
 
 }  // namespace
 
-MirrorOptics fitted_optics(const OpticsFrame& frame, const std::vector<Point3>& spheres,
+FittedOptics fitted_optics(const OpticsFrame& frame, const std::vector<Point3>& spheres,
                            MirrorOptics optics, int threads) {
     const std::vector<OpticsSquare> squares = optics_squares(frame, spheres);
+    OpticsErrors error;
     for (int round = 0; round < kOpticsRounds; ++round) {
-        OpticsMatrix a = OpticsMatrix::Zero();
-        OpticsVector b = OpticsVector::Zero();
+        std::vector<OpticsEquations> blocks;
         for (const OpticsSquare& square : squares) {
-            add_square(square, optics, frame.scale, threads, a, b);
+            const std::vector<OpticsEquations> here =
+                equations_of(square, optics, frame.scale, threads);
+            blocks.insert(blocks.end(), here.begin(), here.end());
         }
-        a.diagonal() *= 1 + 1e-6;
-        a.diagonal().array() += 1e-6;
-        const OpticsVector step = a.ldlt().solve(b);
+        OpticsEquations whole;
+        for (const OpticsEquations& block : blocks) {
+            whole.a += block.a;
+            whole.b += block.b;
+        }
+        whole.a.diagonal() *= 1 + 1e-6;
+        whole.a.diagonal().array() += 1e-6;
+        const OpticsVector step = whole.a.ldlt().solve(whole.b);
         for (int t = 0; t < kOpticsTerms; ++t) {
             double& term = term_of(optics, t);
             term =
                 std::clamp(term + std::clamp(step(t), -0.2, 0.2), kOpticsLeast[t], kOpticsMost[t]);
         }
+        if (blocks.size() < kLeastBlocks) continue;
+        const OpticsVector errors = errors_of(blocks, whole.a, step);
+        error = {errors(0), errors(1), errors(2), errors(3)};
     }
-    return optics;
+    return {optics, error};
 }
 
 }  // namespace grainfield::tracking

@@ -19,6 +19,14 @@ constexpr int kMostIterations = 80;
 constexpr double kSolved = 1e-3;  // of the right side
 constexpr std::uint64_t kSeed = 1;
 
+// Overlaps of hard spheres.
+constexpr double kWithinFrame = 1.5;        // [a]
+constexpr double kMayOverlap = 1.3;         // [a] one step may bring them nearer than a diameter
+constexpr double kCoincident = 0.1;         // [a]
+constexpr std::size_t kLeastPairs = 30;
+constexpr double kWithinTwo = 0.9545;       // of a Gaussian, within 2σ
+constexpr double kOfRightErrors = 1.85;     // σ
+
 using Vectors = std::vector<Eigen::Vector3d>;
 
 double dot(const Vectors& a, const Vectors& b) {
@@ -55,6 +63,24 @@ Image local_rms(const Image& residual, double radius, int threads) {
     std::nth_element(sorted.begin(), middle, sorted.end());
     for (float& v : rms.pixels()) v = std::sqrt(std::max(v, *middle));
     return rms;
+}
+
+using Steps = std::vector<std::array<double, 3>>;
+
+/// How all spheres would move under draws of noise like the residual, one after the other.
+template <class Action>
+void each_draw(const SynthesisFit& fit, const SynthesisFit::Information& info, int threads,
+               Action&& action) {
+    const Image spread = local_rms(fit.residual(), kAbout * fit.scale(), threads);
+    const auto wide = static_cast<float>(std::sqrt(correlated_pixels(fit.residual())));
+    RandomStream random(kSeed, "errors");
+    Image noise(spread.width(), spread.height());
+    for (int sample = 0; sample < kErrorSamples; ++sample) {
+        for (std::size_t k = 0; k < noise.size(); ++k) {
+            noise.pixels()[k] = wide * spread.pixels()[k] * static_cast<float>(random.normal());
+        }
+        action(joint_solution(info, fit.gradient_of(noise), threads));
+    }
 }
 
 }  // namespace
@@ -123,27 +149,18 @@ std::vector<std::array<double, 3>> joint_solution(const SynthesisFit::Informatio
     return result;
 }
 
-std::vector<SphereError> sphere_errors(SynthesisFit& fit, const SynthesisLimits& limits,
-                                       int threads) {
+std::vector<SphereError> sphere_errors(SynthesisFit& fit, int threads) {
     const std::size_t n = fit.spheres().size();
     std::vector<SphereError> errors(n);
     if (n == 0) return errors;
-    const SynthesisFit::Information info = fit.information(limits);
-    const Image spread = local_rms(fit.residual(), kAbout * fit.scale(), threads);
-    const auto wide = static_cast<float>(std::sqrt(correlated_pixels(fit.residual())));
-    RandomStream random(kSeed, "errors");
-    Image noise(spread.width(), spread.height());
-    for (int sample = 0; sample < kErrorSamples; ++sample) {
-        for (std::size_t k = 0; k < noise.size(); ++k) {
-            noise.pixels()[k] = wide * spread.pixels()[k] * static_cast<float>(random.normal());
-        }
-        const auto step = joint_solution(info, fit.gradient_of(noise), threads);
+    const SynthesisFit::Information info = fit.information();
+    each_draw(fit, info, threads, [&](const Steps& step) {
         for (std::size_t i = 0; i < n; ++i) {
             errors[i].x += step[i][0] * step[i][0];
             errors[i].y += step[i][1] * step[i][1];
             errors[i].z += step[i][2] * step[i][2];
         }
-    }
+    });
     for (std::size_t i = 0; i < n; ++i) {
         SphereError& e = errors[i];
         for (double* value : {&e.x, &e.y, &e.z}) *value = std::sqrt(*value / kErrorSamples);
@@ -151,6 +168,62 @@ std::vector<SphereError> sphere_errors(SynthesisFit& fit, const SynthesisLimits&
         e.residual = about.pixels > 0 ? std::sqrt(about.sum / about.pixels) : 0;
     }
     return errors;
+}
+
+double overlap_factor(SynthesisFit& fit, int threads) {
+    const std::vector<Point3>& spheres = fit.spheres();
+    const SynthesisFit::Information alone =
+        fit.information(SynthesisFit::Contacts::ignored);
+    struct Pair {
+        std::size_t i, j;
+        Eigen::Vector3d along;  ///< unit vector from j to i
+        double distance;
+        double variance = 0;
+
+        double change(const Steps& step) const {
+            const Eigen::Map<const Eigen::Vector3d> a(step[i].data());
+            const Eigen::Map<const Eigen::Vector3d> b(step[j].data());
+            return along.dot(a - b);
+        }
+    };
+    const double right = fit.residual().width() / fit.scale() - kWithinFrame;
+    const double bottom = fit.residual().height() / fit.scale() - kWithinFrame;
+    const auto at = [&](std::size_t i) {
+        return Eigen::Vector3f(spheres[i].x, spheres[i].y, spheres[i].z).cast<double>().eval();
+    };
+    const Steps step = joint_solution(alone, alone.gradient, threads);
+    std::vector<Pair> pairs;
+    for (std::size_t i = 0; i < spheres.size(); ++i) {
+        const Eigen::Vector3d p = at(i);
+        if (std::min(p.x(), p.y()) < kWithinFrame || p.x() > right || p.y() > bottom) continue;
+        const NearSpheres& near = fit.near(i);
+        for (int k = 0; k < near.count; ++k) {
+            if (near.id[k] <= static_cast<std::int32_t>(i)) continue;
+            const auto j = static_cast<std::size_t>(near.id[k]);
+            const Eigen::Vector3d apart = p - at(j);
+            const double distance = apart.norm();
+            if (distance > kMayOverlap || distance < kCoincident) continue;
+            Pair pair{i, j, apart / distance, distance};
+            pair.distance += pair.change(step);
+            if (pair.distance < 1) pairs.push_back(pair);
+        }
+    }
+    if (pairs.size() < kLeastPairs) return 1;
+    each_draw(fit, alone, threads, [&](const Steps& draw) {
+        for (Pair& pair : pairs) {
+            const double change = pair.change(draw);
+            pair.variance += change * change / kErrorSamples;
+        }
+    });
+    std::vector<double> overlaps;  // in standard errors
+    for (const Pair& pair : pairs) {
+        overlaps.push_back((1 - pair.distance) / std::sqrt(pair.variance));
+    }
+    const auto quantile =
+        overlaps.begin() +
+        static_cast<std::ptrdiff_t>(kWithinTwo * static_cast<double>(overlaps.size()));
+    std::nth_element(overlaps.begin(), quantile, overlaps.end());
+    return std::max(1.0, *quantile / kOfRightErrors);
 }
 
 }  // namespace grainfield::tracking

@@ -24,8 +24,20 @@ struct SphereError {
 /// relative error is an eighth. So errors hold what spheres share, as heights that rise together.
 /// What a wrong model of the light does alike everywhere is not in them. Same bits for any number
 /// of threads.
-std::vector<SphereError> sphere_errors(SynthesisFit& fit, const SynthesisLimits& limits,
-                                       int threads);
+std::vector<SphereError> sphere_errors(SynthesisFit& fit, int threads);
+
+/// How many times larger errors of heights must be for the overlaps of hard spheres to be no
+/// surprise, 1 or more.
+///
+/// No two centres are nearer than a diameter. Where the image alone puts them nearer, its distance
+/// is wrong by that much or more, whatever is wrong with the model of the light. So the overlap
+/// 1 − d, in standard errors of d as those of sphere_errors are, is an error in standard errors.
+/// Its 95.4 % quantile over all pairs that overlap would be 2 if all of them touched, and 1.7 if
+/// gaps of all widths were as frequent. The factor is the quantile over 1.85: right within 8 %.
+///
+/// The image alone: one Gauss–Newton step without the penalty of contacts. Counted are pairs 1.5 a
+/// or more within the frame. 1 where fewer than 30 overlap. Same bits for any number of threads.
+double overlap_factor(SynthesisFit& fit, int threads);
 
 constexpr int kErrorSamples = 32;
 

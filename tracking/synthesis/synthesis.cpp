@@ -36,7 +36,8 @@ Synthesis synthesise(const Image& counts, const ImageModel& model, double diamet
     BrightnessStart begin{.spheres = {},
                           .are_heights_known = !start.z.empty(),
                           .optics = start.optics,
-                          .are_optics_known = start.are_optics_known};
+                          .are_optics_known = start.are_optics_known,
+                          .wants_overlap_factor = !start.error_scale};
     for (std::size_t i = 0; i < start.position.size(); ++i) {
         const double z = start.z.empty() ? 0.5 * top : start.z[i];
         begin.spheres.push_back({static_cast<float>(start.position[i].x / diameter),
@@ -52,6 +53,7 @@ Synthesis synthesise(const Image& counts, const ImageModel& model, double diamet
                                                     options.height, options.searches, threads);
     Synthesis result;
     result.optics = fit.optics;
+    result.optics_error = start.are_optics_known ? start.optics_error : fit.optics_error;
     result.residual_before = fit.residual_before;
     result.residual_rms = fit.residual_rms;
     result.unexplained = fit.unexplained;

@@ -25,6 +25,7 @@ struct SynthesisStart {
     std::vector<Vec2> position;  ///< [px]
     std::vector<double> z;       ///< [a]; empty: unknown
     MirrorOptics optics;
+    OpticsErrors optics_error = {};              ///< of optics that are known
     bool are_optics_known = false;               ///< else estimated from the frame
     std::optional<ErrorScale> error_scale = {};  ///< empty: learned
 };
@@ -36,6 +37,7 @@ struct Synthesis {
     std::vector<double> z_error;   ///< [a]
     std::vector<double> residual;  ///< local RMS of image − rendering [contrast]
     MirrorOptics optics;
+    OpticsErrors optics_error;
     ErrorScale error_scale;      ///< that errors hold
     double residual_before = 0;  ///< RMS of image − rendering at the start [contrast]
     double residual_rms = 0;     ///< … at the end

@@ -43,6 +43,7 @@ float product(const ImagePatch& a, const ImagePatch& b) {
     const int x1 = std::min(a.x + a.width, b.x + b.width);
     const int y0 = std::max(a.y, b.y);
     const int y1 = std::min(a.y + a.height, b.y + b.height);
+    if (x1 <= x0) return 0;
     float sum = 0;
     for (int y = y0; y < y1; ++y) {
         const float* p = a.row(y - a.y) + (x0 - a.x);
@@ -127,7 +128,7 @@ SynthesisFit::LocalMisfit SynthesisFit::misfit_about(std::size_t sphere) const {
 double SynthesisFit::overlap() const {
     double sum = 0;
     for (std::size_t i = 0; i < spheres_.size(); ++i) {
-        const NearSpheres& near = scene_.front().near(static_cast<std::int32_t>(i));
+        const NearSpheres& near = this->near(i);
         for (int k = 0; k < near.count; ++k) {
             if (near.id[k] <= static_cast<std::int32_t>(i)) continue;
             const float x = spheres_[i].x - near.x[k];
@@ -201,7 +202,7 @@ void SynthesisFit::take_derivatives() {
     });
 }
 
-SynthesisFit::Information SynthesisFit::normal_equations(const SynthesisLimits&) const {
+SynthesisFit::Information SynthesisFit::normal_equations(Contacts contacts) const {
     const std::size_t n = spheres_.size();
     Information info;
     info.own.resize(n);
@@ -237,7 +238,7 @@ SynthesisFit::Information SynthesisFit::normal_equations(const SynthesisLimits&)
                                         static_cast<double>(spheres_[i].y - near.y[k]),
                                         static_cast<double>(spheres_[i].z - near.z[k]));
             const double distance = apart.norm();
-            if (distance < 1 && distance > 0.1) {
+            if (contacts == Contacts::penalised && distance < 1 && distance > 0.1) {
                 const Eigen::Vector3d along = apart / distance;
                 const double weight = noise * noise / (kContact * kContact);
                 for (std::size_t p = 0; p < 3; ++p) {
@@ -260,9 +261,9 @@ SynthesisFit::Information SynthesisFit::normal_equations(const SynthesisLimits&)
     return info;
 }
 
-SynthesisFit::Information SynthesisFit::information(const SynthesisLimits& limits) {
+SynthesisFit::Information SynthesisFit::information(Contacts contacts) {
     take_derivatives();
-    return normal_equations(limits);
+    return normal_equations(contacts);
 }
 
 std::vector<std::array<double, 3>> SynthesisFit::gradient_of(const Image& residual) const {
@@ -365,7 +366,7 @@ int SynthesisFit::refine(const SynthesisLimits& limits) {
         for (std::size_t i = 0; i < moved_.size(); ++i) {
             if (moved_[i] >= kStale) moved_[i] = 0;
         }
-        const Information info = normal_equations(limits);
+        const Information info = normal_equations(Contacts::penalised);
         const std::vector<Point3> before = spheres_;
         const double rms = rms_;
         double moved = 0;
@@ -402,7 +403,10 @@ int SynthesisFit::refine(const SynthesisLimits& limits) {
 }
 
 void SynthesisFit::fit_optics() {
-    optics_ = fitted_optics({brightness_, ceiling_, scale_}, spheres_, optics_, threads_);
+    const FittedOptics fitted =
+        fitted_optics({brightness_, ceiling_, scale_}, spheres_, optics_, threads_);
+    optics_ = fitted.optics;
+    optics_error_ = fitted.error;
     derivative_.clear();
     render();
 }

@@ -63,6 +63,8 @@ class SynthesisFit {
 
     const std::vector<Point3>& spheres() const { return spheres_; }
     const MirrorOptics& optics() const { return optics_; }
+    /// Of the last fit_optics(); zeros: none was made.
+    const OpticsErrors& optics_error() const { return optics_error_; }
     const FrameLight& light() const { return light_; }
     double scale() const { return scale_; }  ///< [px/a]
     double rms() const { return rms_; }      ///< of image − rendering [contrast]
@@ -90,8 +92,13 @@ class SynthesisFit {
         std::vector<std::vector<Block>> pair;
         std::vector<std::array<double, 3>> gradient;
     };
-    /// Where the spheres are now.
-    Information information(const SynthesisLimits& limits);
+    enum class Contacts { penalised, ignored };
+    /// Where the spheres are now. Ignored, contacts leave the image to speak alone.
+    Information information(Contacts contacts = Contacts::penalised);
+    /// The spheres near one of them.
+    const NearSpheres& near(std::size_t sphere) const {
+        return scene_.front().near(static_cast<std::int32_t>(sphere));
+    }
     /// Its gradient if this were image − rendering, without that of the penalties. After
     /// information().
     std::vector<std::array<double, 3>> gradient_of(const Image& residual) const;
@@ -101,7 +108,7 @@ class SynthesisFit {
     bool is_fixed(std::size_t i) const { return !is_fixed_.empty() && is_fixed_[i] != 0; }
     void take_derivatives();
     float best_height(std::size_t sphere, float top) const;
-    Information normal_equations(const SynthesisLimits& limits) const;
+    Information normal_equations(Contacts contacts) const;
     std::vector<std::array<double, 3>> solve(const Information& info, double damping) const;
 
     const Image& brightness_;
@@ -110,6 +117,7 @@ class SynthesisFit {
     int threads_;
     std::vector<Point3> spheres_;
     MirrorOptics optics_;
+    OpticsErrors optics_error_;
     MirrorImage image_;
     std::optional<MirrorImage> fine_;  ///< the image that is compared with, if another
     std::vector<MirrorScene> scene_;   ///< one or none

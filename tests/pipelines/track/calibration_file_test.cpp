@@ -75,6 +75,26 @@ TEST_F(CalibrationFile, GivesTheCorrectionOfTheBiasBackToTheBit) {
     EXPECT_EQ(text_of(again), text_of(kept));
 }
 
+TEST_F(CalibrationFile, GivesTheOpticsOfSynthesisBackToTheBit) {
+    KeptCalibration kept = corrected();
+    kept.optics = tracking::FilmOptics{.diameter = 16.1,
+                                       .height = 1.94,
+                                       .optics = {.reflectivity = 0.6321987654321,
+                                                  .blur = 0.0707123,
+                                                  .ambient = 0.011,
+                                                  .grazing = 0.2071,
+                                                  .distance = 40.5},
+                                       .error = {0.0123, 0.00071, 0.0091, 0.013},
+                                       .error_scale = {{1.1, 1}, {2.61, 2.4}, 233}};
+    const KeptCalibration again = read(text_of(kept));
+    ASSERT_TRUE(again.optics);
+    EXPECT_EQ(*again.optics, *kept.optics);
+    EXPECT_EQ(text_of(again), text_of(kept));
+    std::string damaged = text_of(kept);
+    damaged.replace(damaged.find("factors-height = [2.61"), 22, "factors-height = [0.61");
+    EXPECT_THROW(read(damaged), InputError);
+}
+
 TEST_F(CalibrationFile, WithoutACorrectionHasNone) {
     KeptCalibration kept = corrected();
     kept.bias.reset();

@@ -9,6 +9,7 @@
 
 #include "core/errors.h"
 #include "core/memory_frames.h"
+#include "tests/support/collect.h"
 #include "tests/tracking/synthesis/rendered_layer.h"
 #include "tracking/tracking.h"
 
@@ -143,6 +144,37 @@ TEST(FilmSynthesis, AFilmHasHeightsInEveryFrameWhateverTheThreads) {
         EXPECT_EQ(s.id, three.snapshots[f].id);
     }
     EXPECT_THAT(plan.text(), HasSubstr("synthesis"));
+}
+
+TEST(FilmSynthesis, OpticsThatAreKeptSpareTheirEstimateAndOthersAreSaid) {
+    const std::vector<Image> images = film(2);
+    MemoryFrames first({images[0]});
+    RunPlan first_plan;
+    Tracker one(first, options(), first_plan);
+    testing::Collect sink;
+    Progress progress("", 0, "", Verbosity::quiet);
+    one.run(sink, progress);
+    const KeptCalibration kept = one.to_keep();
+    ASSERT_TRUE(kept.optics);
+    EXPECT_EQ(kept.optics->diameter, kScale);
+    EXPECT_GT(kept.optics->error.blur, 0);
+
+    TrackOptions again = options();
+    again.calibration = {};
+    again.kept = kept;
+    RunPlan plan;
+    MemoryFrames second({images[1]});
+    Tracker other(second, again, plan);
+    const TrackSummary summary = other.run(sink, progress);
+    EXPECT_EQ(summary.synthesis.optics.blur, kept.optics->optics.blur);
+    EXPECT_EQ(summary.synthesis.optics_error, kept.optics->error);
+    EXPECT_THAT(plan.text(), HasSubstr("as kept with the calibration"));
+
+    again.layers.height = 1.8;
+    RunPlan higher;
+    MemoryFrames third({images[1]});
+    const Tracker elsewhere(third, again, higher);
+    EXPECT_THAT(higher.warnings().at(0).text, HasSubstr("layers.height is 1.94 there and 1.8"));
 }
 
 TEST(FilmSynthesis, TheHeightOfTheCellIsThatOfTheLayersWhereItIsGiven) {

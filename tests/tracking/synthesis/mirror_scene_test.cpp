@@ -6,6 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/tracking/synthesis/rendered_layer.h"
+
 namespace grainfield::tracking {
 namespace {
 
@@ -13,9 +15,18 @@ constexpr float kRadius = 0.5F;
 constexpr MirrorOptics kDark{.reflectivity = 0.6, .ambient = 0, .grazing = 0};
 const float kCore = kRadius / std::sqrt(2.0F);
 
+FirstSpheres first_at(const MirrorScene& scene, float x, float y) {
+    FirstSpheres row;
+    scene.first_spheres({x}, y, true, row);
+    return row;
+}
+
+std::int32_t first_sphere(const MirrorScene& scene, float x, float y) {
+    return first_at(scene, x, y).first.front();
+}
+
 float seen(const MirrorScene& scene, float x, float y) {
-    std::int32_t beside = -1;
-    return scene.radiance(x, y, scene.first_sphere(x, y, beside));
+    return scene.radiance(x, y, first_sphere(scene, x, y));
 }
 
 /// Schlick's reflectance where a vertical ray meets a sphere at impact parameter ρ.
@@ -46,11 +57,10 @@ TEST(MirrorScene, TheRimOfALoneSphereShowsThePanelByItsReflectance) {
 
 TEST(MirrorScene, ARayThatPassesSeesThePanel) {
     const MirrorScene scene({{0, 0, 0.3F}}, kDark);
-    std::int32_t beside = -1;
-    EXPECT_EQ(scene.first_sphere(0.51F, 0, beside), -1);
-    EXPECT_EQ(beside, 0);
-    EXPECT_EQ(scene.first_sphere(0.6F, 0, beside), -1);
-    EXPECT_EQ(beside, -1);
+    EXPECT_EQ(first_sphere(scene, 0.51F, 0), -1);
+    EXPECT_EQ(first_at(scene, 0.51F, 0).touched(0).count, 1);
+    EXPECT_EQ(first_sphere(scene, 0.6F, 0), -1);
+    EXPECT_EQ(first_at(scene, 0.6F, 0).touched(0).count, 0);
     EXPECT_EQ(seen(scene, 0.51F, 0), 1);
     EXPECT_EQ(seen(MirrorScene({}, kDark), 3, 4), 1);
 }
@@ -89,10 +99,43 @@ TEST(MirrorScene, ANeighbourDarkensTheRimTowardsItAndNoOther) {
 }
 
 TEST(MirrorScene, TheHigherOfTwoSpheresHidesTheOther) {
-    std::int32_t beside = -1;
     const MirrorScene scene({{0, 0, 0}, {0.5F, 0, 0.9F}}, kDark);
-    EXPECT_EQ(scene.first_sphere(0.25F, 0, beside), 1);
-    EXPECT_EQ(scene.first_sphere(-0.1F, 0, beside), 0);
+    EXPECT_EQ(first_sphere(scene, 0.25F, 0), 1);
+    EXPECT_EQ(first_sphere(scene, -0.1F, 0), 0);
+}
+
+/// The plain search: every sphere, ray by ray.
+std::int32_t first_of_all(const std::vector<Point3>& spheres, float x, float y) {
+    std::int32_t first = -1;
+    float highest = -1e9F;
+    for (std::size_t i = 0; i < spheres.size(); ++i) {
+        const float dx = spheres[i].x - x;
+        const float dy = spheres[i].y - y;
+        const float inside = kRadius * kRadius - dx * dx - dy * dy;
+        if (inside <= 0 || spheres[i].z + std::sqrt(inside) <= highest) continue;
+        highest = spheres[i].z + std::sqrt(inside);
+        first = static_cast<std::int32_t>(i);
+    }
+    return first;
+}
+
+TEST(MirrorScene, ARowMeetsFirstWhatThePlainSearchFinds) {
+    const std::vector<Point3> spheres = grainfield::testing::rendered_layer(9, 12, 0, 5).spheres;
+    const MirrorScene scene(spheres, kDark);
+    std::vector<float> x;
+    for (int k = 0; k < 333; ++k) x.push_back(-0.7F + 0.0271F * static_cast<float>(k));
+    FirstSpheres row;
+    int met = 0;
+    for (int v = 0; v < 50; ++v) {
+        const float y = -0.6F + 0.171F * static_cast<float>(v);
+        scene.first_spheres(x, y, true, row);
+        for (std::size_t k = 0; k < x.size(); ++k) {
+            const std::int32_t expected = first_of_all(spheres, x[k], y);
+            EXPECT_EQ(row.first[k], expected) << x[k] << ' ' << y;
+            met += expected >= 0 ? 1 : 0;
+        }
+    }
+    EXPECT_GT(met, 5000);
 }
 
 TEST(MirrorScene, AMovedSphereIsSeenAsInASceneBuiltThere) {
@@ -108,9 +151,7 @@ TEST(MirrorScene, AMovedSphereIsSeenAsInASceneBuiltThere) {
         for (int column = -30; column <= 30; ++column) {
             const float x = 0.7F + 0.0301F * static_cast<float>(column);
             const float y = 0.3F + 0.0301F * static_cast<float>(row);
-            std::int32_t beside = -1;
-            const std::int32_t first = scene.first_sphere(x, y, beside);
-            const float value = scene.radiance(x, y, first >= 0 ? first : 1, moved);
+            const float value = scene.radiance(x, y, first_sphere(scene, x, y), moved);
             EXPECT_NEAR(value, seen(there, x, y), 1e-5F) << x << ' ' << y;
             changed += std::abs(value - seen(scene, x, y)) > 0.01F;
         }
@@ -132,11 +173,10 @@ TEST(MirrorScene, ACameraAboveTheMiddleSeesSpheresDisplacedOutwards) {
     // A centre at z = 0.5 is seen where the line from (0, 0, 50) through it meets z = 0.
     const MirrorScene scene({{10, 0, 0.5F}}, optics);
     const float seen_at = 10 * 50 / 49.5F;
-    std::int32_t beside = -1;
-    EXPECT_EQ(scene.first_sphere(seen_at, 0, beside), 0);
+    EXPECT_EQ(first_sphere(scene, seen_at, 0), 0);
     // The silhouette's half width along y is R · 50/49.5 at this inclination, to a percent.
-    EXPECT_EQ(scene.first_sphere(seen_at, 0.495F, beside), 0);
-    EXPECT_EQ(scene.first_sphere(seen_at, 0.515F, beside), -1);
+    EXPECT_EQ(first_sphere(scene, seen_at, 0.495F), 0);
+    EXPECT_EQ(first_sphere(scene, seen_at, 0.515F), -1);
 }
 
 }  // namespace

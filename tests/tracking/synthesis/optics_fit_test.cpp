@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/image_part.h"
+#include "tests/support/pull.h"
 #include "tests/tracking/synthesis/rendered_layer.h"
 
 namespace grainfield::tracking {
@@ -34,7 +35,7 @@ TEST(OpticsFit, NineSquaresAreNearerToTheTruthThanAMiddleThatIsMisunderstood) {
     MirrorOptics start = layer.optics;
     start.reflectivity = 0.5;
     const MirrorOptics all =
-        fitted_optics({layer.brightness, layer.ceiling, kScale}, spheres, start, 2);
+        fitted_optics({layer.brightness, layer.ceiling, kScale}, spheres, start, 2).optics;
     const int side = static_cast<int>(14 * kScale);
     const int corner = (layer.brightness.width() - side) / 2;
     const Image brightness = part_of(layer.brightness, corner, corner, side, side);
@@ -45,11 +46,32 @@ TEST(OpticsFit, NineSquaresAreNearerToTheTruthThanAMiddleThatIsMisunderstood) {
         p.x -= shift;
         p.y -= shift;
     }
-    const MirrorOptics middle = fitted_optics({brightness, ceiling, kScale}, shifted, start, 2);
+    const MirrorOptics middle =
+        fitted_optics({brightness, ceiling, kScale}, shifted, start, 2).optics;
     EXPECT_NEAR(all.reflectivity, layer.optics.reflectivity, 0.03);
     EXPECT_NEAR(all.blur, layer.optics.blur, 0.003);
     EXPECT_GT(std::abs(middle.reflectivity - layer.optics.reflectivity),
               2 * std::abs(all.reflectivity - layer.optics.reflectivity));
+}
+
+TEST(OpticsFit, ErrorsOfReflectivityAndBlurHoldOnLayersOfTheModel) {
+    testing::Pull pull;
+    for (const std::uint64_t seed : {61U, 62U, 63U, 64U, 65U, 66U, 67U, 68U}) {
+        const RenderedLayer layer = rendered_layer(12, kScale, 0.02, seed);
+        MirrorOptics start = layer.optics;
+        start.reflectivity -= 0.05;
+        start.blur += 0.01;
+        const OpticsFrame frame{layer.brightness, layer.ceiling, kScale};
+        start = fitted_optics(frame, layer.spheres, start, 2).optics;
+        const FittedOptics found = fitted_optics(frame, layer.spheres, start, 2);
+        pull.add((found.optics.reflectivity - layer.optics.reflectivity) /
+                 found.error.reflectivity);
+        pull.add((found.optics.blur - layer.optics.blur) / found.error.blur);
+        EXPECT_LT(found.error.reflectivity, 0.01);
+        EXPECT_LT(found.error.blur, 0.001);
+    }
+    EXPECT_GT(pull.width(), 0.5);
+    EXPECT_LT(pull.width(), 1.7);
 }
 
 TEST(OpticsFit, PixelsAtTheCeilingHaveNoSay) {
@@ -60,7 +82,7 @@ TEST(OpticsFit, PixelsAtTheCeilingHaveNoSay) {
     start.reflectivity = 0.5;
     start.blur += 0.02;
     const MirrorOptics found =
-        fitted_optics({layer.brightness, layer.ceiling, kScale}, layer.spheres, start, 2);
+        fitted_optics({layer.brightness, layer.ceiling, kScale}, layer.spheres, start, 2).optics;
     EXPECT_NEAR(found.reflectivity, layer.optics.reflectivity, 0.04);
     EXPECT_NEAR(found.blur, layer.optics.blur, 0.004);
 }

@@ -1,6 +1,9 @@
 #include "tracking/synthesis/sphere_errors.h"
 
 #include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -41,7 +44,7 @@ TEST(SphereErrors, TheJointSolutionSolvesWhatSpheresShare) {
     const RenderedLayer layer = rendered_layer(7, 12, 0.02, 20);
     SynthesisFit fit(layer.brightness, layer.ceiling, 12, 2);
     fit.start(layer.spheres, layer.optics);
-    const SynthesisFit::Information info = fit.information({.height = layer.height});
+    const SynthesisFit::Information info = fit.information();
     const auto x = joint_solution(info, info.gradient, 2);
     double wrong = 0;
     double all = 0;
@@ -78,7 +81,7 @@ TEST(SphereErrors, PullsOfOneStepOnFramesOfTheModelAreOneBeforeTheyAreWidened) {
         fit.start(layer.spheres, layer.optics);
         const SynthesisLimits limits{.height = layer.height, .most_rounds = 1};
         fit.refine(limits);
-        const std::vector<SphereError> errors = sphere_errors(fit, limits, 2);
+        const std::vector<SphereError> errors = sphere_errors(fit, 2);
         const double wide = std::sqrt(correlated_pixels(fit.residual()));
         for (std::size_t i = 0; i < errors.size(); ++i) {
             const Point3& p = layer.spheres[i];
@@ -100,6 +103,34 @@ TEST(SphereErrors, PullsOfOneStepOnFramesOfTheModelAreOneBeforeTheyAreWidened) {
         EXPECT_LT(pull.width(), 1.15);
     }
     EXPECT_LT(widened.width(), plane.width());
+}
+
+/// The factor after three rounds from the truth, with a diameter that is too large by a factor.
+double factor_with(const RenderedLayer& layer, double enlarged) {
+    SynthesisFit fit(layer.brightness, layer.ceiling, layer.scale * enlarged, 2);
+    std::vector<Point3> spheres = layer.spheres;
+    for (Point3& p : spheres) {
+        p.x /= static_cast<float>(enlarged);
+        p.y /= static_cast<float>(enlarged);
+    }
+    fit.start(std::move(spheres), layer.optics);
+    fit.refine({.height = layer.height, .most_rounds = 3});
+    return overlap_factor(fit, 2);
+}
+
+TEST(SphereErrors, OverlapsOfHardSpheresShowADiameterThatIsTooLarge) {
+    const RenderedLayer layer = rendered_layer(22, 12, 0.01, 31);
+    const double right = factor_with(layer, 1);
+    const double enlarged = factor_with(layer, 1.04);
+    RecordProperty("right", std::to_string(right));
+    RecordProperty("enlarged", std::to_string(enlarged));
+    EXPECT_LT(right, 1.6);
+    EXPECT_GT(enlarged, 1.5 * right);
+}
+
+TEST(SphereErrors, FewOverlapsSayNothing) {
+    const RenderedLayer layer = rendered_layer(6, 12, 0.01, 32);
+    EXPECT_EQ(factor_with(layer, 1.04), 1);
 }
 
 }  // namespace
