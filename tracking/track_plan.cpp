@@ -39,11 +39,8 @@ void plan_heights(const TrackOptions& options, RunPlan& plan) {
     if (options.synthesis) {
         plan.run("synthesis",
                  fmt::format("mirror spheres rendered and fitted to each frame in x, y and z; "
-                             "plates {:.4g} a apart{}",
-                             options.synthesis_options.height,
-                             options.kept && options.kept->optics
-                                 ? ""
-                                 : ", optics from the first frame"));
+                             "plates {:.4g} a apart",
+                             options.synthesis_options.height));
         plan.run("layers", "the side of the middle of the cell on which synthesis has a sphere");
         return;
     }

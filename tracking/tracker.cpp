@@ -18,17 +18,21 @@ namespace grainfield::tracking {
 namespace {
 
 /// The optics of a kept calibration, if they hold here.
-std::optional<FilmOptics> usable_optics(const KeptCalibration& kept,
-                                        const FilmSynthesis& synthesis, RunPlan& plan) {
-    if (!kept.optics) return std::nullopt;
+std::optional<FilmOptics> usable_optics(const KeptCalibration& kept, const FilmSynthesis& synthesis,
+                                        RunPlan& plan) {
+    if (!kept.optics) {
+        plan.run("optics", "of the spheres: estimated from the first frame");
+        return std::nullopt;
+    }
     const std::string mismatch = synthesis.mismatch(*kept.optics);
     if (mismatch.empty()) {
         plan.run("optics", "of the spheres: as kept with the calibration");
         return kept.optics;
     }
-    plan.warn(fmt::format("the kept optics do not hold here: {}. They are estimated from the "
-                          "first frame",
-                          mismatch));
+    plan.warn(
+        fmt::format("the kept optics do not hold here: {}. They are estimated from the "
+                    "first frame",
+                    mismatch));
     return std::nullopt;
 }
 
@@ -75,7 +79,7 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
         synthesis.height = options_.layers.height.value_or(synthesis.height);
         synthesis_.emplace(model(), *options_.sphere_diameter,
                            options_.layers.camera_distance.value_or(0), synthesis);
-        if (options_.kept) kept_optics_ = usable_optics(*options_.kept, *synthesis_, plan);
+        kept_optics_ = usable_optics(options_.kept.value_or(KeptCalibration{}), *synthesis_, plan);
     }
     plan_heights(options_, plan);
     bias_ = bias_of_film(source, options_, model(), film_.weighed_at, threads_, plan);

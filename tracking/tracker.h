@@ -100,12 +100,18 @@ class Tracker {
     std::int64_t weighed_at() const { return film_.weighed_at; }
     /// What positions are corrected with; empty: they are those of the discs.
     const std::optional<BiasCorrection>& bias() const { return bias_; }
+    /// What a film with synthesis leaves to others, once its first frame has been; else what the
+    /// calibration that is used holds. Empty where the factors of its errors were not learned.
+    std::optional<FilmOptics> optics() const {
+        if (first_optics_ && first_optics_->error_scale.spheres > 0) return first_optics_;
+        return options_.kept ? options_.kept->optics : std::nullopt;
+    }
     /// What films to come need to be measured alike, from the frame calibrated on, and after a run
     /// with synthesis its optics. Call only if is_calibrated().
     KeptCalibration to_keep() {
         KeptCalibration kept = tracking::to_keep(film_, source_, options_.visible, threads_);
         kept.bias = bias_;
-        kept.optics = first_optics_;
+        kept.optics = optics();
         return kept;
     }
 

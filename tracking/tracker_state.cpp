@@ -111,9 +111,11 @@ std::vector<double> Tracker::calibration_numbers() const {
     numbers.insert(numbers.end(), model().correction.value.begin(), model().correction.value.end());
     if (bias_) numbers.insert(numbers.end(), bias_->weights.begin(), bias_->weights.end());
     if (kept_optics_) {
-        const MirrorOptics& optics = kept_optics_->optics;
-        numbers.insert(numbers.end(),
-                       {optics.reflectivity, optics.blur, optics.ambient, optics.grazing});
+        NumberArchive archive;
+        FilmOptics kept = *kept_optics_;
+        tracking::transfer(archive, kept);
+        const std::vector<double> optics = archive.take_numbers();
+        numbers.insert(numbers.end(), optics.begin(), optics.end());
     }
     if (options_.camera) {
         const std::vector<double> camera = numbers_of(options_.camera->camera());

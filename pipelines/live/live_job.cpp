@@ -349,6 +349,7 @@ LiveJobResult track_live(const LiveJobOptions& live, const TrackJobOptions& opti
         tracks->finish(job.record());
     });
     job.outputs.push_back(options.output);
+    if (kept) kept->optics = tracker.optics();
     if (kept) save_calibration(options.save_calibration, *kept, camera, job);
     return result;
 }

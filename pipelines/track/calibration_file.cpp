@@ -59,7 +59,7 @@ tracking::FilmOptics optics_in(TomlValues& values) {
     };
     factors("optics.factors-plane", film.error_scale.plane);
     factors("optics.factors-height", film.error_scale.height);
-    film.error_scale.spheres = values.whole("optics.factors-spheres", 0, 1 << 30);
+    film.error_scale.spheres = values.whole("optics.factors-spheres", 1, 1 << 30);
     return film;
 }
 

@@ -109,7 +109,7 @@ BrightnessSynthesis synthesise_brightness(const Image& seen, const Image& seen_c
         result.added += changes.added;
         result.removed += changes.removed;
         result.lifted += changes.lifted;
-        fit.start(std::move(better), fit.optics());
+        fit.replace(std::move(better));
         refine_with_optics(kRoundsBetween);
     }
     even_out_by(fit);
@@ -119,7 +119,6 @@ BrightnessSynthesis synthesise_brightness(const Image& seen, const Image& seen_c
     refine(fit, kLastRounds);
 
     result.error = sphere_errors(fit, threads);
-    if (start.wants_overlap_factor) result.overlap_factor = overlap_factor(fit, threads);
     result.spheres = fit.spheres();
     result.optics = fit.optics();
     result.optics_error = fit.optics_error();
@@ -129,6 +128,9 @@ BrightnessSynthesis synthesise_brightness(const Image& seen, const Image& seen_c
     result.unexplained =
         coherent_rms(fit.residual(), static_cast<int>(std::ceil(diameter))) / fit.light().gain;
     mark_doubtful(start.spheres, result);
+    if (start.wants_overlap_factor) {
+        result.overlap_factor = overlap_factor(fit, result.is_doubtful, threads);
+    }
     return result;
 }
 

@@ -23,12 +23,12 @@ struct BrightnessStart {
 struct BrightnessSynthesis {
     std::vector<Point3> spheres;      ///< [a]
     std::vector<SphereError> error;   ///< of the fit, whether in doubt or not
-    double overlap_factor = 1;        ///< see overlap_factor; 1 where it is not wanted
+    double overlap_factor = 1;        ///< 1 where it is not wanted
     std::vector<char> is_doubtful;    ///< about it image and rendering differ unusually
     std::vector<Vec2> way_from_disc;  ///< of doubtful ones, to the start that was nearest [a]
     MirrorOptics optics;
     OpticsErrors optics_error;  ///< zeros: the optics were known
-    UnevenLight uneven;  ///< what was evened out; light and residual are of what is left
+    UnevenLight uneven;         ///< what was evened out; light and residual are of what is left
     FrameLight light;
     Image residual;              ///< evened image − rendering
     double residual_before = 0;  ///< RMS at the start [contrast]

@@ -49,10 +49,11 @@ std::vector<std::size_t> overlap_classes(const std::vector<Point3>& spheres);
 ///    count.
 ///
 /// 5. Factors of heights are no less than `found.overlap_factor`: hard spheres cannot overlap, and
-///    what the model of the light does wrong alike everywhere shows there and not in 1 to 4.
+///    what the model of the light does wrong shows there and not in 1 to 4.
 ///
 /// So it holds errors of the optics, of rounds that have not settled, of minima that look right and
-/// of height that neighbours share. It does not hold a wrong diameter or height of the cell.
+/// of height that neighbours share. Of a wrong diameter it holds the overlaps, not the rest.
+/// It does not hold a wrong height of the cell, nor what all heights are off together.
 ///
 /// It is repeated until 160 spheres, 2 a or more within the part, have been judged, three times at
 /// most. Below 30 in a class both share a factor; below 30 in all nothing is learned. Same bits for

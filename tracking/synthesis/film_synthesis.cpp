@@ -37,6 +37,16 @@ std::vector<double> earlier_heights(const std::vector<Vec2>& discs, const Synthe
     return heights;
 }
 
+/// What a frame without discs leaves to the next one.
+SynthesisedFrame without_spheres(const SynthesisedFrame& earlier) {
+    SynthesisedFrame frame;
+    frame.optics = earlier.optics;
+    frame.optics_error = earlier.optics_error;
+    frame.error_scale = earlier.error_scale;
+    frame.residual_rms = earlier.residual_rms;
+    return frame;
+}
+
 Layer layer_of(double z, double error, double middle) {
     if (!(std::abs(z - middle) > error)) return Layer::unknown;
     return z > middle ? Layer::top : Layer::bottom;
@@ -58,7 +68,7 @@ FilmSynthesis::FilmSynthesis(const ImageModel& model, double diameter, double ca
 
 SynthesisedFrame FilmSynthesis::next(const Image& counts, const std::vector<Vec2>& discs,
                                      const SynthesisedFrame* earlier, int threads) const {
-    if (discs.empty()) return {};
+    if (discs.empty()) return earlier == nullptr ? SynthesisedFrame{} : without_spheres(*earlier);
     SynthesisStart start{.position = discs, .z = {}, .optics = {}, .are_optics_known = false};
     start.optics.distance = camera_distance_;
     if (earlier != nullptr && earlier->residual_rms > 0) {
@@ -101,9 +111,9 @@ SynthesisedFrame FilmSynthesis::leaving(const FilmOptics& film) {
 
 std::string FilmSynthesis::mismatch(const FilmOptics& kept) const {
     const auto differs = [](const char* option, double theirs, double ours) {
-        return theirs == ours ? std::string()
-                              : fmt::format("{} is {:.6g} there and {:.6g} here", option, theirs,
-                                            ours);
+        return theirs == ours
+                   ? std::string()
+                   : fmt::format("{} is {:.6g} there and {:.6g} here", option, theirs, ours);
     };
     for (const std::string& words :
          {differs("track.sphere-diameter", kept.diameter, diameter_),
@@ -157,10 +167,16 @@ void add(const SynthesisedFrame& found, std::int64_t frame, SynthesisSummary& su
 }
 
 std::string in_words(const MirrorOptics& optics, const OpticsErrors& error) {
-    return fmt::format("reflectivity F0 {:.3f} ± {:.3f}, blur {:.4f} ± {:.4f} a, ambient {:.3f} ± "
-                       "{:.3f}, grazing {:.3f} ± {:.3f}",
-                       optics.reflectivity, error.reflectivity, optics.blur, error.blur,
-                       optics.ambient, error.ambient, optics.grazing, error.grazing);
+    const auto with_error = [](const char* name, double value, double std, int digits) {
+        std::string words = fmt::format("{} {:.{}f}", name, value, digits);
+        if (std > 0) words += fmt::format(" ± {:.{}f}", std, digits);
+        return words;
+    };
+    return fmt::format("{}, {} a, {}, {}",
+                       with_error("reflectivity F0", optics.reflectivity, error.reflectivity, 3),
+                       with_error("blur", optics.blur, error.blur, 4),
+                       with_error("ambient", optics.ambient, error.ambient, 3),
+                       with_error("grazing", optics.grazing, error.grazing, 3));
 }
 
 void warn_of(const SynthesisSummary& summary, RunPlan& plan) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <stdexcept>
 #include <utility>
 
 #include "core/support/parallel.h"
@@ -144,6 +145,7 @@ void MirrorImage::render_only(const MirrorScene& scene) {
 
 std::vector<Image> MirrorImage::renderings(const MirrorScene& scene,
                                            const std::vector<MirrorOptics>& optics) const {
+    if (optics.size() > MirrorScene::kMostOptics) throw std::length_error("too many optics");
     const int columns = width_ * samples_;
     std::vector<Image> images(optics.size(), Image(width_, height_));
     const float share = 1.0F / static_cast<float>(samples_ * samples_);

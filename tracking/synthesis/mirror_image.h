@@ -43,7 +43,8 @@ class MirrorImage {
     /// Radiance [panel], blurred.
     const Image& image() const { return image_; }
     /// Images under several optics (at most MirrorScene::kMostOptics) with the camera of the scene;
-    /// each ray is followed once. What was rendered before stays.
+    /// each ray is followed once. What was rendered before stays. Throws std::length_error for
+    /// more.
     std::vector<Image> renderings(const MirrorScene& scene,
                                   const std::vector<MirrorOptics>& optics) const;
 

@@ -26,7 +26,7 @@ struct MirrorOptics {
     friend bool operator==(const MirrorOptics&, const MirrorOptics&) = default;
 };
 
-/// Standard errors of what a frame says of MirrorOptics; 0: given, not estimated.
+/// Standard errors of what a frame says of MirrorOptics; 0: not known.
 struct OpticsErrors {
     double reflectivity = 0, blur = 0, ambient = 0, grazing = 0;
 

@@ -120,8 +120,9 @@ struct Hit {
     float distance = kFar;
 };
 
-/// The first of `near` that the ray meets, and with kTouch those that it passes closely before.
-template <bool kTouch>
+/// The first of `near` that the ray meets, and with kTellsTouched those that it passes closely
+/// before.
+template <bool kTellsTouched>
 HWY_INLINE Hit nearest_hit(const NearSpheres& near, const MirrorRay& ray, const MovedSphere& moved,
                            Hit best, TouchedSpheres* touched) {
     const FloatTag tag;
@@ -148,7 +149,7 @@ HWY_INLINE Hit nearest_hit(const NearSpheres& near, const MirrorRay& ray, const 
         auto x = hn::LoadU(tag, near.x + k);
         auto y = hn::LoadU(tag, near.y + k);
         auto z = hn::LoadU(tag, near.z + k);
-        if constexpr (!kTouch) {
+        if constexpr (!kTellsTouched) {
             const auto is_moved = hn::RebindMask(tag, hn::Eq(id, moved_id));
             x = hn::IfThenElse(is_moved, moved_x, x);
             y = hn::IfThenElse(is_moved, moved_y, y);
@@ -166,7 +167,7 @@ HWY_INLINE Hit nearest_hit(const NearSpheres& near, const MirrorRay& ray, const 
         const auto is_nearer = hn::And(meets, hn::Lt(distance, least));
         least = hn::IfThenElse(is_nearer, distance, least);
         which = hn::IfThenElse(hn::RebindMask(integers, is_nearer), id, which);
-        if constexpr (kTouch) {
+        if constexpr (kTellsTouched) {
             hn::Store(along, tag, closest + k);
             hn::Store(inside, tag, beside + k);
         }
@@ -178,7 +179,7 @@ HWY_INLINE Hit nearest_hit(const NearSpheres& near, const MirrorRay& ray, const 
         hn::Store(which, integers, ids);
         best = {ids[hn::FindFirstTrue(tag, hn::Eq(least, smallest))], distance};
     }
-    if constexpr (kTouch) {
+    if constexpr (kTellsTouched) {
         for (int k = 0; k < near.count; k += lanes) {
             const auto along = hn::Load(tag, closest + k);
             const auto inside = hn::Load(tag, beside + k);
@@ -210,10 +211,10 @@ HWY_INLINE Hit own_hit(const Point3& c, const MirrorRay& ray, std::int32_t id) {
 
 /// What a ray that begins on the sphere `from` meets first. Where it leaves the circle about that
 /// sphere within which all have been looked at, those near the sphere next to that place are.
-template <bool kTouch>
+template <bool kTellsTouched>
 HWY_INLINE Hit first_hit(const MirrorLayer& layer, const MirrorRay& ray, std::int32_t from,
                          const MovedSphere& moved, TouchedSpheres* touched) {
-    Hit hit = nearest_hit<kTouch>(layer.near[from], ray, moved, {}, touched);
+    Hit hit = nearest_hit<kTellsTouched>(layer.near[from], ray, moved, {}, touched);
     const float flat = std::max(ray.dx * ray.dx + ray.dy * ray.dy, kLeastSlope);
     for (int hop = 0; hop < kMostHops && hit.id < 0; ++hop) {
         const Point3& c = layer.spheres[from];
@@ -226,8 +227,8 @@ HWY_INLINE Hit first_hit(const MirrorLayer& layer, const MirrorRay& ray, std::in
         const std::int32_t next =
             layer.grid.at(ray.x + t * ray.dx, ray.y + t * ray.dy, ray.z + t * ray.dz);
         if (next < 0 || next == from) break;
-        hit = nearest_hit<kTouch>(layer.near[next], ray, moved,
-                                  own_hit(layer.centre(next, moved), ray, next), touched);
+        hit = nearest_hit<kTellsTouched>(layer.near[next], ray, moved,
+                                         own_hit(layer.centre(next, moved), ray, next), touched);
         from = next;
     }
     return hit;
@@ -248,7 +249,7 @@ HWY_INLINE Hit camera_hit(const MirrorLayer& layer, const MirrorRay& ray, std::i
 }
 
 /// Along a ray of the camera that meets `first` while nothing is moved.
-template <bool kTouch, class Light>
+template <bool kTellsTouched, class Light>
 HWY_INLINE void follow(const MirrorLayer& layer, MirrorRay ray, std::int32_t first,
                        const MovedSphere& moved, TouchedSpheres* touched, Light& light) {
     Hit hit = camera_hit(layer, ray, first, moved);
@@ -258,7 +259,7 @@ HWY_INLINE void follow(const MirrorLayer& layer, MirrorRay ray, std::int32_t fir
             light.leave(ray.dz);
             return;
         }
-        if constexpr (kTouch) touched->add(hit.id);
+        if constexpr (kTellsTouched) touched->add(hit.id);
         ray.x += hit.distance * ray.dx;
         ray.y += hit.distance * ray.dy;
         ray.z += hit.distance * ray.dz;
@@ -277,7 +278,7 @@ HWY_INLINE void follow(const MirrorLayer& layer, MirrorRay ray, std::int32_t fir
         ray.dx += 2 * cosine * nx;
         ray.dy += 2 * cosine * ny;
         ray.dz += 2 * cosine * nz;
-        hit = first_hit<kTouch>(layer, ray, hit.id, moved, touched);
+        hit = first_hit<kTellsTouched>(layer, ray, hit.id, moved, touched);
     }
     if (hit.id >= 0) {
         light.block();
@@ -312,10 +313,9 @@ void meet_sphere(const CameraRays& rays, int begin, int end, float from_height, 
     for (int k = begin / lanes * lanes; k < end; k += lanes) {
         const auto ox = hn::Sub(hn::Set(tag, c.x), hn::LoadU(tag, rays.x + k));
         const auto oy = hn::Sub(hn::Set(tag, c.y), hn::LoadU(tag, rays.y + k));
-        const auto along =
-            hn::MulAdd(ox, hn::LoadU(tag, rays.dx + k),
-                       hn::MulAdd(oy, hn::LoadU(tag, rays.dy + k),
-                                  hn::Mul(oz, hn::LoadU(tag, rays.dz + k))));
+        const auto along = hn::MulAdd(
+            ox, hn::LoadU(tag, rays.dx + k),
+            hn::MulAdd(oy, hn::LoadU(tag, rays.dy + k), hn::Mul(oz, hn::LoadU(tag, rays.dz + k))));
         const auto square = hn::MulAdd(ox, ox, hn::MulAdd(oy, oy, hn::Mul(oz, oz)));
         const auto inside = hn::Sub(squared_radius, hn::NegMulAdd(along, along, square));
         const auto distance = hn::Sub(along, hn::Sqrt(hn::Max(inside, hn::Zero(tag))));
@@ -326,8 +326,8 @@ void meet_sphere(const CameraRays& rays, int begin, int end, float from_height, 
                                   hn::LoadU(integers, found.first + k)),
                    integers, found.first + k);
         if (found.passed == nullptr) continue;
-        const auto is_passed = hn::And(hn::Le(inside, hn::Zero(tag)),
-                                       hn::Gt(inside, hn::Set(tag, -kBeside)));
+        const auto is_passed =
+            hn::And(hn::Le(inside, hn::Zero(tag)), hn::Gt(inside, hn::Set(tag, -kBeside)));
         if (hn::AllFalse(tag, is_passed)) continue;
         HWY_ALIGN float at[16];
         HWY_ALIGN float margin[16];
@@ -477,12 +477,14 @@ void MirrorScene::each_near(float x, float y, float distance, Action&& action) c
 void MirrorScene::first_spheres(const std::vector<float>& x, float y, bool wants_passed,
                                 FirstSpheres& row) const {
     const std::size_t count = (x.size() + kLanes - 1) / kLanes * kLanes;
-    std::vector<float>& lanes = row.lanes;
-    lanes.assign(6 * count, kNowhere);
-    float* part[6];
-    for (std::size_t k = 0; k < 6; ++k) part[k] = lanes.data() + k * count;
     row.first.assign(count, -1);
     row.passed.assign(wants_passed ? count : 0, {});
+    row.distance.assign(count, kNowhere);
+    if (x.empty()) return;
+    std::vector<float>& lanes = row.lanes;
+    lanes.assign(5 * count, kNowhere);
+    float* part[5];
+    for (std::size_t k = 0; k < 5; ++k) part[k] = lanes.data() + k * count;
     float across = 0;
     for (std::size_t k = 0; k < x.size(); ++k) {
         const MirrorRay ray = camera_ray(optics_, x[k], y);
@@ -496,7 +498,8 @@ void MirrorScene::first_spheres(const std::vector<float>& x, float y, bool wants
         }
     }
     const CameraRays rays{part[0], part[1], part[2], part[3], part[4]};
-    FirstOfRays found{part[5], row.first.data(), wants_passed ? row.passed.data() : nullptr};
+    FirstOfRays found{row.distance.data(), row.first.data(),
+                      wants_passed ? row.passed.data() : nullptr};
     const float reach = kSeen + across;
     const auto row_of = [&](float v) {
         return std::clamp(static_cast<int>(std::floor(v - top_)), 0, rows_ - 1);
@@ -519,7 +522,6 @@ void MirrorScene::first_spheres(const std::vector<float>& x, float y, bool wants
         HWY_DYNAMIC_DISPATCH(meet_sphere)
         (rays, column(c.x - reach), column(c.x + reach) + 1, kStart, c, j, found);
     }
-    row.distance = part[5];
 }
 
 float MirrorScene::radiance(float x, float y, std::int32_t first, const MovedSphere& moved) const {
@@ -536,8 +538,7 @@ float MirrorScene::radiance(float x, float y, std::int32_t first, TouchedSpheres
 }
 
 void MirrorScene::radiances(float x, float y, std::int32_t first,
-                            std::span<const MirrorOptics> optics,
-                            std::span<float> radiance) const {
+                            std::span<const MirrorOptics> optics, std::span<float> radiance) const {
     std::array<PathLight, kMostOptics> light;
     std::copy(optics.begin(), optics.end(), light.begin());
     PathLights lights{light.data(), optics.size()};

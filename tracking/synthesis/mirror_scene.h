@@ -50,8 +50,8 @@ struct FirstSpheres {
     std::vector<std::int32_t> first;  ///< −1: none
     /// Spheres that a ray passes within MirrorScene::kTouch; empty where they are not wanted.
     std::vector<PassedSpheres> passed;
-    std::vector<float> lanes;         ///< room of the kernel
-    const float* distance = nullptr;  ///< of the first hit along each ray [a]
+    std::vector<float> distance;  ///< of the first hit along each ray [a]
+    std::vector<float> lanes;     ///< room of the kernel
 
     /// Those that ray k passes before it meets one.
     TouchedSpheres touched(std::size_t k) const {
@@ -102,7 +102,8 @@ class MirrorScene {
     float radiance(float x, float y, std::int32_t first, const MovedSphere& moved = {}) const;
     /// The same, and what it touches, to which `touched` is added.
     float radiance(float x, float y, std::int32_t first, TouchedSpheres& touched) const;
-    /// The same under each of at most kMostOptics optics, whose cameras must be that of optics().
+    /// The same under each of at most kMostOptics optics, whose cameras and reflections must
+    /// be those of optics().
     void radiances(float x, float y, std::int32_t first, std::span<const MirrorOptics> optics,
                    std::span<float> radiance) const;
 

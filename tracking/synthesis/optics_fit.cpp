@@ -17,6 +17,7 @@ namespace {
 
 /// The optics as a vector of what is fitted, and the steps of differences.
 constexpr int kOpticsTerms = 4;
+constexpr int kLight = 2;  // and what each square's light takes
 double& term_of(MirrorOptics& optics, int term) {
     double* terms[kOpticsTerms] = {&optics.reflectivity, &optics.blur, &optics.ambient,
                                    &optics.grazing};
@@ -102,7 +103,6 @@ struct OpticsEquations {
 /// What one square says, block by block, whatever its light is.
 std::vector<OpticsEquations> equations_of(const OpticsSquare& square, MirrorOptics optics,
                                           double scale, int threads) {
-    constexpr int kLight = 2;
     constexpr int kTerms = kOpticsTerms + kLight;
     struct Block {
         Eigen::Matrix<double, kTerms, kTerms> a = Eigen::Matrix<double, kTerms, kTerms>::Zero();
@@ -159,6 +159,7 @@ std::vector<OpticsEquations> equations_of(const OpticsSquare& square, MirrorOpti
         whole.a.topRightCorner<kOpticsTerms, kLight>() * of_light.inverse();
     std::vector<OpticsEquations> equations;
     for (const Block& block : blocks) {
+        if (block.a.isZero()) continue;
         equations.push_back({block.a.topLeftCorner<kOpticsTerms, kOpticsTerms>() -
                                  shared * block.a.bottomLeftCorner<kLight, kOpticsTerms>(),
                              block.b.head<kOpticsTerms>() - shared * block.b.tail<kLight>()});
@@ -167,16 +168,17 @@ std::vector<OpticsEquations> equations_of(const OpticsSquare& square, MirrorOpti
 }
 
 /// Standard errors after `step`, which solves A δ = Σ b but for what limits took from it.
-OpticsVector errors_of(const std::vector<OpticsEquations>& blocks, const OpticsMatrix& a,
-                       const OpticsVector& step) {
+OpticsVector errors_of(const std::vector<OpticsEquations>& blocks, std::size_t squares,
+                       const OpticsMatrix& a, const OpticsVector& step) {
     OpticsMatrix scores = OpticsMatrix::Zero();
     for (const OpticsEquations& block : blocks) {
         const OpticsVector score = block.b - block.a * step;
         scores += score * score.transpose();
     }
     const auto n = static_cast<double>(blocks.size());
+    const auto fitted = static_cast<double>(kOpticsTerms + kLight * squares);
     const OpticsMatrix inverse = a.inverse();
-    const OpticsMatrix covariance = inverse * scores * inverse * (n / (n - kOpticsTerms));
+    const OpticsMatrix covariance = inverse * scores * inverse * (n / (n - fitted));
     return covariance.diagonal().cwiseMax(0).cwiseSqrt();
 }
 
@@ -206,8 +208,8 @@ FittedOptics fitted_optics(const OpticsFrame& frame, const std::vector<Point3>& 
             term =
                 std::clamp(term + std::clamp(step(t), -0.2, 0.2), kOpticsLeast[t], kOpticsMost[t]);
         }
-        if (blocks.size() < kLeastBlocks) continue;
-        const OpticsVector errors = errors_of(blocks, whole.a, step);
+        if (blocks.size() < kLeastBlocks * squares.size()) continue;
+        const OpticsVector errors = errors_of(blocks, squares.size(), whole.a, step);
         error = {errors(0), errors(1), errors(2), errors(3)};
     }
     return {optics, error};

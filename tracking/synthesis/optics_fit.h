@@ -30,7 +30,7 @@ struct FittedOptics {
 /// score of each block of 1.5 × 1.5 diameters: they hold what is left over, with its correlation
 /// within a block. What is wrong alike in all blocks is not in them. A wrong diameter is such, and
 /// heights with errors: .03 a of them lower F0 by .013, where the error is .004. Grazing changes
-/// few rays at once, so its error is the least certain. Fewer than 9 blocks: errors are 0.
+/// few rays at once, so its error is the least certain. Fewer than 9 blocks a square: errors are 0.
 FittedOptics fitted_optics(const OpticsFrame& frame, const std::vector<Point3>& spheres,
                            MirrorOptics optics, int threads);
 

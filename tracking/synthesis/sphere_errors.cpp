@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include <Eigen/Dense>
 
@@ -20,12 +21,12 @@ constexpr double kSolved = 1e-3;  // of the right side
 constexpr std::uint64_t kSeed = 1;
 
 // Overlaps of hard spheres.
-constexpr double kWithinFrame = 1.5;        // [a]
-constexpr double kMayOverlap = 1.3;         // [a] one step may bring them nearer than a diameter
-constexpr double kCoincident = 0.1;         // [a]
-constexpr std::size_t kLeastPairs = 30;
-constexpr double kWithinTwo = 0.9545;       // of a Gaussian, within 2σ
-constexpr double kOfRightErrors = 1.85;     // σ
+constexpr double kWithinFrame = 1.5;  // [a]
+constexpr double kMayOverlap = 1.3;   // [a] one step may bring them nearer than a diameter
+constexpr double kCoincident = 0.1;   // [a]
+constexpr std::size_t kLeastPairs = 60;
+// Shares of the overlaps that lie below so many σ where errors are right.
+constexpr std::pair<double, double> kOfRightErrors[] = {{0.6827, 0.77}, {0.9545, 1.70}};
 
 using Vectors = std::vector<Eigen::Vector3d>;
 
@@ -170,20 +171,19 @@ std::vector<SphereError> sphere_errors(SynthesisFit& fit, int threads) {
     return errors;
 }
 
-double overlap_factor(SynthesisFit& fit, int threads) {
+double overlap_factor(SynthesisFit& fit, const std::vector<char>& is_doubtful, int threads) {
     const std::vector<Point3>& spheres = fit.spheres();
-    const SynthesisFit::Information alone =
-        fit.information(SynthesisFit::Contacts::ignored);
+    const SynthesisFit::Information alone = fit.information(SynthesisFit::Contacts::ignored);
     struct Pair {
         std::size_t i, j;
         Eigen::Vector3d along;  ///< unit vector from j to i
         double distance;
-        double variance = 0;
+        double in_plane = 0, in_height = 0;  ///< variances of the distance
 
-        double change(const Steps& step) const {
+        Eigen::Vector3d change(const Steps& step) const {
             const Eigen::Map<const Eigen::Vector3d> a(step[i].data());
             const Eigen::Map<const Eigen::Vector3d> b(step[j].data());
-            return along.dot(a - b);
+            return along.cwiseProduct(a - b);
         }
     };
     const double right = fit.residual().width() / fit.scale() - kWithinFrame;
@@ -191,39 +191,49 @@ double overlap_factor(SynthesisFit& fit, int threads) {
     const auto at = [&](std::size_t i) {
         return Eigen::Vector3f(spheres[i].x, spheres[i].y, spheres[i].z).cast<double>().eval();
     };
+    const auto counts = [&](std::size_t i, const Eigen::Vector3d& p) {
+        return is_doubtful[i] == 0 && std::min(p.x(), p.y()) >= kWithinFrame && p.x() <= right &&
+               p.y() <= bottom;
+    };
     const Steps step = joint_solution(alone, alone.gradient, threads);
     std::vector<Pair> pairs;
     for (std::size_t i = 0; i < spheres.size(); ++i) {
         const Eigen::Vector3d p = at(i);
-        if (std::min(p.x(), p.y()) < kWithinFrame || p.x() > right || p.y() > bottom) continue;
+        if (!counts(i, p)) continue;
         const NearSpheres& near = fit.near(i);
         for (int k = 0; k < near.count; ++k) {
             if (near.id[k] <= static_cast<std::int32_t>(i)) continue;
             const auto j = static_cast<std::size_t>(near.id[k]);
             const Eigen::Vector3d apart = p - at(j);
             const double distance = apart.norm();
-            if (distance > kMayOverlap || distance < kCoincident) continue;
+            if (distance > kMayOverlap || distance < kCoincident || !counts(j, at(j))) continue;
             Pair pair{i, j, apart / distance, distance};
-            pair.distance += pair.change(step);
+            pair.distance += pair.change(step).sum();
             if (pair.distance < 1) pairs.push_back(pair);
         }
     }
-    if (pairs.size() < kLeastPairs) return 1;
     each_draw(fit, alone, threads, [&](const Steps& draw) {
         for (Pair& pair : pairs) {
-            const double change = pair.change(draw);
-            pair.variance += change * change / kErrorSamples;
+            const Eigen::Vector3d change = pair.change(draw);
+            const double plane = change.x() + change.y();
+            pair.in_plane += plane * plane / kErrorSamples;
+            pair.in_height += change.z() * change.z() / kErrorSamples;
         }
     });
     std::vector<double> overlaps;  // in standard errors
     for (const Pair& pair : pairs) {
-        overlaps.push_back((1 - pair.distance) / std::sqrt(pair.variance));
+        if (!(pair.in_height > pair.in_plane)) continue;
+        overlaps.push_back((1 - pair.distance) / std::sqrt(pair.in_plane + pair.in_height));
     }
-    const auto quantile =
-        overlaps.begin() +
-        static_cast<std::ptrdiff_t>(kWithinTwo * static_cast<double>(overlaps.size()));
-    std::nth_element(overlaps.begin(), quantile, overlaps.end());
-    return std::max(1.0, *quantile / kOfRightErrors);
+    if (overlaps.size() < kLeastPairs) return 1;
+    double factor = 1;
+    for (const auto& [share, expected] : kOfRightErrors) {
+        const auto quantile = overlaps.begin() + static_cast<std::ptrdiff_t>(
+                                                     share * static_cast<double>(overlaps.size()));
+        std::nth_element(overlaps.begin(), quantile, overlaps.end());
+        factor = std::max(factor, *quantile / expected);
+    }
+    return factor;
 }
 
 }  // namespace grainfield::tracking

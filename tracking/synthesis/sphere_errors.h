@@ -29,15 +29,18 @@ std::vector<SphereError> sphere_errors(SynthesisFit& fit, int threads);
 /// How many times larger errors of heights must be for the overlaps of hard spheres to be no
 /// surprise, 1 or more.
 ///
-/// No two centres are nearer than a diameter. Where the image alone puts them nearer, its distance
-/// is wrong by that much or more, whatever is wrong with the model of the light. So the overlap
-/// 1 − d, in standard errors of d as those of sphere_errors are, is an error in standard errors.
-/// Its 95.4 % quantile over all pairs that overlap would be 2 if all of them touched, and 1.7 if
-/// gaps of all widths were as frequent. The factor is the quantile over 1.85: right within 8 %.
+/// No two centres are nearer than a diameter. Where the image puts them nearer, its distance d is
+/// wrong by that much or more, whatever is wrong with the model of the light. Counted are pairs
+/// whose d is uncertain by their heights more than by x and y, both 1.5 a or more within the frame
+/// and neither doubtful (`is_doubtful`, one entry a sphere). Where gaps are wider than errors, the
+/// density of true distances is even about 1. Then of (1 − d) / σ_d, over those that overlap, 68.3
+/// % lie below .77 and 95.4 % below 1.70. The factor is the larger of these quantiles over those
+/// numbers. If all pairs touched it would be too large by 30 % at most.
 ///
-/// The image alone: one Gauss–Newton step without the penalty of contacts. Counted are pairs 1.5 a
-/// or more within the frame. 1 where fewer than 30 overlap. Same bits for any number of threads.
-double overlap_factor(SynthesisFit& fit, int threads);
+/// d and σ_d are those of one Gauss–Newton step without the penalty of contacts, under the noise of
+/// sphere_errors. 1 where fewer than 60 pairs overlap. A diameter that is too large makes overlaps,
+/// and so the factor, larger. Same bits for any number of threads.
+double overlap_factor(SynthesisFit& fit, const std::vector<char>& is_doubtful, int threads);
 
 constexpr int kErrorSamples = 32;
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <tuple>
 #include <utility>
 
 #include <Eigen/Dense>
@@ -16,6 +18,7 @@ namespace {
 constexpr double kStepInPlane = 1;  // [distances of rays]
 constexpr double kStepInHeight = 2;
 constexpr float kStale = 0.03F;  // [a]
+constexpr float kNeighbour = 2;  // [a²] nearer ones make derivatives stale as they move
 // What is known beforehand of where a round may take a sphere [a].
 constexpr double kPlaneRange = 0.1;
 constexpr double kHeightRange = 0.3;
@@ -31,6 +34,10 @@ constexpr int kSolverSweeps = 60;
 constexpr double kLeastNoise = 0.005;  // [contrast]
 constexpr double kFirstDamping = 0.02;
 constexpr int kMostRetries = 3;
+
+float squared_in_plane(const Point3& a, const Point3& b) {
+    return (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y);
+}
 
 Point3 plus(Point3 p, const std::array<double, 3>& d) {
     return {p.x + static_cast<float>(d[0]), p.y + static_cast<float>(d[1]),
@@ -96,6 +103,33 @@ void SynthesisFit::start(std::vector<Point3> spheres, const MirrorOptics& optics
     light_ = light;
     is_light_known_ = true;
     derivative_.clear();
+    render();
+}
+
+void SynthesisFit::replace(std::vector<Point3> spheres) {
+    const std::vector<Point3> before = std::move(spheres_);
+    std::vector<std::array<ImagePatch, 3>> derivative = std::move(derivative_);
+    std::vector<float> moved = std::move(moved_);
+    spheres_ = std::move(spheres);
+    derivative_.assign(spheres_.size(), {});
+    moved_.assign(spheres_.size(), 1.0F);
+    std::map<std::tuple<float, float, float>, std::size_t> place;
+    for (std::size_t i = 0; i < derivative.size(); ++i) {
+        place.emplace(std::tuple(before[i].x, before[i].y, before[i].z), i);
+    }
+    for (std::size_t i = 0; i < spheres_.size(); ++i) {
+        const auto same = place.find({spheres_[i].x, spheres_[i].y, spheres_[i].z});
+        if (same == place.end()) continue;
+        derivative_[i] = std::move(derivative[same->second]);
+        moved_[i] = moved[same->second];
+        place.erase(same);
+    }
+    // What is left in `place` is gone.
+    for (const auto& [at, gone] : place) {
+        for (std::size_t i = 0; i < spheres_.size(); ++i) {
+            if (squared_in_plane(spheres_[i], before[gone]) <= kNeighbour) moved_[i] = 1;
+        }
+    }
     render();
 }
 
@@ -185,9 +219,8 @@ void SynthesisFit::take_derivatives() {
         const NearSpheres& near = scene.near(sphere);
         for (int k = 0; k < near.count; ++k) {
             if (near.id[k] < 0) continue;
-            const float x = near.x[k] - spheres_[i].x;
-            const float y = near.y[k] - spheres_[i].y;
-            if (x * x + y * y > 2) continue;
+            const Point3 other{near.x[k], near.y[k], near.z[k]};
+            if (squared_in_plane(other, spheres_[i]) > kNeighbour) continue;
             moved = std::max(moved, moved_[static_cast<std::size_t>(near.id[k])]);
         }
         if (moved < kStale && !derivative_[i][0].value.empty()) return;

@@ -45,6 +45,10 @@ class SynthesisFit {
     void start(std::vector<Point3> spheres, const MirrorOptics& optics, std::vector<char> is_fixed,
                const FrameLight& light);
 
+    /// Other spheres in place of some; optics and light stay what they are. Derivatives of those
+    /// that stay, and whose neighbours do, are kept.
+    void replace(std::vector<Point3> spheres);
+
     /// Rounds until nothing moves; how many.
     int refine(const SynthesisLimits& limits);
     /// Takes the heights that suit the image best one by one, all others where they are: moves each

@@ -123,7 +123,10 @@ TEST(FilmSynthesis, TheFirstFrameEstimatesOpticsAndThoseAfterItKeepThem) {
     // It starts at heights that are known. The start is rendered with fewer rays.
     EXPECT_LT(second.residual_before, 0.8 * first.residual_before);
     EXPECT_LT(second.residual_rms, 1.05 * first.residual_rms);
-    EXPECT_TRUE(synthesis.next(counts, {}, &first, 2).position.empty());
+    // A frame without discs passes them on.
+    const SynthesisedFrame blank = synthesis.next(counts, {}, &second, 2);
+    EXPECT_TRUE(blank.position.empty());
+    EXPECT_EQ(synthesis.next(counts, discs, &blank, 2).optics.blur, first.optics.blur);
 }
 
 TEST(FilmSynthesis, AFilmHasHeightsInEveryFrameWhateverTheThreads) {
@@ -153,11 +156,16 @@ TEST(FilmSynthesis, OpticsThatAreKeptSpareTheirEstimateAndOthersAreSaid) {
     Tracker one(first, options(), first_plan);
     testing::Collect sink;
     Progress progress("", 0, "", Verbosity::quiet);
-    one.run(sink, progress);
-    const KeptCalibration kept = one.to_keep();
-    ASSERT_TRUE(kept.optics);
-    EXPECT_EQ(kept.optics->diameter, kScale);
-    EXPECT_GT(kept.optics->error.blur, 0);
+    const SynthesisSummary before = one.run(sink, progress).synthesis;
+    EXPECT_GT(before.optics_error.blur, 0);
+    KeptCalibration kept = one.to_keep();
+    // Without factors of errors, which take more spheres, optics are not kept.
+    EXPECT_EQ(kept.optics.has_value(), before.unscaled_frames == 0);
+    kept.optics = FilmOptics{.diameter = kScale,
+                             .height = 1.94,
+                             .optics = before.optics,
+                             .error = before.optics_error,
+                             .error_scale = {{1, 1}, {1.5, 1.5}, 99}};
 
     TrackOptions again = options();
     again.calibration = {};
@@ -168,6 +176,8 @@ TEST(FilmSynthesis, OpticsThatAreKeptSpareTheirEstimateAndOthersAreSaid) {
     const TrackSummary summary = other.run(sink, progress);
     EXPECT_EQ(summary.synthesis.optics.blur, kept.optics->optics.blur);
     EXPECT_EQ(summary.synthesis.optics_error, kept.optics->error);
+    EXPECT_EQ(summary.synthesis.unscaled_frames, 0);
+    EXPECT_EQ(other.to_keep().optics, kept.optics);
     EXPECT_THAT(plan.text(), HasSubstr("as kept with the calibration"));
 
     again.layers.height = 1.8;

@@ -105,7 +105,8 @@ TEST(SphereErrors, PullsOfOneStepOnFramesOfTheModelAreOneBeforeTheyAreWidened) {
     EXPECT_LT(widened.width(), plane.width());
 }
 
-/// The factor after three rounds from the truth, with a diameter that is too large by a factor.
+/// The factor after three rounds from the truth, with a diameter that is too large by
+/// a factor.
 double factor_with(const RenderedLayer& layer, double enlarged) {
     SynthesisFit fit(layer.brightness, layer.ceiling, layer.scale * enlarged, 2);
     std::vector<Point3> spheres = layer.spheres;
@@ -115,7 +116,7 @@ double factor_with(const RenderedLayer& layer, double enlarged) {
     }
     fit.start(std::move(spheres), layer.optics);
     fit.refine({.height = layer.height, .most_rounds = 3});
-    return overlap_factor(fit, 2);
+    return overlap_factor(fit, std::vector<char>(layer.spheres.size(), 0), 2);
 }
 
 TEST(SphereErrors, OverlapsOfHardSpheresShowADiameterThatIsTooLarge) {
