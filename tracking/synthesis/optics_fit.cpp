@@ -132,7 +132,8 @@ std::vector<OpticsEquations> equations_of(const OpticsSquare& square, MirrorOpti
     const int side = std::max(1, static_cast<int>(std::lround(kBlock * scale)));
     const int columns = std::max(1, (width - 2 * border) / side);
     const int rows = std::max(1, (height - 2 * border) / side);
-    std::vector<Block> blocks(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+    const auto per_row = static_cast<std::size_t>(columns);
+    std::vector<Block> blocks(per_row * static_cast<std::size_t>(rows));
     Block whole;
     for (int y = border; y < height - border; ++y) {
         const int row = std::min((y - border) / side, rows - 1);
@@ -147,7 +148,8 @@ std::vector<OpticsEquations> equations_of(const OpticsSquare& square, MirrorOpti
             j(kOpticsTerms) = static_cast<double>(base(x, y));
             j(kOpticsTerms + 1) = 1;
             const int column = std::min((x - border) / side, columns - 1);
-            Block& block = blocks[static_cast<std::size_t>(row * columns + column)];
+            Block& block =
+                blocks[static_cast<std::size_t>(row) * per_row + static_cast<std::size_t>(column)];
             block.a += j * j.transpose();
             block.b += r * j;
         }
