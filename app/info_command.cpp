@@ -294,6 +294,22 @@ Summary describe_calibration(const std::filesystem::path& path) {
                                {"grazing", optics.grazing},
                                {"grazing_std", error.grazing}},
                   in_words(optics, error));
+        const tracking::FilmOptics& film = *kept.optics;
+        const tracking::ErrorScale& scale = film.error_scale;
+        sheet.add(
+            "optics_hold_for", "  hold for",
+            ordered_json{{"sphere_diameter_px", film.diameter},
+                         {"height_a", film.height},
+                         {"camera_distance_a", optics.distance}},
+            fmt::format("a = {:.6g} px, height {:.6g} a, camera {}", film.diameter, film.height,
+                        optics.distance > 0 ? fmt::format("{:.6g} a away", optics.distance)
+                                            : "telecentric"));
+        sheet.add(
+            "error_factors", "  errors times",
+            ordered_json{{"plane", scale.plane}, {"height", scale.height}},
+            fmt::format("{:.2f} and {:.2f} in the plane, {:.2f} and {:.2f} in height (spheres "
+                        "that overlap another in the picture, and others)",
+                        scale.plane[0], scale.plane[1], scale.height[0], scale.height[1]));
     }
     if (kept.camera) {
         sheet.add(

@@ -19,9 +19,11 @@ std::string synthesis_in_words(const tracking::SynthesisSummary& found) {
     return fmt::format(
         "  synthesis  residual {:.4f} → {:.4f} of the contrast; {} added, {} removed, {} moved; {} "
         "of {} positions doubtful\n"
+        "  heights    {} of {} known to {:.1f} a\n"
         "  optics     {}\n",
         found.mean_before(), found.mean_after(), found.added, found.removed, found.lifted,
-        found.doubtful, found.spheres, in_words(found.optics, found.optics_error));
+        found.doubtful, found.spheres, found.heights_known, found.spheres,
+        tracking::kMostHeightError, in_words(found.optics, found.optics_error));
 }
 
 ordered_json synthesis_facts(const tracking::TrackSummary& summary) {
@@ -37,6 +39,7 @@ ordered_json synthesis_facts(const tracking::TrackSummary& summary) {
             {"removed", found.removed},
             {"moved", found.lifted},
             {"doubtful", found.doubtful},
+            {"heights_known", found.heights_known},
             {"frames_doubtful", found.doubtful_frames},
             {"frames_not_converged", found.risen_frames},
             {"frames_unexplained", found.unexplained_frames},

@@ -220,8 +220,10 @@ TrackSummary Tracker::run(SnapshotSink& sink, Progress& progress, const EachFram
                 progress.advance();
                 job.position < span().begin ? keep(job) : finish(job, run, each_frame);
             }
-            summary.ms_per_frame.wall += milliseconds_since(begin);
-            if (resumption.save && is_more() && resumption.is_due()) {
+            const double milliseconds = milliseconds_since(begin);
+            summary.ms_per_frame.wall += milliseconds;
+            const bool is_slow = milliseconds > resumption.slow;
+            if (resumption.save && is_more() && (is_slow || resumption.is_due())) {
                 resumption.save(checkpoint(run));
             }
         }

@@ -39,6 +39,8 @@ struct TrackResumption {
     const Checkpoint* from = nullptr;
     std::function<bool()> is_due = {};            ///< asked after each frame
     std::function<void(Checkpoint&&)> save = {};  ///< also when a signal ends the run early
+    /// Frames that take longer are saved each [ms]: a signal does not wait for the end of one.
+    double slow = 1000;
 };
 
 /// Frames in, linked snapshots out: calibrates the image model on the first usable frame, then

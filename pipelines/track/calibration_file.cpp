@@ -52,9 +52,8 @@ tracking::FilmOptics optics_in(TomlValues& values) {
     const auto factors = [&](const char* key, std::array<double, 2>& into) {
         const std::vector<double> numbers = values.list(key);
         if (numbers.size() != into.size()) values.refuse_value(key, "2 numbers");
-        if (*std::min_element(numbers.begin(), numbers.end()) < 1) {
-            values.refuse_value(key, "factors of 1 or more");
-        }
+        const auto [least, most] = std::minmax_element(numbers.begin(), numbers.end());
+        if (!(*least >= 1 && *most <= 1000)) values.refuse_value(key, "factors of 1 to 1000");
         std::copy(numbers.begin(), numbers.end(), into.begin());
     };
     factors("optics.factors-plane", film.error_scale.plane);

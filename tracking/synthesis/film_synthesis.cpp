@@ -48,7 +48,7 @@ SynthesisedFrame without_spheres(const SynthesisedFrame& earlier) {
 }
 
 Layer layer_of(double z, double error, double middle) {
-    if (!(std::abs(z - middle) > error)) return Layer::unknown;
+    if (error > kMostHeightError || !(std::abs(z - middle) > error)) return Layer::unknown;
     return z > middle ? Layer::top : Layer::bottom;
 }
 
@@ -147,6 +147,8 @@ void add(const SynthesisedFrame& found, std::int64_t frame, SynthesisSummary& su
     ++summary.frames;
     summary.spheres += spheres;
     summary.doubtful += found.doubtful;
+    summary.heights_known += std::count_if(found.z_error.begin(), found.z_error.end(),
+                                           [](double error) { return error <= kMostHeightError; });
     summary.added += found.added;
     summary.removed += found.removed;
     summary.lifted += found.lifted;
@@ -201,9 +203,16 @@ void warn_of(const SynthesisSummary& summary, RunPlan& plan) {
                               "contrast, white noise apart ({:.1f} % at most): errors may not "
                               "hold. Unless the camera smooths its noise: are "
                               "track.sphere-diameter, the height of the cell and the distance of "
-                              "the camera right, and the spheres mirrors above a bright panel?",
+                              "the camera right, kept optics those of this film, and the spheres "
+                              "mirrors above a bright panel?",
                               summary.unexplained_frames, summary.frames, 100 * kMostUnexplained,
                               100 * summary.most_unexplained));
+    }
+    if (2 * summary.heights_known < summary.spheres) {
+        plan.warn(WarningCode::doubtful_heights,
+                  fmt::format("only {} of {} heights are known to {:.1f} a: crystals, and few "
+                              "pixels a sphere, tell less. x and y have errors of their own",
+                              summary.heights_known, summary.spheres, kMostHeightError));
     }
     if (summary.unscaled_frames > 0) {
         plan.warn(
@@ -242,13 +251,13 @@ void transfer(NumberArchive& archive, SynthesisedFrame& found) {
 }
 
 void transfer(NumberArchive& archive, SynthesisSummary& summary) {
-    auto& [frames, spheres, doubtful, added, removed, lifted, residual_before, residual_rms,
-           doubtful_frames, risen_frames, unexplained_frames, most_unexplained, unscaled_frames,
-           worst_frame, worst_share, optics, optics_error] = summary;
-    archive.members<SynthesisSummary>(frames, spheres, doubtful, added, removed, lifted,
-                                      residual_before, residual_rms, doubtful_frames, risen_frames,
-                                      unexplained_frames, most_unexplained, unscaled_frames,
-                                      worst_frame, worst_share, optics, optics_error);
+    auto& [frames, spheres, doubtful, heights_known, added, removed, lifted, residual_before,
+           residual_rms, doubtful_frames, risen_frames, unexplained_frames, most_unexplained,
+           unscaled_frames, worst_frame, worst_share, optics, optics_error] = summary;
+    archive.members<SynthesisSummary>(
+        frames, spheres, doubtful, heights_known, added, removed, lifted, residual_before,
+        residual_rms, doubtful_frames, risen_frames, unexplained_frames, most_unexplained,
+        unscaled_frames, worst_frame, worst_share, optics, optics_error);
 }
 
 }  // namespace grainfield::tracking

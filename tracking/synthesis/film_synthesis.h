@@ -47,10 +47,14 @@ struct SynthesisedFrame {
 /// bench/results/synthesis.md.
 inline constexpr double kMostUnexplained = 0.03;
 
+/// A height with a larger standard error counts as unknown, here and in the analysis [a].
+inline constexpr double kMostHeightError = 0.2;
+
 /// All frames together.
 struct SynthesisSummary {
     std::int64_t frames = 0;
     std::int64_t spheres = 0, doubtful = 0;
+    std::int64_t heights_known = 0;  ///< spheres whose standard error is at most kMostHeightError
     std::int64_t added = 0, removed = 0, lifted = 0;
     double residual_before = 0, residual_rms = 0;  ///< sums over frames [contrast]
     std::int64_t doubtful_frames = 0;              ///< with more than 1 % of their spheres doubtful
@@ -92,7 +96,7 @@ class FilmSynthesis {
     /// Fills position, errors, z, layer and quality of a snapshot in pixels, for the spheres that
     /// lie `border` [px] or more within its image. z is the height of the centre above the low
     /// plate, a/2 for a sphere that rests on it. The layer is the side of the middle of the cell,
-    /// unknown within one standard error of it.
+    /// unknown within one standard error of it, and where the height is unknown.
     void report(const SynthesisedFrame& found, double border, Snapshot& snapshot) const;
 
     /// What a frame leaves to others.
@@ -119,7 +123,7 @@ std::string in_words(const MirrorOptics& optics, const OpticsErrors& error);
 
 /// Warns (WarningCode::doubtful_heights) of frames with more than 1 % of their spheres doubtful,
 /// of those whose residual did not fall, and of those that leave more than kMostUnexplained; of
-/// errors that are those of the fit alone
+/// more unknown heights than known ones; of errors that are those of the fit alone
 /// (WarningCode::unscaled_errors).
 void warn_of(const SynthesisSummary& summary, RunPlan& plan);
 

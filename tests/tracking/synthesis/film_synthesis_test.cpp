@@ -187,6 +187,48 @@ TEST(FilmSynthesis, OpticsThatAreKeptSpareTheirEstimateAndOthersAreSaid) {
     EXPECT_THAT(higher.warnings().at(0).text, HasSubstr("layers.height is 1.94 there and 1.8"));
 }
 
+TEST(FilmSynthesis, ASlowFrameIsSavedAtItsEndWhetherDueOrNot) {
+    const std::vector<Image> images = film(3);
+    MemoryFrames frames(images);
+    RunPlan plan;
+    Tracker tracker(frames, options(), plan);
+    int saved = 0;
+    TrackResumption resumption{
+        .is_due = [] { return false; }, .save = [&](Checkpoint&&) { ++saved; }, .slow = 0};
+    testing::Collect sink;
+    Progress progress("", 0, "", Verbosity::quiet);
+    tracker.run(sink, progress, {}, resumption);
+    // The first frame alone, then two at a time; nothing is saved after the last one.
+    EXPECT_EQ(saved, 1);
+    resumption.slow = 1e12;
+    tracker.run(sink, progress, {}, resumption);
+    EXPECT_EQ(saved, 1);
+}
+
+TEST(FilmSynthesis, WarnsWhereMostHeightsAreUnknownAndGivesSuchSpheresNoLayer) {
+    SynthesisedFrame found;
+    found.position = {{50, 60}, {30, 70}, {40, 40}};
+    found.error = {{1, 1}, {1, 1}, {1, 1}};
+    found.z = {0.8, 0.8, 0.05};
+    found.z_error = {0.27, 0.21, 0.19};
+    found.residual = {0.1, 0.1, 0.1};
+    found.residual_before = 0.05;
+    found.residual_rms = 0.02;
+    found.error_scale.spheres = 160;
+    SynthesisSummary summary;
+    add(found, 0, summary);
+    EXPECT_EQ(summary.heights_known, 1);
+    RunPlan plan;
+    warn_of(summary, plan);
+    ASSERT_EQ(plan.warnings().size(), 1U);
+    EXPECT_THAT(plan.warnings()[0].text, HasSubstr("only 1 of 3 heights are known"));
+    const ImageModel model = lit_model();
+    Snapshot s;
+    s.box = {.origin = {-0.5, -0.5}, .length = {101, 101}};
+    FilmSynthesis(model, 10, 0, {.height = 1.8}).report(found, 5, s);
+    EXPECT_EQ(s.layer, (std::vector<Layer>{Layer::unknown, Layer::unknown, Layer::bottom}));
+}
+
 TEST(FilmSynthesis, TheHeightOfTheCellIsThatOfTheLayersWhereItIsGiven) {
     TrackOptions lower = options();
     lower.layers.height = 1.7;
@@ -215,6 +257,7 @@ TEST(FilmSynthesis, SaysWhatItNeeds) {
 TEST(FilmSynthesis, WarnsOfDoubtfulSpheresAndOfAResidualThatDidNotFall) {
     SynthesisedFrame good;
     good.position.resize(200);
+    good.z_error.assign(200, 0.1);
     good.residual_before = 0.05;
     good.residual_rms = 0.02;
     good.doubtful = 2;
@@ -249,6 +292,7 @@ TEST(FilmSynthesis, WarnsOfDoubtfulSpheresAndOfAResidualThatDidNotFall) {
 TEST(FilmSynthesis, WarnsOfErrorsThatCouldNotBeLearned) {
     SynthesisedFrame found;
     found.position.resize(20);
+    found.z_error.assign(20, 0.1);
     found.residual_before = 0.05;
     found.residual_rms = 0.02;
     SynthesisSummary summary;
