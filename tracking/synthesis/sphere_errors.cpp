@@ -160,11 +160,16 @@ std::vector<SphereError> sphere_errors(SynthesisFit& fit, int threads) {
             errors[i].x += step[i][0] * step[i][0];
             errors[i].y += step[i][1] * step[i][1];
             errors[i].z += step[i][2] * step[i][2];
+            errors[i].x_by_z += step[i][0] * step[i][2];
+            errors[i].y_by_z += step[i][1] * step[i][2];
         }
     });
     for (std::size_t i = 0; i < n; ++i) {
         SphereError& e = errors[i];
         for (double* value : {&e.x, &e.y, &e.z}) *value = std::sqrt(*value / kErrorSamples);
+        for (double* value : {&e.x_by_z, &e.y_by_z}) {
+            *value = e.z > 0 ? *value / (kErrorSamples * e.z) : 0;
+        }
         const SynthesisFit::LocalMisfit about = fit.misfit_about(i);
         e.residual = about.pixels > 0 ? std::sqrt(about.sum / about.pixels) : 0;
     }

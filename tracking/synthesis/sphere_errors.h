@@ -10,6 +10,7 @@ namespace grainfield::tracking {
 /// Standard errors of one sphere [a], and the RMS of image − rendering about it [contrast].
 struct SphereError {
     double x = 0, y = 0, z = 0;
+    double x_by_z = 0, y_by_z = 0;  ///< of x and y, the part that goes with z: σ_xz / σ_z
     double residual = 0;
 };
 

@@ -12,6 +12,13 @@ namespace {
 
 // A tanh edge of width w has the slope of a Gaussian blur of w/1.25; mirror rims widen it.
 constexpr double kBlurOfEdge = 0.7;  // [w]
+
+/// An error in the plane, whose part that goes with the height grows as that of the height does.
+double with_height(double error, double by_height, double plane, double height) {
+    const double more = std::max(0.0, height * height - plane * plane);
+    return std::sqrt(plane * plane * error * error + more * by_height * by_height);
+}
+
 }  // namespace
 
 OptionTable describe(SynthesisOptions& options) {
@@ -71,13 +78,15 @@ Synthesis synthesise(const Image& counts, const ImageModel& model, double diamet
         const Point3& p = fit.spheres[i];
         const Vec2 at = diameter * Vec2{static_cast<double>(p.x), static_cast<double>(p.y)};
         const SphereError& e = fit.error[i];
-        const double in_plane = diameter * result.error_scale.plane[classes[i]];
+        const double plane = result.error_scale.plane[classes[i]];
+        const double height = result.error_scale.height[classes[i]];
         // No height is less known than one anywhere between the plates.
         const double unknown = top / std::sqrt(12.0);
         result.position.push_back(at);
         result.z.push_back(static_cast<double>(p.z));
-        result.error.push_back({in_plane * e.x, in_plane * e.y});
-        result.z_error.push_back(std::min(unknown, result.error_scale.height[classes[i]] * e.z));
+        result.error.push_back({diameter * with_height(e.x, e.x_by_z, plane, height),
+                                diameter * with_height(e.y, e.y_by_z, plane, height)});
+        result.z_error.push_back(std::min(unknown, height * e.z));
         result.residual.push_back(e.residual);
         if (fit.is_doubtful[i] == 0) continue;
         // What the border cuts cannot agree: the panel and the neighbours beyond are not seen.
