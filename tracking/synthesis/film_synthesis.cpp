@@ -37,16 +37,6 @@ std::vector<double> earlier_heights(const std::vector<Vec2>& discs, const Synthe
     return heights;
 }
 
-/// What a frame without discs leaves to the next one.
-SynthesisedFrame without_spheres(const SynthesisedFrame& earlier) {
-    SynthesisedFrame frame;
-    frame.optics = earlier.optics;
-    frame.optics_error = earlier.optics_error;
-    frame.error_scale = earlier.error_scale;
-    frame.residual_rms = earlier.residual_rms;
-    return frame;
-}
-
 Layer layer_of(double z, double error, double middle) {
     if (error > kMostHeightError || !(std::abs(z - middle) > error)) return Layer::unknown;
     return z > middle ? Layer::top : Layer::bottom;
@@ -68,10 +58,11 @@ FilmSynthesis::FilmSynthesis(const ImageModel& model, double diameter, double ca
 
 SynthesisedFrame FilmSynthesis::next(const Image& counts, const std::vector<Vec2>& discs,
                                      const SynthesisedFrame* earlier, int threads) const {
-    if (discs.empty()) return earlier == nullptr ? SynthesisedFrame{} : without_spheres(*earlier);
+    const bool has_optics = earlier != nullptr && earlier->residual_rms > 0;
+    if (discs.empty()) return has_optics ? leaving(optics_of(*earlier)) : SynthesisedFrame{};
     SynthesisStart start{.position = discs, .z = {}, .optics = {}, .are_optics_known = false};
     start.optics.distance = camera_distance_;
-    if (earlier != nullptr && earlier->residual_rms > 0) {
+    if (has_optics) {
         start.optics = earlier->optics;
         start.optics_error = earlier->optics_error;
         start.are_optics_known = true;
