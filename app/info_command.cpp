@@ -277,7 +277,9 @@ Summary describe_calibration(const std::filesystem::path& path) {
     if (kept.bias) {
         const tracking::BiasCorrection& bias = *kept.bias;
         sheet.add("bias", "bias",
-                  ordered_json{{"rms_before_a", bias.before}, {"rms_after_a", bias.after}},
+                  ordered_json{{"rms_before_a", bias.before},
+                               {"rms_after_a", bias.after},
+                               {"learned_from", "film"}},
                   fmt::format("positions corrected: {:.4f} to {:.4f} a RMS on synthesised frames",
                               bias.before, bias.after));
     }

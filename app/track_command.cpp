@@ -84,9 +84,10 @@ std::string camera_in_words(const TrackJobResult& result) {
 
 std::string bias_in_words(const TrackJobResult& result) {
     if (!result.bias) return "";
-    return fmt::format(
-        "  bias       positions corrected: {:.4f} to {:.4f} a RMS on synthesised frames\n",
-        result.bias->before, result.bias->after);
+    return fmt::format("  bias       positions corrected: {:.4f} to {:.4f} a RMS on {}\n",
+                       result.bias->before, result.bias->after,
+                       result.bias->is_general() ? "frames of cameras that it was not learned from"
+                                                 : "synthesised frames");
 }
 
 std::string words(const Session& session, const TrackJobResult& result, const LabUnits& lab) {
@@ -193,7 +194,8 @@ ordered_json facts(const TrackJobResult& result, const LabUnits& lab) {
     facts["bias"] = nullptr;
     if (result.bias) {
         facts["bias"] = {{"rms_before_a", result.bias->before},
-                         {"rms_after_a", result.bias->after}};
+                         {"rms_after_a", result.bias->after},
+                         {"learned_from", result.bias->is_general() ? "other cameras" : "film"}};
     }
     facts["synthesis"] = synthesis_facts(summary);
     facts["unsettled"] = summary.unsettled;

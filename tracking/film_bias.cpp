@@ -9,6 +9,7 @@
 #include "core/support/interrupt.h"
 #include "tracking/run_clock.h"
 #include "tracking/synthesis/bias_learning.h"
+#include "tracking/synthesis/general_correction.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -24,25 +25,18 @@ BiasSetting setting_of(const TrackOptions& options) {
             .verbosity = options.verbosity};
 }
 
-/// Learning takes the time of 30 to 120 warm frames.
-constexpr std::int64_t kLongFilm = 500;  // frames
 /// Chosen: what discs leave is small beside the noise below this share of it.
 constexpr double kLeastMisfit = 0.5;
+/// Fewer do not show whether a correction holds.
+constexpr int kLeastSpheres = 30;
 
-/// Why nothing is learned where nobody asks for it; empty: it is worth its time.
-std::string not_worth_learning(const FrameSource& source, const TrackOptions& options,
-                               const ImageModel& model) {
-    if (options.learning == LearnBias::asked_for) {
-        return "it is learned where track.correct-bias asks for it, and in long films on disk";
-    }
+/// Why the general correction is not looked at; empty: it is.
+std::string not_for_this_film(const TrackOptions& options, const ImageModel& model) {
     if (options.synthesis) return "synthesis has no such bias";
     if (!options.sphere_diameter) return "the true diameter is not known (track.sphere-diameter)";
     if (model.polarity != Polarity::dark) return "bright spheres mirror no panel";
-    if (options.camera) return "it is learned on frames as a straight lens sees them";
-    if (!options.visible.are_all()) return "it is learned on whole frames, and a mask hides a part";
-    if (options.kept) {
-        return "the kept calibration holds none; one made with track.correct-bias does";
-    }
+    if (options.camera) return "it holds for frames as a straight lens sees them";
+    if (!options.visible.are_all()) return "it holds for whole frames, and a mask hides a part";
     if (is_unusual_size(model.disc.diameter, *options.sphere_diameter)) {
         return "discs of this size are no usual picture of spheres of track.sphere-diameter";
     }
@@ -53,13 +47,7 @@ std::string not_worth_learning(const FrameSource& source, const TrackOptions& op
             "discs explain the film: they leave {:.4f} of the contrast beyond noise of {:.4f}",
             left, model.noise);
     }
-    if (source.count() < kLongFilm) {
-        return fmt::format(
-            "learning takes the time of 30 to 120 frames, and the film has {}: it begins by itself "
-            "with {}, below with track.correct-bias",
-            source.count(), kLongFilm);
-    }
-    return {};
+    return general_correction().refused(model.disc, *options.sphere_diameter);
 }
 
 /// The first usable frame from `first` on; empty: there is none.
@@ -102,7 +90,53 @@ void require_same(const BiasCorrection& kept, const TrackOptions& options) {
     require("layers.camera-distance", "a", kept.camera_distance, now.camera_distance);
 }
 
-constexpr const char* kSaved = "half of what mirror images of neighbours do to positions";
+/// That of many cameras, if it holds for the film.
+std::optional<BiasCorrection> general_bias(FrameSource& source, const TrackOptions& options,
+                                           const ImageModel& model, std::int64_t first, int threads,
+                                           RunPlan& plan) {
+    const char* const saved = "half of what mirror images of neighbours do to positions";
+    const std::string reason = not_for_this_film(options, model);
+    if (!reason.empty()) {
+        plan.skip("bias", reason, saved);
+        return std::nullopt;
+    }
+    if (!options.corrects_bias) {
+        plan.run("bias", "whether the general correction holds is seen on the first usable frame");
+        return std::nullopt;
+    }
+    const std::optional<Frame> frame = usable_frame(source, first, options.visible);
+    if (!frame) {
+        plan.skip("bias", "no frame is usable", saved);
+        return std::nullopt;
+    }
+    const double diameter = *options.sphere_diameter;
+    const GeneralCorrection& general = general_correction();
+    BiasCorrection correction = general.of(model.disc, diameter);
+    const CorrectionSize size = correction_size(correction, frame->image, model, options.detection,
+                                                options.refinement, diameter, threads);
+    if (size.spheres < kLeastSpheres) {
+        plan.skip("bias",
+                  fmt::format("{} spheres in the middle of the frame do not show whether the "
+                              "general correction holds, {} would",
+                              size.spheres, kLeastSpheres),
+                  saved);
+        return std::nullopt;
+    }
+    if (size.is_too_large()) {
+        plan.skip("bias",
+                  fmt::format("these are no mirrors above a panel: the general correction would "
+                              "move them by {:.4f} a RMS, and errors are {:.4f} a",
+                              size.moved, size.expected),
+                  saved);
+        return std::nullopt;
+    }
+    plan.run("bias",
+             fmt::format("positions corrected for mirror images of neighbours by {:.4f} a RMS, as "
+                         "learned from {} other cameras; of cameras left out, errors fell from "
+                         "{:.4f} to {:.4f} a",
+                         size.moved, general.cameras, general.before, general.after));
+    return correction;
+}
 
 }  // namespace
 
@@ -110,7 +144,8 @@ std::optional<BiasCorrection> bias_of_film(FrameSource& source, const TrackOptio
                                            const ImageModel& model, std::int64_t first, int threads,
                                            RunPlan& plan) {
     if (!options.correct_bias.value_or(true)) {
-        plan.skip("bias", "not wanted (track.correct-bias)", kSaved);
+        plan.skip("bias", "not wanted (track.correct-bias)",
+                  "half of what mirror images of neighbours do to positions");
         return std::nullopt;
     }
     if (options.kept && options.kept->bias) {
@@ -126,13 +161,8 @@ std::optional<BiasCorrection> bias_of_film(FrameSource& source, const TrackOptio
                                      kept.before, kept.after));
         return kept;
     }
-    const bool is_asked_for = options.correct_bias.has_value();
-    if (!is_asked_for) {
-        const std::string reason = not_worth_learning(source, options, model);
-        if (!reason.empty()) {
-            plan.skip("bias", reason, kSaved);
-            return std::nullopt;
-        }
+    if (!options.correct_bias) {
+        return general_bias(source, options, model, first, threads, plan);
     }
     if (model.polarity != Polarity::dark) {
         throw OptionError({.problem = "the bias of the discs cannot be corrected",
@@ -140,13 +170,13 @@ std::optional<BiasCorrection> bias_of_film(FrameSource& source, const TrackOptio
                            .expected = "mirror-like spheres before a bright panel: dark discs",
                            .suggestion = "leave out track.correct-bias"});
     }
-    if (options.learning == LearnBias::never) {
+    if (!options.corrects_bias) {
         plan.run("bias", "how discs err is learned on the first usable frame");
         return std::nullopt;
     }
     const std::optional<Frame> frame = usable_frame(source, first, options.visible);
     if (!frame) {
-        plan.skip("bias", "no frame is usable", kSaved);
+        plan.skip("bias", "no frame is usable", "corrected positions");
         return std::nullopt;
     }
     const BiasSetting setting = setting_of(options);
@@ -154,11 +184,8 @@ std::optional<BiasCorrection> bias_of_film(FrameSource& source, const TrackOptio
     const BiasLearning learned = learn_bias(frame->image, model, setting, threads);
     const double seconds = 1e-3 * milliseconds_since(begin);
     if (!learned.refused.empty()) {
-        plan.skip("bias", learned.refused, "corrected positions");
-        if (is_asked_for) {
-            plan.warn(fmt::format("the bias of positions is not corrected: {}", learned.refused));
-        }
-        return std::nullopt;
+        plan.warn(fmt::format("no correction is learned from the film: {}", learned.refused));
+        return general_bias(source, options, model, first, threads, plan);
     }
     plan.run("bias",
              fmt::format("positions corrected as learned from {} spheres of {} synthesised frames: "

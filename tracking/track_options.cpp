@@ -86,9 +86,9 @@ std::vector<OptionTable> describe(TrackOptions& options) {
                "positions and heights of mirror-like spheres by rendering the frame");
     track.flag(
         "correct-bias", options.correct_bias,
-        "correct positions for mirror images of neighbours, as learned from frames that are "
-        "rendered with the optics of the film; kept with its calibration; auto: in long films "
-        "whose discs leave more than noise");
+        "correct positions for mirror images of neighbours as learned from frames that are "
+        "rendered with the optics of the film (10 to 40 s of a core), kept with its calibration; "
+        "no: not at all; auto: as learned from other cameras, where spheres look like mirrors");
     track.integer("stretch", options.stretch, "frames", {2, 1e9},
                   "frames that start from one another; then the search begins afresh, so that "
                   "parts of a film give what the whole film gives");

@@ -18,13 +18,6 @@
 
 namespace grainfield::tracking {
 
-/// When a correction of the bias may be learned.
-enum class LearnBias {
-    never,      ///< the tracker serves another purpose: its positions are not the result
-    asked_for,  ///< only with correct_bias = true
-    by_itself   ///< also where it is worth its time
-};
-
 struct TrackOptions {
     CalibrationOptions calibration;
     DetectionOptions detection;
@@ -34,15 +27,15 @@ struct TrackOptions {
     std::optional<double> sphere_diameter;  ///< true diameter a [px]; empty: the apparent D
     bool synthesis = false;                 ///< positions and heights from rendered images
     SynthesisOptions synthesis_options;     ///< layers.height, where given, is the height
-    std::optional<bool> correct_bias;     ///< of discs, learned from renderings; empty: if worth it
-    std::int64_t stretch = 200;           ///< [frames] that start from one another
-    std::optional<FrameSpan> part;        ///< measured, not linked; empty: all, and linked
-    VisiblePixels visible;                ///< pixels that are looked at
-    std::optional<KeptCalibration> kept;  ///< instead of a calibration on this film
-    std::optional<CameraMap> camera;      ///< corrects positions; counts pixels of the source
+    std::optional<bool> correct_bias;       ///< true: learned from the film; empty: the general one
+    std::int64_t stretch = 200;             ///< [frames] that start from one another
+    std::optional<FrameSpan> part;          ///< measured, not linked; empty: all, and linked
+    VisiblePixels visible;                  ///< pixels that are looked at
+    std::optional<KeptCalibration> kept;    ///< instead of a calibration on this film
+    std::optional<CameraMap> camera;        ///< corrects positions; counts pixels of the source
     bool keeps = false;  ///< start as films will that use the calibration: frame 0 knows nothing
     int threads = 0;     ///< 0: all
-    LearnBias learning = LearnBias::asked_for;
+    bool corrects_bias = true;  ///< false: positions are not the result, which need no correction
     Verbosity verbosity = Verbosity::quiet;  ///< of the progress before the first frame
 };
 

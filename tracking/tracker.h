@@ -60,9 +60,9 @@ struct TrackResumption {
 /// one. Those before `part.begin` are not passed on. Snapshots of a part have no identities, and no
 /// layers from overlaps: these follow from identities.
 ///
-/// With a correction of the bias (learn_bias), learned on the frame calibrated on or kept with the
-/// calibration, positions and errors are corrected as soon as a frame is fitted. The next frame
-/// starts from those of the fit.
+/// With a correction of the bias, the general one, one learned on the frame calibrated on or kept
+/// with the calibration (bias_of_film), positions and errors are corrected as soon as a frame is
+/// fitted. The next frame starts from those of the fit.
 ///
 /// With synthesis, positions, heights and layers are those of FilmSynthesis, frame by frame, and
 /// the next frame starts from them. Else, where the height of the cell is given, spheres without
@@ -112,7 +112,7 @@ class Tracker {
     /// with synthesis its optics. Call only if is_calibrated().
     KeptCalibration to_keep() {
         KeptCalibration kept = tracking::to_keep(film_, source_, options_.visible, threads_);
-        kept.bias = bias_;
+        if (bias_ && !bias_->is_general()) kept.bias = bias_;
         kept.optics = optics();
         return kept;
     }

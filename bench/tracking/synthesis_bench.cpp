@@ -164,12 +164,13 @@ void run(Settings s) {
         "| | matched | missed | false | rms x, y [a] | median | p99 | within 2σ | rms z [a] | "
         "median | p99 | within 2σ | residual | seconds | CPU seconds |\n"
         "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
-    for (const char* method : {"discs", "corrected", "synthesis"}) {
+    for (const char* method : {"discs", "general", "learned", "synthesis"}) {
         const std::string name = method;
         if (name == "synthesis" && s.without_synthesis) continue;
         auto frames = io::open_frames({s.frame}, {});
         s.options.synthesis = name == "synthesis";
-        s.options.correct_bias = name == "corrected";
+        s.options.correct_bias = name == "learned";
+        if (name == "general") s.options.correct_bias.reset();
         Keep sink;
         const auto begin = std::chrono::steady_clock::now();
         const std::clock_t cpu_begin = std::clock();

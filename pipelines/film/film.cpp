@@ -177,7 +177,7 @@ std::unique_ptr<FrameSource> evened(std::unique_ptr<FrameSource> frames, const F
     }
     RunPlan scratch;
     tracking::TrackOptions measured = tracking;
-    measured.learning = tracking::LearnBias::never;
+    measured.corrects_bias = false;
     const tracking::Tracker first(*frames, measured, scratch);
     if (!first.is_calibrated()) return frames;  // which is said when the tracker tries again
     const auto levels = tracking::FilmLevels::of(first.model(), frames->width(), frames->height());

@@ -177,7 +177,7 @@ void plan_tracking(const TrackJobOptions& options, Job& job) {
     const Film film = open_film(job, options.film, tracking);
     complete(tracking, film, camera);
     plan_checkpoints(resumable, film.frames->count(), job.plan);
-    tracking.learning = tracking::LearnBias::never;
+    tracking.corrects_bias = false;
     const Tracker tracker(*film.frames, tracking, job.plan);
     plan_part(film, tracker, job.plan);
 }
@@ -197,7 +197,6 @@ TrackJobResult track_film(const TrackJobOptions& options, Job& job) {
     complete(tracking, film, camera);
     const std::int64_t wanted = film.part ? film.part->span.size() : frames.count();
     plan_checkpoints(resumable, frames.count(), job.plan);
-    tracking.learning = tracking::LearnBias::by_itself;
     Tracker tracker(frames, tracking, job.plan);
     require_calibration(tracker, frames);
     plan_part(film, tracker, job.plan);

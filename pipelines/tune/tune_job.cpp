@@ -105,7 +105,7 @@ void plan_tuning(const TuneJobOptions& options, Job& job) {
     job.inputs = io::recording_files(job.inputs);
     tracking::TrackOptions tracking = options.tracking;
     tracking.threads = job.threads;
-    tracking.learning = tracking::LearnBias::never;
+    tracking.corrects_bias = false;
     const Film film = open_film(job, options.film, tracking);
     tracking.visible = film.visible;
     const tracking::Tracker tracker(*film.frames, tracking, job.plan);
@@ -115,7 +115,7 @@ TuneJobResult run_tuning(const TuneJobOptions& options, Job& job) {
     job.inputs = io::recording_files(job.inputs);
     tracking::TrackOptions tracking = options.tracking;
     tracking.threads = job.threads;
-    tracking.learning = tracking::LearnBias::never;
+    tracking.corrects_bias = false;
     const Film film = open_film(job, options.film, tracking);
     tracking.visible = film.visible;
     const tracking::Tracker tracker(*film.frames, tracking, job.plan);

@@ -1,5 +1,6 @@
 #include "tracking/film_bias.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "tests/tracking/synthesis/rendered_layer.h"
 #include "tracking/model/padded_image.h"
 #include "tracking/refine/disc_kernel.h"
+#include "tracking/synthesis/general_correction.h"
 #include "tracking/synthesis/mirror_image.h"
 
 namespace grainfield::tracking {
@@ -100,14 +102,12 @@ TrackOptions options() {
     TrackOptions options;
     options.sphere_diameter = kScale;
     options.threads = 2;
-    options.learning = LearnBias::by_itself;
     return options;
 }
 
-/// Why no correction is used; fails where one is.
-std::string skipped(const TrackOptions& options, std::int64_t frames,
-                    const ImageModel& discs = model()) {
-    SameFrames source(mirrors(), frames);
+/// Why no correction is used; fails where one is, or where a frame is read to see that.
+std::string skipped(const TrackOptions& options, const ImageModel& discs = model()) {
+    SameFrames source(mirrors(), 3);
     RunPlan plan;
     EXPECT_FALSE(bias_of_film(source, options, discs, 0, 2, plan).has_value());
     EXPECT_TRUE(plan.warnings().empty()) << "nobody asked for it";
@@ -118,60 +118,62 @@ std::string skipped(const TrackOptions& options, std::int64_t frames,
     return "";
 }
 
-TEST(FilmBias, IsLearnedByItselfInALongFilmOfMirrors) {
-    SameFrames source(mirrors(), 500);
+TEST(FilmBias, OfMirrorsIsTheGeneralOneWithoutBeingAskedFor) {
+    SameFrames source(mirrors(), 1);
     RunPlan plan;
     const auto bias = bias_of_film(source, options(), model(), 0, 2, plan);
     ASSERT_TRUE(bias.has_value());
-    EXPECT_LT(bias->after, 0.9 * bias->before);
-    EXPECT_EQ(bias->diameter, kScale);
+    EXPECT_TRUE(bias->is_general());
+    EXPECT_EQ(*bias, general_correction().of(model().disc, kScale));
+    ASSERT_EQ(plan.stages().size(), 1U);
+    EXPECT_THAT(plan.stages()[0].reason, HasSubstr("other cameras"));
 }
 
-TEST(FilmBias, IsNotLearnedForAFewFramesWithoutBeingAskedFor) {
-    EXPECT_THAT(skipped(options(), 499), HasSubstr("by itself with 500"));
+TEST(FilmBias, IsLearnedFromTheFilmWhereThatIsAskedFor) {
     SameFrames source(mirrors(), 1);
     RunPlan plan;
     TrackOptions asked = options();
     asked.correct_bias = true;
-    EXPECT_TRUE(bias_of_film(source, asked, model(), 0, 2, plan).has_value());
+    const auto bias = bias_of_film(source, asked, model(), 0, 2, plan);
+    ASSERT_TRUE(bias.has_value());
+    EXPECT_FALSE(bias->is_general());
+    EXPECT_LT(bias->after, 0.9 * bias->before);
+    EXPECT_EQ(bias->diameter, kScale);
 }
 
 TEST(FilmBias, SaysWhyItIsLeftOutWhereItCannotHelp) {
     TrackOptions no = options();
     no.correct_bias = false;
-    EXPECT_THAT(skipped(no, 3000), HasSubstr("not wanted"));
+    EXPECT_THAT(skipped(no), HasSubstr("not wanted"));
     TrackOptions unknown = options();
     unknown.sphere_diameter.reset();
-    EXPECT_THAT(skipped(unknown, 3000), HasSubstr("diameter is not known"));
+    EXPECT_THAT(skipped(unknown), HasSubstr("diameter is not known"));
     TrackOptions synthesis = options();
     synthesis.synthesis = true;
-    EXPECT_THAT(skipped(synthesis, 3000), HasSubstr("synthesis has no such bias"));
-    TrackOptions kept = options();
-    kept.kept.emplace();
-    EXPECT_THAT(skipped(kept, 3000), HasSubstr("kept calibration holds none"));
+    EXPECT_THAT(skipped(synthesis), HasSubstr("synthesis has no such bias"));
     TrackOptions masked = options();
     Image mask(mirrors().width(), mirrors().height(), 1.0F);
     mask(3, 3) = 0;
     masked.visible = VisiblePixels(mask);
-    EXPECT_THAT(skipped(masked, 3000), HasSubstr("a mask hides a part"));
+    EXPECT_THAT(skipped(masked), HasSubstr("a mask hides a part"));
     TrackOptions tilted = options();
     Camera camera;
     camera.width = mirrors().width();
     camera.height = mirrors().height();
     tilted.camera.emplace(camera, Vec2{0, 0});
-    EXPECT_THAT(skipped(tilted, 3000), HasSubstr("a straight lens"));
+    EXPECT_THAT(skipped(tilted), HasSubstr("a straight lens"));
     TrackOptions wrong_size = options();
     wrong_size.sphere_diameter = 5 * kScale;
-    EXPECT_THAT(skipped(wrong_size, 3000), HasSubstr("no usual picture"));
-    TrackOptions live = options();
-    live.learning = LearnBias::asked_for;
-    EXPECT_THAT(skipped(live, 3000), HasSubstr("long films on disk"));
+    EXPECT_THAT(skipped(wrong_size), HasSubstr("no usual picture"));
     ImageModel good = model();
     good.residual_rms = 1.1 * good.noise;
-    EXPECT_THAT(skipped(options(), 3000, good), HasSubstr("discs explain the film"));
+    EXPECT_THAT(skipped(options(), good), HasSubstr("discs explain the film"));
     ImageModel bright = model();
     bright.polarity = Polarity::bright;
-    EXPECT_THAT(skipped(options(), 3000, bright), HasSubstr("bright spheres"));
+    EXPECT_THAT(skipped(options(), bright), HasSubstr("bright spheres"));
+    ImageModel blurred = model();
+    blurred.disc.edge_width = 0.3 * kScale;
+    EXPECT_THAT(skipped(options(), blurred), HasSubstr("edges are 0.300 a wide"));
 }
 
 TEST(FilmBias, KeptWithACalibrationIsLeftOutWhereNoneIsWanted) {
@@ -183,36 +185,50 @@ TEST(FilmBias, KeptWithACalibrationIsLeftOutWhereNoneIsWanted) {
     RunPlan plan;
     EXPECT_TRUE(bias_of_film(source, kept, model(), 0, 2, plan).has_value());
     kept.correct_bias = false;
-    EXPECT_THAT(skipped(kept, 3), HasSubstr("not wanted"));
+    EXPECT_THAT(skipped(kept), HasSubstr("not wanted"));
     kept.sphere_diameter.reset();
     EXPECT_NO_THROW(require_consistent(kept));
 }
 
-TEST(FilmBias, OfATrackerWithAnotherPurposeIsPlannedAndNotLearned) {
+TEST(FilmBias, OfATrackerWithAnotherPurposeIsPlannedAndCostsNothing) {
     for (const bool is_asked_for : {true, false}) {
         TrackOptions other = options();
-        other.learning = LearnBias::never;
+        other.corrects_bias = false;
         if (is_asked_for) other.correct_bias = true;
         SameFrames source(mirrors(), 500);
         RunPlan plan;
         EXPECT_FALSE(bias_of_film(source, other, model(), 0, 2, plan).has_value());
         EXPECT_EQ(source.reads(), 0);
         ASSERT_EQ(plan.stages().size(), 1U);
-        EXPECT_THAT(plan.stages()[0].reason, HasSubstr("is learned on the first usable frame"));
+        EXPECT_THAT(plan.stages()[0].reason, HasSubstr("on the first usable frame"));
     }
 }
 
-TEST(FilmBias, OfSilhouettesIsASkippedStageAndAWarningOnlyWhereItWasAskedFor) {
+// Discs that are modelled wrongly leave more than noise, and still mirror nothing.
+TEST(FilmBias, OfSilhouettesIsLeftOutAndThatIsAWarningOnlyWhereOneWasAskedFor) {
     SameFrames source(silhouettes(), 500);
     RunPlan plan;
     EXPECT_FALSE(bias_of_film(source, options(), model(), 0, 2, plan).has_value());
     ASSERT_EQ(plan.skipped().size(), 1U);
-    EXPECT_THAT(plan.skipped()[0].reason, HasSubstr("mirror spheres leave"));
+    EXPECT_THAT(plan.skipped()[0].reason, HasSubstr("no mirrors above a panel"));
     EXPECT_TRUE(plan.warnings().empty());
     TrackOptions asked = options();
     asked.correct_bias = true;
     EXPECT_FALSE(bias_of_film(source, asked, model(), 0, 2, plan).has_value());
     EXPECT_EQ(plan.warnings().size(), 1U);
+}
+
+TEST(FilmBias, OfTooFewSpheresToJudgeItIsLeftOut) {
+    const int side = static_cast<int>(6 * kScale);  // two spheres across within the border
+    Image small(side, side);
+    for (int y = 0; y < side; ++y) {
+        std::copy_n(mirrors().row(y + side / 2) + side / 2, side, small.row(y));
+    }
+    SameFrames source(small, 1);
+    RunPlan plan;
+    EXPECT_FALSE(bias_of_film(source, options(), model(), 0, 2, plan).has_value());
+    ASSERT_EQ(plan.skipped().size(), 1U);
+    EXPECT_THAT(plan.skipped()[0].reason, HasSubstr("do not show whether"));
 }
 
 }  // namespace

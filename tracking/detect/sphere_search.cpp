@@ -59,18 +59,39 @@ constexpr double kGranted = 0.08;   // [a]
 
 /// What is left of the image, from evenly spaced rows, as many as a percent of accuracy needs.
 struct Remainder {
-    /// RMS where the model is flat (clear background or core), outliers beyond four robust standard
-    /// deviations left out.
+    /// RMS where the model is flat (clear background or core). Where hardly a pixel is, or what is
+    /// left there is not noise but the model's, that of second differences along the rows.
     double noise = 0;
     /// Mean square where there are spheres, without what is left of missing ones.
     double misfit = 0;
 };
 
+constexpr std::size_t kLeastFlat = 100;  // pixels that show the noise
+constexpr double kOfTheModel = 0.8;  // noise of neighbours over that of flat pixels, below which
+                                     // these are not flat in the image
+
+/// RMS, outliers beyond four robust standard deviations left out.
+double robust_rms(std::vector<float>& sizes) {
+    if (sizes.empty()) return 0;
+    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+    std::nth_element(sizes.begin(), middle, sizes.end());
+    const float widest = 4 * 1.4826F * *middle;
+    double sum = 0;
+    double n = 0;
+    for (const float size : sizes) {
+        if (size > widest) continue;
+        sum += static_cast<double>(size) * static_cast<double>(size);
+        n += 1;
+    }
+    return std::sqrt(sum / n);
+}
+
 Remainder remainder(const PaddedImage& darkness, const PaddedImage& transmission) {
     constexpr double kSample = 3e4;
     const double pixels = static_cast<double>(darkness.width()) * darkness.height();
     const int stride = std::max(1, static_cast<int>(pixels / kSample));
-    std::vector<float> deviations;
+    std::vector<float> flat;
+    std::vector<float> bends;  // second differences: structure wider than three pixels is not in it
     double squares = 0;
     double covered = 0;
     for (int y = stride / 2; y < darkness.height(); y += stride) {
@@ -79,8 +100,12 @@ Remainder remainder(const PaddedImage& darkness, const PaddedImage& transmission
         for (int x = 0; x < darkness.width(); ++x) {
             if (t[x] <= 0) continue;  // not visible
             const float deviation = std::abs(d[x] - 1.0F + t[x]);
+            if (x > 0 && x + 1 < darkness.width() && t[x - 1] > 0 && t[x + 1] > 0) {
+                const float bend = d[x - 1] + t[x - 1] + d[x + 1] + t[x + 1] - 2 * (d[x] + t[x]);
+                bends.push_back(std::abs(bend));
+            }
             const bool is_clear = t[x] > 0.995F;
-            if (is_clear || t[x] < 0.005F) deviations.push_back(deviation);
+            if (is_clear || t[x] < 0.005F) flat.push_back(deviation);
             if (is_clear || deviation > kMissing) continue;
             squares += static_cast<double>(deviation) * static_cast<double>(deviation);
             covered += 1;
@@ -88,18 +113,9 @@ Remainder remainder(const PaddedImage& darkness, const PaddedImage& transmission
     }
     Remainder left;
     left.misfit = covered > 0 ? squares / covered : 0;
-    if (deviations.size() < 100) return left;
-    const auto middle = deviations.begin() + static_cast<std::ptrdiff_t>(deviations.size() / 2);
-    std::nth_element(deviations.begin(), middle, deviations.end());
-    const float widest = 4 * 1.4826F * *middle;
-    double sum = 0;
-    double n = 0;
-    for (const float d : deviations) {
-        if (d > widest) continue;
-        sum += static_cast<double>(d) * static_cast<double>(d);
-        n += 1;
-    }
-    left.noise = std::sqrt(sum / n);
+    const double of_neighbours = robust_rms(bends) / std::sqrt(6.0);
+    left.noise = flat.size() < kLeastFlat ? of_neighbours : robust_rms(flat);
+    if (of_neighbours < kOfTheModel * left.noise) left.noise = of_neighbours;
     return left;
 }
 

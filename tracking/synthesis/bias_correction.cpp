@@ -34,14 +34,17 @@ std::vector<Vec2> standard_errors(const Located& found, const std::vector<double
     return errors;
 }
 
-std::size_t class_of(const BiasCorrection& correction, double nearest, double residual) {
-    const auto overlap =
+std::size_t overlap_class(double nearest) {
+    return static_cast<std::size_t>(
         std::upper_bound(std::begin(kOverlapBounds), std::end(kOverlapBounds), nearest) -
-        std::begin(kOverlapBounds);
+        std::begin(kOverlapBounds));
+}
+
+std::size_t class_of(const BiasCorrection& correction, double nearest, double residual) {
     const auto quality =
         std::upper_bound(correction.quality.begin(), correction.quality.end(), residual) -
         correction.quality.begin();
-    return static_cast<std::size_t>(overlap * kQualityClasses + quality);
+    return overlap_class(nearest) * kQualityClasses + static_cast<std::size_t>(quality);
 }
 
 void correct_bias(const BiasCorrection& correction, const Image& darkness, const Image& residual,
@@ -56,18 +59,18 @@ void correct_bias(const BiasCorrection& correction, const Image& darkness, const
                       darkness.height() - 1 - place.y}) < reach) {
             return;
         }
-        const BiasTerms::Terms t = terms.of(place);
-        float x = 0;
-        float y = 0;
-#pragma omp simd reduction(+ : x, y)
-        for (std::size_t k = 0; k < BiasTerms::kCount; ++k) {
-            x += weights[k] * t.x[k];
-            y += weights[k] * t.y[k];
+        const double nearest = terms.nearest(place);
+        const double noise = noise_of(found, i);
+        if (correction.is_general()) {
+            // Less than the camera's noise alone makes never remains.
+            found.error[i] *=
+                std::max(correction.shares[overlap_class(nearest)], found.noise / noise);
+        } else {
+            const std::size_t kind = class_of(correction, nearest, found.residual[i]);
+            const double error = correction.remaining[kind] * diameter / noise;
+            found.error[i] = {error, error};
         }
-        const std::size_t kind = class_of(correction, terms.nearest(place), found.residual[i]);
-        const double error = correction.remaining[kind] * diameter / noise_of(found, i);
-        found.error[i] = {error, error};
-        place += diameter * Vec2{static_cast<double>(x), static_cast<double>(y)};
+        place += diameter * terms.weighted(place, weights);
     };
     parallel_for((count + kTogether - 1) / kTogether, threads, [&](std::int64_t block) {
         const std::int64_t end = std::min(count, (block + 1) * kTogether);

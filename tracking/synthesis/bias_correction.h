@@ -8,16 +8,20 @@
 
 namespace grainfield::tracking {
 
-/// What a film's own synthesised frames say of the bias of its fitted discs (learn_bias).
+/// How the positions of fitted discs err on mirror-like spheres: learned from a film's own
+/// synthesised frames (learn_bias), or from those of many cameras (general_correction).
 struct BiasCorrection {
     double diameter = 0;            ///< true diameter that it was learned for [px]
-    double height = 0;              ///< height of the cell, likewise [a]
+    double height = 0;              ///< height of the cell, likewise [a]; general: 0
     double camera_distance = 0;     ///< likewise [a]; 0: telecentric
     std::vector<double> weights;    ///< of BiasTerms; their sum is what a position lacks [a]
     std::vector<double> quality;    ///< bounds of the classes by local residual [contrast]
     std::vector<double> remaining;  ///< RMS error per axis, by overlap, then by residual [a]
+    std::vector<double> shares;     ///< of a standard error that remain, by overlap; general only
     double before = 0, after = 0;   ///< RMS error per axis on held-out frames [a]
 
+    /// Of many cameras: it is not kept with a calibration.
+    bool is_general() const { return !shares.empty(); }
     bool operator==(const BiasCorrection&) const = default;
 };
 
@@ -26,12 +30,15 @@ inline constexpr double kOverlapBounds[] = {0.6, 0.8, 0.95};
 inline constexpr int kOverlapClasses = 4;
 inline constexpr int kQualityClasses = 4;
 
+/// Class of overlap of a sphere whose nearest neighbour is that far away [a].
+std::size_t overlap_class(double nearest);
 /// Class of a sphere whose nearest neighbour is that far away [a]; index of `remaining`.
 std::size_t class_of(const BiasCorrection& correction, double nearest, double residual);
 
-/// Corrects positions, and makes errors those of the scatter that remains. Spheres nearer than
+/// Corrects positions, and makes errors those of the scatter that remains, in a general correction
+/// the share of their own that does. Spheres nearer than
 /// BiasTerms::kReach to the border stay as they are. `darkness` and `residual` are those of the fit
-/// that gave `found`. Same bits for any number of threads. About 5 µs a sphere.
+/// that gave `found`. Same bits for any number of threads. About 2 µs a sphere.
 void correct_bias(const BiasCorrection& correction, const Image& darkness, const Image& residual,
                   double diameter, Located& found, int threads);
 

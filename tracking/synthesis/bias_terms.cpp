@@ -35,43 +35,26 @@ const Waves& waves() {
     return kept;
 }
 
-/// Bilinear; the place lies within the image.
-float value_at(const Image& image, double x, double y) {
-    const int u = std::clamp(static_cast<int>(x), 0, image.width() - 2);
-    const int v = std::clamp(static_cast<int>(y), 0, image.height() - 2);
-    const auto fx = static_cast<float>(x - u);
-    const auto fy = static_cast<float>(y - v);
-    const float* upper = image.row(v) + u;
-    const float* lower = image.row(v + 1) + u;
-    const float above = upper[0] + fx * (upper[1] - upper[0]);
-    const float below = lower[0] + fx * (lower[1] - lower[0]);
-    return above + fy * (below - above);
-}
+/// Where to read an image between pixels.
+struct Between {
+    int column, row;
+    float right, below;  ///< shares of the next column and row
 
-struct Moments {
-    std::array<std::array<float, BiasTerms::kSources>, BiasTerms::kOrders> real, imaginary;
+    /// A place within images of that size.
+    Between(const Image& image, float x, float y)
+        : column(std::clamp(static_cast<int>(x), 0, image.width() - 2)),
+          row(std::clamp(static_cast<int>(y), 0, image.height() - 2)),
+          right(x - static_cast<float>(column)),
+          below(y - static_cast<float>(row)) {}
+
+    float of(const Image& image) const {
+        const float* upper = image.row(row) + column;
+        const float* lower = image.row(row + 1) + column;
+        const float first = upper[0] + right * (upper[1] - upper[0]);
+        const float second = lower[0] + right * (lower[1] - lower[0]);
+        return first + below * (second - first);
+    }
 };
-
-void add_ring(const Image& image, Vec2 centre, double radius, std::size_t source,
-              Moments& moments) {
-    const Waves& wave = waves();
-    std::array<float, kAngles> value;
-    for (std::size_t k = 0; k < kAngles; ++k) {
-        const auto along = static_cast<double>(wave.cosine[1][k]) * kAngles;
-        const auto across = static_cast<double>(wave.sine[1][k]) * kAngles;
-        value[k] = value_at(image, centre.x + radius * along, centre.y + radius * across);
-    }
-    for (std::size_t m = 0; m < BiasTerms::kOrders; ++m) {
-        float real = 0;
-        float imaginary = 0;
-        for (std::size_t k = 0; k < kAngles; ++k) {
-            real += value[k] * wave.cosine[m][k];
-            imaginary += value[k] * wave.sine[m][k];
-        }
-        moments.real[m][source] = real;
-        moments.imaginary[m][source] = imaginary;
-    }
-}
 
 }  // namespace
 
@@ -81,14 +64,7 @@ BiasTerms::BiasTerms(const Image& darkness, const Image& residual, const std::ve
     if (!discs.empty()) grid_.emplace(discs, kFarthest * diameter);
 }
 
-BiasTerms::Terms BiasTerms::of(Vec2 place) const {
-    Terms terms;
-    std::size_t next = 0;
-    const auto add = [&](float x, float y) {
-        terms.x[next] = x;
-        terms.y[next] = y;
-        ++next;
-    };
+std::array<Vec2, BiasTerms::kDistances> BiasTerms::neighbours(Vec2 place) const {
     std::array<Vec2, kDistances> sum{};
     const auto add_neighbour = [&](std::uint32_t, Vec2 disc) {
         const Vec2 apart = (1 / diameter_) * (disc - place);
@@ -105,13 +81,55 @@ BiasTerms::Terms BiasTerms::of(Vec2 place) const {
         }
     };
     if (grid_) grid_->near(place, kFarthest * diameter_, add_neighbour);
-    for (const Vec2 s : sum) add(static_cast<float>(s.x), static_cast<float>(s.y));
+    return sum;
+}
 
+BiasTerms::Moments BiasTerms::moments(Vec2 place) const {
+    const Waves& wave = waves();
     Moments h;
     for (std::size_t ring = 0; ring < kRings; ++ring) {
-        add_ring(residual_, place, kRadius[ring] * diameter_, ring, h);
-        add_ring(darkness_, place, kRadius[ring] * diameter_, kRings + ring, h);
+        const auto radius = static_cast<float>(kRadius[ring] * diameter_);
+        const auto x = static_cast<float>(place.x);
+        const auto y = static_cast<float>(place.y);
+        std::array<float, kAngles> residual;
+        std::array<float, kAngles> darkness;
+        for (std::size_t k = 0; k < kAngles; ++k) {
+            const Between at(darkness_, x + radius * kAngles * wave.cosine[1][k],
+                             y + radius * kAngles * wave.sine[1][k]);
+            residual[k] = at.of(residual_);
+            darkness[k] = at.of(darkness_);
+        }
+        for (std::size_t m = 0; m < kOrders; ++m) {
+            float a = 0;
+            float b = 0;
+            float c = 0;
+            float d = 0;
+#pragma omp simd reduction(+ : a, b, c, d)
+            for (std::size_t k = 0; k < kAngles; ++k) {
+                a += residual[k] * wave.cosine[m][k];
+                b += residual[k] * wave.sine[m][k];
+                c += darkness[k] * wave.cosine[m][k];
+                d += darkness[k] * wave.sine[m][k];
+            }
+            h.real[m][ring] = a;
+            h.imaginary[m][ring] = b;
+            h.real[m][kRings + ring] = c;
+            h.imaginary[m][kRings + ring] = d;
+        }
     }
+    return h;
+}
+
+BiasTerms::Terms BiasTerms::of(Vec2 place) const {
+    Terms terms;
+    std::size_t next = 0;
+    const auto add = [&](float x, float y) {
+        terms.x[next] = x;
+        terms.y[next] = y;
+        ++next;
+    };
+    for (const Vec2 s : neighbours(place)) add(static_cast<float>(s.x), static_cast<float>(s.y));
+    const Moments h = moments(place);
     for (std::size_t s = 0; s < kSources; ++s) add(h.real[1][s], h.imaginary[1][s]);
     for (std::size_t m = 0; m + 1 < kOrders; ++m) {
         for (std::size_t p = 0; p < kSources; ++p) {
@@ -127,6 +145,40 @@ BiasTerms::Terms BiasTerms::of(Vec2 place) const {
         }
     }
     return terms;
+}
+
+Vec2 BiasTerms::weighted(Vec2 place, const std::vector<float>& weights) const {
+    const float* weight = weights.data();
+    Vec2 sum{0, 0};
+    for (const Vec2 s : neighbours(place)) sum += static_cast<double>(*weight++) * s;
+    const Moments h = moments(place);
+    float x = 0;
+    float y = 0;
+    for (std::size_t s = 0; s < kSources; ++s) {
+        x += *weight * h.real[1][s];
+        y += *weight++ * h.imaginary[1][s];
+    }
+    for (std::size_t m = 0; m + 1 < kOrders; ++m) {
+        // Σ_p w_pq h_{m+1,p}, for each q
+        std::array<float, kSources> real{};
+        std::array<float, kSources> imaginary{};
+        for (std::size_t p = 0; p < kSources; ++p) {
+            const float a = h.real[m + 1][p];
+            const float b = h.imaginary[m + 1][p];
+#pragma omp simd
+            for (std::size_t q = 0; q < kSources; ++q) {
+                real[q] += weight[q] * a;
+                imaginary[q] += weight[q] * b;
+            }
+            weight += kSources;
+        }
+#pragma omp simd reduction(+ : x, y)
+        for (std::size_t q = 0; q < kSources; ++q) {
+            x += real[q] * h.real[m][q] + imaginary[q] * h.imaginary[m][q];
+            y += imaginary[q] * h.real[m][q] - real[q] * h.imaginary[m][q];
+        }
+    }
+    return sum + Vec2{static_cast<double>(x), static_cast<double>(y)};
 }
 
 double BiasTerms::nearest(Vec2 place) const {

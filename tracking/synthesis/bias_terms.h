@@ -42,10 +42,20 @@ class BiasTerms {
     };
     /// Of a sphere at `place` [px], at least kReach from the border.
     Terms of(Vec2 place) const;
+    /// Σ weight × term, without making the terms. `weights`: kCount of them. Differs from the sum
+    /// over of() by rounding.
+    Vec2 weighted(Vec2 place, const std::vector<float>& weights) const;
     /// Distance of the nearest disc but for the one at `place` [a].
     double nearest(Vec2 place) const;
 
  private:
+    /// Real and imaginary part of h_m, by order and source.
+    struct Moments {
+        std::array<std::array<float, kSources>, kOrders> real, imaginary;
+    };
+    std::array<Vec2, kDistances> neighbours(Vec2 place) const;
+    Moments moments(Vec2 place) const;
+
     const Image& darkness_;
     const Image& residual_;
     double diameter_;

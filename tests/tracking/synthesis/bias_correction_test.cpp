@@ -54,6 +54,19 @@ TEST(BiasCorrection, GivesTheErrorsThatRemainInTheClass) {
     EXPECT_NEAR(errors[3].x, 0.016 * kDiameter, 1e-12);
 }
 
+TEST(BiasCorrection, OfManyCamerasLeavesAShareOfEachErrorAndNeverLessThanTheNoise) {
+    Located found = located();
+    const std::vector<Vec2> before = standard_errors(found);
+    BiasCorrection general = correction(0);
+    general.shares = {0.8, 0.5, 0.6, 1e-9};
+    correct_bias(general, noise(1), noise(2), kDiameter, found, 1);
+    const std::vector<Vec2> after = standard_errors(found);
+    EXPECT_NEAR(after[1].x, 0.5 * before[1].x, 1e-12);  // .7 a from its neighbour
+    EXPECT_NEAR(after[1].y, 0.5 * before[1].y, 1e-12);
+    EXPECT_NEAR(after[3].x, 0.3 * found.noise, 1e-12);  // alone: what the camera's noise makes
+    EXPECT_EQ(after[2], before[2]);                     // at the border
+}
+
 TEST(BiasCorrection, LeavesSpheresAtTheBorderAsTheyAre) {
     Located found = located();
     correct_bias(correction(1), noise(1), noise(2), kDiameter, found, 1);

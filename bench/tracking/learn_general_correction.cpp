@@ -1,0 +1,311 @@
+// Learns how discs err on mirror-like spheres from frames of many cameras (GeneralCorrection).
+//
+//   grainfield validate --optics random --scenes 20 --seed 101 --keep FRAMES -o page.html
+//   bench.tracking.learn_general_correction general_correction.txt FRAMES…
+//
+// FRAMES: folders that `validate --keep` wrote: frame.png, true.csv and optics.toml of each scene.
+// Each frame is calibrated and searched as `track` does it. Every fourth camera is left out in
+// turn: the table that is printed, the share of the errors that remains and the ridge are of
+// cameras left out. The weights are of all.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <Eigen/Dense>
+#include <fmt/format.h>
+
+#include "core/frame_source.h"
+#include "core/run_plan.h"
+#include "io/frame_files.h"
+#include "tests/support/csv_rows.h"
+#include "tracking/locate.h"
+#include "tracking/point_grid.h"
+#include "tracking/synthesis/bias_terms.h"
+#include "tracking/synthesis/general_correction.h"
+#include "tracking/tracker.h"
+
+namespace {
+
+using namespace grainfield;
+using namespace grainfield::tracking;
+namespace fs = std::filesystem;
+
+constexpr double kSame = 0.2;  // [a] a disc and its sphere
+constexpr int kFolds = 4;
+constexpr std::array<double, 3> kRidges = {1e-4, 1e-3, 1e-2};
+constexpr Eigen::Index kTerms = BiasTerms::kCount;
+constexpr Eigen::Index kAll = kTerms * static_cast<Eigen::Index>(GeneralCorrection::kFilmTerms);
+
+/// One camera: rows are spheres along x, then along y.
+struct Lesson {
+    std::string name;
+    double width = 0, diameter = 0;  ///< of the discs [a]
+    Eigen::MatrixXf terms;
+    Eigen::VectorXd lacks, error;  ///< truth − found, and its standard error [a]
+    std::vector<std::size_t> overlap;
+};
+
+double scale_in(const fs::path& file) {
+    std::ifstream text(file);
+    for (std::string line; std::getline(text, line);) {
+        if (line.starts_with("scale = ")) return std::stod(line.substr(8));
+    }
+    throw std::invalid_argument("no scale in " + file.string());
+}
+
+/// Empty: the frame cannot be calibrated.
+std::optional<Lesson> lesson_of(const fs::path& scene) {
+    const double a = scale_in(scene / "optics.toml");
+    std::vector<Vec2> truth;
+    for (auto& row : grainfield::testing::csv_rows(scene / "true.csv")) {
+        truth.push_back({std::stod(row["x"]), std::stod(row["y"])});
+    }
+    auto source = io::open_frames({scene / "frame.png"}, {});
+    TrackOptions options;
+    options.sphere_diameter = a;
+    options.correct_bias = false;
+    RunPlan plan;
+    const Tracker tracker(*source, options, plan);
+    if (!tracker.is_calibrated()) return std::nullopt;
+    const ImageModel& model = tracker.model();
+    const Image counts = source->read(0).image;
+    const Image darkness = model.darkness(counts);
+    Locator locator(counts.width(), counts.height(), model, 2);
+    locator.expect_misfit(model.residual_rms);
+    const Located found = locator.locate(darkness, detection_of(options), options.refinement);
+    const Image residual = locator.residual();
+    const std::vector<Vec2> errors = standard_errors(found);
+    const BiasTerms terms(darkness, residual, found.fitted, a);
+    const PointGrid grid(truth, kSame * a);
+    std::vector<BiasTerms::Terms> rows;
+    std::vector<Vec2> lacks;
+    std::vector<Vec2> expected;
+    Lesson lesson{.name = scene.string(),
+                  .width = model.disc.edge_width / a,
+                  .diameter = model.disc.diameter / a,
+                  .terms = {},
+                  .lacks = {},
+                  .error = {},
+                  .overlap = {}};
+    for (std::size_t i = 0; i < found.position.size(); ++i) {
+        const Vec2 p = found.position[i];
+        const double inside =
+            std::min({p.x, p.y, counts.width() - 1 - p.x, counts.height() - 1 - p.y});
+        if (inside < BiasTerms::kReach * a) continue;
+        double least = kSame * kSame * a * a;
+        std::optional<Vec2> lack;
+        grid.near(p, kSame * a, [&](std::uint32_t, Vec2 q) {
+            if (squared_norm(q - p) >= least) return;
+            least = squared_norm(q - p);
+            lack = (1 / a) * (q - p);
+        });
+        if (!lack) continue;
+        rows.push_back(terms.of(p));
+        lacks.push_back(*lack);
+        expected.push_back((1 / a) * errors[i]);
+        lesson.overlap.push_back(overlap_class(terms.nearest(p)));
+    }
+    const auto n = static_cast<Eigen::Index>(rows.size());
+    lesson.terms.resize(2 * n, kTerms);
+    lesson.lacks.resize(2 * n);
+    lesson.error.resize(2 * n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        lesson.terms.row(i) = Eigen::Map<const Eigen::RowVectorXf>(rows[k].x.data(), kTerms);
+        lesson.terms.row(n + i) = Eigen::Map<const Eigen::RowVectorXf>(rows[k].y.data(), kTerms);
+        lesson.lacks(i) = lacks[k].x;
+        lesson.lacks(n + i) = lacks[k].y;
+        lesson.error(i) = expected[k].x;
+        lesson.error(n + i) = expected[k].y;
+    }
+    return lesson;
+}
+
+/// Sums over cameras. Within one camera what a weight depends on is one number, so that the sums
+/// over its terms are made once.
+struct Sums {
+    Eigen::MatrixXd squares = Eigen::MatrixXd::Zero(kAll, kAll);
+    Eigen::VectorXd product = Eigen::VectorXd::Zero(kAll);
+    double rows = 0;
+
+    void add(const Lesson& lesson) {
+        const auto film = GeneralCorrection::film_terms(lesson.width, lesson.diameter);
+        const Eigen::MatrixXd exact = lesson.terms.cast<double>();
+        Eigen::MatrixXd own = Eigen::MatrixXd::Zero(kTerms, kTerms);
+        own.selfadjointView<Eigen::Lower>().rankUpdate(exact.transpose());
+        own.triangularView<Eigen::StrictlyUpper>() = own.transpose();
+        const Eigen::VectorXd with_lacks = exact.transpose() * lesson.lacks;
+        for (std::size_t p = 0; p < film.size(); ++p) {
+            const auto row = static_cast<Eigen::Index>(p) * kTerms;
+            product.segment(row, kTerms) += film[p] * with_lacks;
+            for (std::size_t q = 0; q < film.size(); ++q) {
+                squares.block(row, static_cast<Eigen::Index>(q) * kTerms, kTerms, kTerms) +=
+                    film[p] * film[q] * own;
+            }
+        }
+        rows += static_cast<double>(lesson.lacks.size());
+    }
+};
+
+Eigen::VectorXd weights_of(const Sums& sums, double ridge) {
+    // In units of their own RMS all terms are shrunk alike.
+    const Eigen::VectorXd scale =
+        (sums.squares.diagonal().array() / sums.rows + 1e-24).sqrt().inverse().matrix();
+    Eigen::MatrixXd matrix = scale.asDiagonal() * sums.squares * scale.asDiagonal();
+    matrix.diagonal().array() += ridge * sums.rows;
+    const Eigen::VectorXd solved = matrix.llt().solve(scale.asDiagonal() * sums.product);
+    return scale.asDiagonal() * solved;
+}
+
+Eigen::VectorXd left_by(const Eigen::VectorXd& weights, const Lesson& lesson) {
+    const auto film = GeneralCorrection::film_terms(lesson.width, lesson.diameter);
+    Eigen::VectorXd here = Eigen::VectorXd::Zero(kTerms);
+    for (std::size_t p = 0; p < film.size(); ++p) {
+        here += film[p] * weights.segment(static_cast<Eigen::Index>(p) * kTerms, kTerms);
+    }
+    return lesson.lacks - lesson.terms.cast<double>() * here;
+}
+
+double rms(const Eigen::VectorXd& values) {
+    return std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
+}
+
+double quantile(std::vector<double> values, double share) {
+    if (values.empty()) return 0;
+    const auto place = values.begin() +
+                       static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), place, values.end());
+    return *place;
+}
+
+/// Factors with which 95.4 % of the errors lie within two standard errors.
+std::vector<double> shares_of(const std::vector<Lesson>& lessons,
+                              const std::vector<Eigen::VectorXd>& left) {
+    std::vector<std::vector<double>> pulls(kOverlapClasses);
+    for (std::size_t k = 0; k < lessons.size(); ++k) {
+        const Lesson& lesson = lessons[k];
+        const std::size_t n = lesson.overlap.size();
+        for (std::size_t i = 0; i < 2 * n; ++i) {
+            const auto row = static_cast<Eigen::Index>(i);
+            pulls[lesson.overlap[i % n]].push_back(std::abs(left[k](row) / lesson.error(row)));
+        }
+    }
+    std::vector<double> shares;
+    for (const auto& p : pulls) shares.push_back(std::min(1.0, 0.5 * quantile(p, 0.954)));
+    return shares;
+}
+
+std::vector<Lesson> lessons_in(const std::vector<std::string>& folders) {
+    std::vector<Lesson> lessons;
+    for (const std::string& folder : folders) {
+        std::vector<fs::path> scenes;
+        for (const auto& entry : fs::directory_iterator(folder)) scenes.push_back(entry.path());
+        std::sort(scenes.begin(), scenes.end());
+        for (const fs::path& scene : scenes) {
+            std::optional<Lesson> lesson = lesson_of(scene);
+            if (!lesson) {
+                fmt::print(stderr, "{} cannot be calibrated\n", scene.string());
+                continue;
+            }
+            fmt::print(stderr, "\r{} cameras", lessons.size() + 1);
+            lessons.push_back(std::move(*lesson));
+        }
+    }
+    fmt::print(stderr, "\n");
+    return lessons;
+}
+
+void learn(const std::string& output, const std::vector<std::string>& folders) {
+    const std::vector<Lesson> lessons = lessons_in(folders);
+    if (lessons.size() < 2 * kFolds) throw std::invalid_argument("too few cameras");
+    std::vector<Sums> sums(kFolds);
+    for (std::size_t k = 0; k < lessons.size(); ++k) sums[k % kFolds].add(lessons[k]);
+    Sums all;
+    for (const Sums& fold : sums) {
+        all.squares += fold.squares;
+        all.product += fold.product;
+        all.rows += fold.rows;
+    }
+    double least = 0;
+    double chosen = 0;
+    std::vector<Eigen::VectorXd> best;
+    for (const double ridge : kRidges) {
+        std::vector<Eigen::VectorXd> left(lessons.size());
+        double sum = 0;
+        for (std::size_t fold = 0; fold < kFolds; ++fold) {
+            const Sums others{all.squares - sums[fold].squares, all.product - sums[fold].product,
+                              all.rows - sums[fold].rows};
+            const Eigen::VectorXd weights = weights_of(others, ridge);
+            for (std::size_t k = fold; k < lessons.size(); k += kFolds) {
+                left[k] = left_by(weights, lessons[k]);
+                sum += std::log(rms(left[k]));  // every camera counts alike
+            }
+        }
+        fmt::print(stderr, "ridge {:g}: {:.5f} a, geometric mean\n", ridge,
+                   std::exp(sum / static_cast<double>(lessons.size())));
+        if (!best.empty() && sum >= least) continue;
+        least = sum;
+        chosen = ridge;
+        best = std::move(left);
+    }
+    GeneralCorrection general;
+    general.shares = shares_of(lessons, best);
+    std::vector<double> before;
+    std::vector<double> after;
+    std::vector<double> widths;
+    std::vector<double> diameters;
+    fmt::print("camera | spheres | w [a] | D [a] | rms of discs [a] | corrected | within 2σ\n");
+    for (std::size_t k = 0; k < lessons.size(); ++k) {
+        const Lesson& lesson = lessons[k];
+        const std::size_t n = lesson.overlap.size();
+        int within = 0;
+        for (std::size_t i = 0; i < 2 * n; ++i) {
+            const auto row = static_cast<Eigen::Index>(i);
+            within += std::abs(best[k](row)) <
+                      2 * general.shares[lesson.overlap[i % n]] * lesson.error(row);
+        }
+        before.push_back(rms(lesson.lacks));
+        after.push_back(rms(best[k]));
+        widths.push_back(lesson.width);
+        diameters.push_back(lesson.diameter);
+        general.spheres += static_cast<int>(n);
+        fmt::print("{} | {} | {:.3f} | {:.3f} | {:.4f} | {:.4f} | {:.3f}\n", lesson.name, n,
+                   lesson.width, lesson.diameter, before.back(), after.back(),
+                   within / (2.0 * static_cast<double>(n)));
+    }
+    general.cameras = static_cast<int>(lessons.size());
+    general.before = quantile(before, 0.5);
+    general.after = quantile(after, 0.5);
+    general.least_width = *std::min_element(widths.begin(), widths.end());
+    general.most_width = *std::max_element(widths.begin(), widths.end());
+    general.least_diameter = *std::min_element(diameters.begin(), diameters.end());
+    general.most_diameter = *std::max_element(diameters.begin(), diameters.end());
+    const Eigen::VectorXd weights = weights_of(all, chosen);
+    for (Eigen::Index k = 0; k < kTerms; ++k) {
+        general.weights.push_back({weights(k), weights(kTerms + k), weights(2 * kTerms + k)});
+    }
+    std::ofstream(output) << write_general_correction(general);
+    fmt::print("{} cameras: median {:.4f} to {:.4f} a; ridge {:g}\n", lessons.size(),
+               general.before, general.after, chosen);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        if (argc < 3) throw std::invalid_argument("give an output file and folders of scenes");
+        learn(argv[1], {argv + 2, argv + argc});
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "{}\n", error.what());
+        return EXIT_FAILURE;
+    }
+    return EXIT_SUCCESS;
+}

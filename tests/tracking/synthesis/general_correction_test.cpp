@@ -1,0 +1,106 @@
+#include "tracking/synthesis/general_correction.h"
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/tracking/synthesis/rendered_layer.h"
+#include "tracking/locate.h"
+#include "tracking/synthesis/bias_terms.h"
+
+namespace grainfield::tracking {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(GeneralCorrection, OfTheProgramIsOfManyCamerasAndHalvesTheirErrors) {
+    const GeneralCorrection& general = general_correction();
+    EXPECT_EQ(general.weights.size(), static_cast<std::size_t>(BiasTerms::kCount));
+    EXPECT_GE(general.cameras, 100);
+    EXPECT_LT(general.after, 0.6 * general.before);
+    for (const double share : general.shares) {
+        EXPECT_GT(share, 0.3);
+        EXPECT_LE(share, 1);
+    }
+}
+
+TEST(GeneralCorrection, IsReadAsItIsWritten) {
+    const std::string text = write_general_correction(general_correction());
+    const GeneralCorrection again = read_general_correction(text);
+    EXPECT_EQ(write_general_correction(again), text);
+    EXPECT_EQ(again.weights, general_correction().weights);
+    EXPECT_EQ(again.shares, general_correction().shares);
+}
+
+TEST(GeneralCorrection, RefusesATextThatIsCutOffOrHoldsNoNumbers) {
+    std::string text = write_general_correction(general_correction());
+    EXPECT_THROW(read_general_correction(text.substr(0, text.size() / 2)), std::invalid_argument);
+    EXPECT_THROW(read_general_correction("learned-from a few\n"), std::invalid_argument);
+}
+
+TEST(GeneralCorrection, WeightsAreThoseOfTheDiscsThatTheyAreFor) {
+    const GeneralCorrection& general = general_correction();
+    const double a = 12;
+    const BiasCorrection sharp = general.of({0.9 * a, 0.09 * a}, a);
+    const auto film = GeneralCorrection::film_terms(0.09, 0.9);
+    for (const std::size_t k : {0U, 11U, 30U, 809U}) {
+        const auto& w = general.weights[k];
+        EXPECT_NEAR(sharp.weights[k], w[0] * film[0] + w[1] * film[1] + w[2] * film[2], 1e-12);
+    }
+    EXPECT_TRUE(sharp.is_general());
+}
+
+TEST(GeneralCorrection, DoesNotHoldForDiscsUnlikeThoseLearnedFrom) {
+    const GeneralCorrection& general = general_correction();
+    EXPECT_EQ(general.refused({0.88 * 16, 0.11 * 16}, 16), "");
+    EXPECT_THAT(general.refused({0.88 * 16, 0.3 * 16}, 16), HasSubstr("edges are 0.300 a wide"));
+    EXPECT_THAT(general.refused({0.6 * 16, 0.11 * 16}, 16), HasSubstr("discs are 0.600 a wide"));
+}
+
+// The spheres are fitted with a model that was not calibrated on them, and by a ray tracer whose
+// frames it was not learned from.
+TEST(GeneralCorrection, BringsTheMirrorsOfAnotherRayTracerNearerToTheirPlaces) {
+    constexpr double kScale = 12;
+    const auto layer = testing::rendered_layer(24, kScale, 0.01, 11);
+    ImageModel model;
+    model.disc = {0.89 * kScale, 0.12 * kScale};
+    model.background = BackgroundSurface(1.0);
+    model.dark_level = 0;
+    model.noise = 0.01;
+    model.residual_rms = 0.05;
+    Locator locator(layer.brightness.width(), layer.brightness.height(), model, 2);
+    locator.expect_misfit(model.residual_rms);
+    const Image darkness = model.darkness(layer.brightness);
+    Located found = locator.locate(darkness, {}, {});
+    const auto error = [&] {
+        double squares = 0;
+        int values = 0;
+        for (const Vec2 p : found.position) {
+            double least = 0.04;
+            for (const Point3& q : layer.spheres) {
+                if (!layer.is_inner(q, 2)) continue;
+                least = std::min(
+                    least, squared_norm((1 / kScale) * p -
+                                        Vec2{static_cast<double>(q.x), static_cast<double>(q.y)}));
+            }
+            if (least >= 0.04) continue;
+            squares += least;
+            values += 2;
+        }
+        EXPECT_GT(values, 400);
+        return std::sqrt(squares / values);
+    };
+    const double before = error();
+    const BiasCorrection correction = general_correction().of(model.disc, kScale);
+    const CorrectionSize size =
+        correction_size(correction, layer.brightness, model, {}, {}, kScale, 2);
+    EXPECT_FALSE(size.is_too_large());
+    correct_bias(correction, darkness, locator.residual(), kScale, found, 2);
+    EXPECT_LT(error(), 0.75 * before);
+}
+
+}  // namespace
+}  // namespace grainfield::tracking
