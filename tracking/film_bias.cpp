@@ -32,7 +32,6 @@ constexpr int kLeastSpheres = 30;
 
 /// Why the general correction is not looked at; empty: it is.
 std::string not_for_this_film(const TrackOptions& options, const ImageModel& model) {
-    if (options.synthesis) return "synthesis has no such bias";
     if (!options.sphere_diameter) return "the true diameter is not known (track.sphere-diameter)";
     if (model.polarity != Polarity::dark) return "bright spheres mirror no panel";
     if (options.camera) return "it holds for frames as a straight lens sees them";
@@ -130,11 +129,13 @@ std::optional<BiasCorrection> general_bias(FrameSource& source, const TrackOptio
                   saved);
         return std::nullopt;
     }
-    plan.run("bias",
-             fmt::format("positions corrected for mirror images of neighbours by {:.4f} a RMS, as "
-                         "learned from {} other cameras; of cameras left out, errors fell from "
-                         "{:.4f} to {:.4f} a",
-                         size.moved, general.cameras, general.before, general.after));
+    plan.run(
+        "bias",
+        fmt::format("{} corrected for mirror images of neighbours by {:.4f} a RMS, as learned "
+                    "from {} other cameras; of cameras left out, errors fell from {:.4f} to "
+                    "{:.4f} a",
+                    options.synthesis ? "positions that synthesis begins with are" : "positions",
+                    size.moved, general.cameras, general.before, general.after));
     return correction;
 }
 
@@ -152,6 +153,8 @@ std::optional<BiasCorrection> bias_of_film(FrameSource& source, const TrackOptio
         const BiasCorrection& kept = *options.kept->bias;
         const std::string no_use = no_use_of_kept(options);
         if (!no_use.empty()) {
+            if (options.synthesis)
+                return general_bias(source, options, model, first, threads, plan);
             plan.skip("bias", no_use, "corrected positions");
             return std::nullopt;
         }

@@ -100,7 +100,8 @@ class Tracker {
     /// was tried last where none could be calibrated on. Empty: nothing disc-shaped was seen.
     const std::vector<SizeCandidate>& weighed() const { return film_.weighed; }
     std::int64_t weighed_at() const { return film_.weighed_at; }
-    /// What positions are corrected with; empty: they are those of the discs.
+    /// What positions are corrected with, or with synthesis those that it begins with; empty: they
+    /// are those of the discs.
     const std::optional<BiasCorrection>& bias() const { return bias_; }
     /// What a film with synthesis leaves to others, once its first frame has been; else what the
     /// calibration that is used holds. Empty where the factors of its errors were not learned.
@@ -162,6 +163,7 @@ class Tracker {
         bool is_repeated = false;   ///< of the frame before: `found` is that one's
         bool is_warm = false;
         Located found;
+        std::vector<Vec2> discs;  ///< that synthesis begins with; empty without it [px]
         std::optional<SynthesisedFrame> synthesised = {};
         Illumination light;
         FrameTimes ms;
@@ -181,7 +183,7 @@ class Tracker {
     Snapshot snapshot_of(const Job& job, Run& run);
     void report(const Job& job, Snapshot& snapshot, TrackSummary& summary);
     void link(const Job& job, Run& run, Snapshot& snapshot);
-    void correct_bias(const Job& job, Lane& lane, Located& found) const;
+    void correct_bias(Job& job, Lane& lane) const;
 
     FrameSource& source_;
     TrackOptions options_;

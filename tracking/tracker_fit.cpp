@@ -56,9 +56,9 @@ void Tracker::synthesise(std::vector<Job>& jobs) {
     for (Job& job : jobs) {
         if (!job.is_usable()) continue;
         const auto begin = RunClock::now();
-        job.synthesised = job.is_repeated ? *earlier
-                                          : synthesis_->next(job.frame.image, job.found.fitted,
-                                                             earlier, threads_);
+        job.synthesised = job.is_repeated
+                              ? *earlier
+                              : synthesis_->next(job.frame.image, job.discs, earlier, threads_);
         job.ms.synthesis += milliseconds_since(begin);
         earlier = &*job.synthesised;
         if (!first_optics_ && earlier->residual_rms > 0) {
@@ -117,21 +117,28 @@ void Tracker::fit(Job& job, Lane& lane) const {
         detection.cores = CoreSearch::never;
     }
     job.light = light;
+    if (synthesis_) job.discs = job.found.fitted;
     if (!bias_) return;
     begin = RunClock::now();
-    correct_bias(job, lane, job.found);
+    correct_bias(job, lane);
     job.ms.refine += milliseconds_since(begin);
 }
 
-void Tracker::correct_bias(const Job& job, Lane& lane, Located& found) const {
+void Tracker::correct_bias(Job& job, Lane& lane) const {
     const Image& counts = job.frame.image;
     Image darkness(counts.width(), counts.height());
     for (int y = 0; y < counts.height(); ++y) {
         model().darkness_row(counts, job.light, y, darkness.row(y));
     }
     const int own = std::max(1, threads_ / static_cast<int>(lanes_.size()));
-    tracking::correct_bias(*bias_, darkness, lane.locator.residual(), *options_.sphere_diameter,
-                           found, own);
+    const Image residual = lane.locator.residual();
+    if (synthesis_) {
+        job.discs =
+            corrected_discs(*bias_, darkness, residual, *options_.sphere_diameter, job.found, own);
+    } else {
+        tracking::correct_bias(*bias_, darkness, residual, *options_.sphere_diameter, job.found,
+                               own);
+    }
 }
 
 }  // namespace grainfield::tracking

@@ -40,7 +40,7 @@ namespace fs = std::filesystem;
 
 constexpr double kSame = 0.2;  // [a] a disc and its sphere
 constexpr int kFolds = 4;
-constexpr std::array<double, 3> kRidges = {1e-4, 1e-3, 1e-2};
+constexpr std::array<double, 4> kRidges = {1e-6, 1e-5, 1e-4, 1e-3};
 constexpr Eigen::Index kTerms = BiasTerms::kCount;
 constexpr Eigen::Index kAll = kTerms * static_cast<Eigen::Index>(GeneralCorrection::kFilmTerms);
 

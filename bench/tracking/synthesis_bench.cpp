@@ -170,7 +170,7 @@ void run(Settings s) {
         auto frames = io::open_frames({s.frame}, {});
         s.options.synthesis = name == "synthesis";
         s.options.correct_bias = name == "learned";
-        if (name == "general") s.options.correct_bias.reset();
+        if (name == "general" || name == "synthesis") s.options.correct_bias.reset();
         Keep sink;
         const auto begin = std::chrono::steady_clock::now();
         const std::clock_t cpu_begin = std::clock();

@@ -100,7 +100,8 @@ Remainder remainder(const PaddedImage& darkness, const PaddedImage& transmission
         for (int x = 0; x < darkness.width(); ++x) {
             if (t[x] <= 0) continue;  // not visible
             const float deviation = std::abs(d[x] - 1.0F + t[x]);
-            if (x > 0 && x + 1 < darkness.width() && t[x - 1] > 0 && t[x + 1] > 0) {
+            const bool is_third = x % 3 == 1 && x + 1 < darkness.width();  // they share no pixels
+            if (is_third && t[x - 1] > 0 && t[x + 1] > 0) {
                 const float bend = d[x - 1] + t[x - 1] + d[x + 1] + t[x + 1] - 2 * (d[x] + t[x]);
                 bends.push_back(std::abs(bend));
             }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <iterator>
 
 #include "core/support/parallel.h"
@@ -22,6 +23,40 @@ double noise_of(const Located& found, std::size_t sphere, double harmless = 0) {
     const double misfit =
         std::max(0.0, found.residual[sphere] * found.residual[sphere] - noise - harmless);
     return std::sqrt(noise + found.correlation * misfit);
+}
+
+/// What positions in one frame lack.
+class Corrector {
+ public:
+    Corrector(const BiasCorrection& correction, const Image& darkness, const Image& residual,
+              double diameter, const std::vector<Vec2>& discs)
+        : terms_(darkness, residual, discs, diameter),
+          weights_(correction.weights.begin(), correction.weights.end()),
+          diameter_(diameter),
+          width_(darkness.width()),
+          height_(darkness.height()) {}
+
+    const BiasTerms& terms() const { return terms_; }
+    bool reaches(Vec2 place) const {
+        const double inside =
+            std::min({place.x, place.y, width_ - 1 - place.x, height_ - 1 - place.y});
+        return inside >= BiasTerms::kReach * diameter_;
+    }
+    Vec2 lacking(Vec2 place) const { return diameter_ * terms_.weighted(place, weights_); }
+
+ private:
+    BiasTerms terms_;
+    std::vector<float> weights_;
+    double diameter_;
+    int width_, height_;
+};
+
+void for_all(std::size_t count, int threads, const std::function<void(std::size_t)>& each) {
+    const auto n = static_cast<std::int64_t>(count);
+    parallel_for((n + kTogether - 1) / kTogether, threads, [&](std::int64_t block) {
+        const std::int64_t end = std::min(n, (block + 1) * kTogether);
+        for (std::int64_t i = block * kTogether; i < end; ++i) each(static_cast<std::size_t>(i));
+    });
 }
 
 }  // namespace
@@ -49,17 +84,11 @@ std::size_t class_of(const BiasCorrection& correction, double nearest, double re
 
 void correct_bias(const BiasCorrection& correction, const Image& darkness, const Image& residual,
                   double diameter, Located& found, int threads) {
-    const BiasTerms terms(darkness, residual, found.fitted, diameter);
-    std::vector<float> weights(correction.weights.begin(), correction.weights.end());
-    const double reach = BiasTerms::kReach * diameter;
-    const auto count = static_cast<std::int64_t>(found.position.size());
-    const auto correct = [&](std::size_t i) {
-        Vec2& place = found.position[i];
-        if (std::min({place.x, place.y, darkness.width() - 1 - place.x,
-                      darkness.height() - 1 - place.y}) < reach) {
-            return;
-        }
-        const double nearest = terms.nearest(place);
+    const Corrector corrector(correction, darkness, residual, diameter, found.fitted);
+    for_all(found.position.size(), threads, [&](std::size_t i) {
+        const Vec2 place = found.position[i];
+        if (!corrector.reaches(place)) return;
+        const double nearest = corrector.terms().nearest(place);
         const double noise = noise_of(found, i);
         if (correction.is_general()) {
             // Less than the camera's noise alone makes never remains.
@@ -70,12 +99,19 @@ void correct_bias(const BiasCorrection& correction, const Image& darkness, const
             const double error = correction.remaining[kind] * diameter / noise;
             found.error[i] = {error, error};
         }
-        place += diameter * terms.weighted(place, weights);
-    };
-    parallel_for((count + kTogether - 1) / kTogether, threads, [&](std::int64_t block) {
-        const std::int64_t end = std::min(count, (block + 1) * kTogether);
-        for (std::int64_t i = block * kTogether; i < end; ++i) correct(static_cast<std::size_t>(i));
+        found.position[i] = place + corrector.lacking(place);
     });
+}
+
+std::vector<Vec2> corrected_discs(const BiasCorrection& correction, const Image& darkness,
+                                  const Image& residual, double diameter, const Located& found,
+                                  int threads) {
+    const Corrector corrector(correction, darkness, residual, diameter, found.fitted);
+    std::vector<Vec2> discs = found.fitted;
+    for_all(discs.size(), threads, [&](std::size_t i) {
+        if (corrector.reaches(discs[i])) discs[i] += corrector.lacking(discs[i]);
+    });
+    return discs;
 }
 
 }  // namespace grainfield::tracking

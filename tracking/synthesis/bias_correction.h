@@ -42,6 +42,11 @@ std::size_t class_of(const BiasCorrection& correction, double nearest, double re
 void correct_bias(const BiasCorrection& correction, const Image& darkness, const Image& residual,
                   double diameter, Located& found, int threads);
 
+/// Every disc of the model, those farther than BiasTerms::kReach from the border corrected [px].
+std::vector<Vec2> corrected_discs(const BiasCorrection& correction, const Image& darkness,
+                                  const Image& residual, double diameter, const Located& found,
+                                  int threads);
+
 /// Standard errors of what was found, misfit included [px]. `harmless`: what of the squared misfit
 /// about each sphere displaces none [contrast²]; empty: nothing.
 std::vector<Vec2> standard_errors(const Located& found, const std::vector<double>& harmless = {});
