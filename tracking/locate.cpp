@@ -393,7 +393,8 @@ Located Locator::locate(const JointFit::WriteRow& darkness, const DetectionOptio
                         const RefinementOptions& refinement, const std::vector<Vec2>& start,
                         double step) {
     fit_.restart(darkness);
-    Frame frame{detection, refinement, SphereSearch(fit_, correlation_, detection)};
+    Frame frame{detection, refinement,
+                SphereSearch(fit_, correlation_, detection, correction_ ? &*correction_ : nullptr)};
     start_discs(frame, start, step);
     // A fit of the same frame, as that of the calibration, is made again as a cold one is.
     frame.follows = frame.found.warm && step > 0;

@@ -15,6 +15,7 @@
 #include "tracking/model/visible_pixels.h"
 #include "tracking/refine/joint_fit.h"
 #include "tracking/refine/joint_solver.h"
+#include "tracking/synthesis/bias_correction.h"
 
 namespace grainfield::tracking {
 
@@ -82,6 +83,9 @@ class Locator {
     /// RMS of image − model that the calibration left, less than which steps need not bring
     /// [contrast]. 0, as it begins: only the noise of each frame limits positions.
     void expect_misfit(double rms) { expected_misfit_ = rms; }
+    /// Of the discs, by which the search judges whether doubtful ones have room. Positions stay
+    /// those of the fit.
+    void set_correction(const BiasCorrection& correction) { correction_ = correction; }
     /// Results do not depend on it.
     void set_threads(int threads);
     const DiscProfile& disc() const { return model_.disc; }
@@ -117,6 +121,7 @@ class Locator {
     DiscModel model_;
     int threads_;
     double expected_misfit_ = 0;
+    std::optional<BiasCorrection> correction_;
     DiscCorrelation correlation_;
     JointFit fit_;
     JointSolver solver_;

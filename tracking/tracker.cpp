@@ -83,6 +83,9 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
     }
     plan_heights(options_, plan);
     bias_ = bias_of_film(source, options_, model(), film_.weighed_at, threads_, plan);
+    if (bias_) {
+        for (Lane& lane : lanes_) lane.locator.set_correction(*bias_);
+    }
 }
 
 TrajectoryInfo Tracker::info() const {

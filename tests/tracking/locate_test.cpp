@@ -372,6 +372,31 @@ TEST(Locate, AtLowNoiseErrorsStayAtTheBoundAndNobodyIsRejected) {
     }
 }
 
+// Wide edges of a dense layer leave neither clear pixels nor full cores.
+TEST(Locate, TheNoiseIsThatOfTheCameraWhereNoPixelIsFlat) {
+    const DiscProfile disc{8, 1.6};
+    const auto scene = testing::hard_disc_liquid(200, 200, disc.diameter, 0.7, 5);
+    const Image image = exact_darkness(scene, disc, 0.03);
+    const Located found = Locator(200, 200, disc, 2).locate(image, {}, {}, scene.position);
+    EXPECT_NEAR(found.noise, 0.03, 0.004);
+}
+
+TEST(Locate, TheNoiseIsThatOfTheCameraWhereCoresAreNotAsDarkAsTheModelHasThem) {
+    const DiscProfile disc{16, 1.2};
+    const auto scene = testing::hard_disc_liquid(320, 320, disc.diameter, 0.7, 5);
+    Image image = exact_darkness(scene, disc, 0.02);
+    for (const Vec2 p : scene.position) {
+        for (int y = static_cast<int>(p.y) - 3; y <= static_cast<int>(p.y) + 3; ++y) {
+            for (int x = static_cast<int>(p.x) - 3; x <= static_cast<int>(p.x) + 3; ++x) {
+                if (x < 0 || y < 0 || x >= 320 || y >= 320) continue;
+                image(x, y) -= 0.1F;
+            }
+        }
+    }
+    const Located found = Locator(320, 320, disc, 2).locate(image, {}, {}, scene.position);
+    EXPECT_NEAR(found.noise, 0.02, 0.004);
+}
+
 TEST(Locate, AnEmptyFrameGivesNoSpheres) {
     Locator locator(200, 150, DiscProfile{12, 1.2}, 1);
     const auto found = locator.locate(Image(200, 150), {}, {});

@@ -9,6 +9,7 @@
 #include "tracking/detect/local_maxima.h"
 #include "tracking/detect/second_look.h"
 #include "tracking/layers/sphere_cell.h"
+#include "tracking/synthesis/bias_correction.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -53,9 +54,13 @@ constexpr double kMostEvidence = 0.15;
 constexpr double kMostBesideRoom = 0.08;
 /// In a crystal two discs can fit one sphere better than one does. Each explains 0.08 to 0.3 of an
 /// isolated sphere, and is 0.02 to 0.2 a too near to others to have room. So are a few true spheres
-/// in a thick liquid, by the bias of the model. Both are chosen between the two.
-constexpr double kDoubtful = 0.25;  // share of what an isolated sphere explains
-constexpr double kGranted = 0.08;   // [a]
+/// in a thick liquid, by the bias of the model. Where that is corrected true ones have more room
+/// than false ones. All are chosen between the two.
+constexpr double kDoubtful = 0.25;            // share of what an isolated sphere explains
+constexpr double kGranted = 0.08;             // [a]
+constexpr double kGrantedIfCorrected = 0.06;  // [a]
+/// No correction moves a doubtful sphere farther: others of its size are not learned from [a].
+constexpr double kMostCorrected = 0.15;
 
 /// What is left of the image, from evenly spaced rows, as many as a percent of accuracy needs.
 struct Remainder {
@@ -126,6 +131,7 @@ struct Demands {
     double separation;  ///< from a stronger one [px]
     double doubtful;    ///< explains as much, or has room in `cell` [contrast² px]
     SphereCell cell;
+    const BiasCorrection* correction;  ///< of positions, before room is judged; null: none
 };
 
 /// Weakest first: discs that explain less than the threshold, the weaker of every pair nearer than
@@ -142,6 +148,20 @@ std::vector<char> discs_to_keep(const JointFit& fit, const std::vector<double>& 
         all.add(positions[j], static_cast<std::uint32_t>(j));
     }
     std::vector<char> keep(positions.size(), 1);
+    const double a = demands.cell.diameter;
+    std::optional<BiasCorrector> corrector;
+    if (demands.correction != nullptr) {
+        corrector.emplace(*demands.correction, fit.darkness(), fit.transmission(), positions, a);
+    }
+    const auto corrected = [&](Vec2 p) {
+        const Vec2 way = corrector->corrected(p) - p;
+        return p + std::min(1.0, kMostCorrected * a / std::max(norm(way), 1e-9)) * way;
+    };
+    const auto lacks_room = [&](Vec2 place, std::vector<Vec2>& neighbours) {
+        if (!corrector) return !has_room(demands.cell, place, neighbours, kGranted);
+        for (Vec2& p : neighbours) p = corrected(p);
+        return !has_room(demands.cell, corrected(place), neighbours, kGrantedIfCorrected);
+    };
     const auto is_crowded = [&](std::uint32_t j) {
         const bool is_doubtful = explained[j] < demands.doubtful;
         bool crowded = false;
@@ -153,8 +173,7 @@ std::vector<char> discs_to_keep(const JointFit& fit, const std::vector<double>& 
                      crowded = crowded || squared < demands.separation * demands.separation;
                      neighbours.push_back(p);
                  });
-        return crowded ||
-               (is_doubtful && !has_room(demands.cell, positions[j], neighbours, kGranted));
+        return crowded || (is_doubtful && lacks_room(positions[j], neighbours));
     };
     std::vector<std::uint32_t> suspects;
     for (std::uint32_t j = 0; j < positions.size(); ++j) {
@@ -211,11 +230,12 @@ std::optional<std::uint32_t> nearest(const PointGrid& points, Vec2 p, double dis
 }  // namespace
 
 SphereSearch::SphereSearch(JointFit& fit, DiscCorrelation& correlation,
-                           const DetectionOptions& options)
+                           const DetectionOptions& options, const BiasCorrection* correction)
     : options_(options),
       disc_(fit.disc()),
       correlation_(correlation),
       fit_(fit),
+      correction_(correction),
       rejected_(fit.darkness().width(), fit.darkness().height(), kSameAgain * disc_.diameter),
       separation_(options.separation * disc_.diameter) {}
 
@@ -270,8 +290,8 @@ std::int64_t SphereSearch::remove_unfounded() {
     const SphereCell cell{.diameter = options_.sphere_diameter.value_or(0),
                           .height = options_.cell_height};
     const double doubtful = asks_for_room ? std::max(threshold_, kDoubtful * isolated) : 0;
-    const std::vector<char> keep =
-        discs_to_keep(fit_, fit_.explained(), {threshold_, separation_, doubtful, cell});
+    const std::vector<char> keep = discs_to_keep(
+        fit_, fit_.explained(), {threshold_, separation_, doubtful, cell, correction_});
     std::int64_t removed = 0;
     for (std::size_t j = 0; j < keep.size(); ++j) {
         if (keep[j]) continue;

@@ -13,6 +13,8 @@
 
 namespace grainfield::tracking {
 
+struct BiasCorrection;
+
 /// How many spheres a search is to find.
 enum class SearchGoal {
     every_sphere,
@@ -57,8 +59,9 @@ OptionTable describe(DetectionOptions& options);
 class SphereSearch {
  public:
     /// In the image that `fit` was started on. `correlation` must be made for its size; both
-    /// outlive the search.
-    SphereSearch(JointFit& fit, DiscCorrelation& correlation, const DetectionOptions& options);
+    /// outlive the search. `correction`: of what was fitted, by which room is judged; null: none.
+    SphereSearch(JointFit& fit, DiscCorrelation& correlation, const DetectionOptions& options,
+                 const BiasCorrection* correction = nullptr);
 
     JointFit& fit() { return fit_; }
 
@@ -113,6 +116,7 @@ class SphereSearch {
     DiscProfile disc_;
     DiscCorrelation& correlation_;
     JointFit& fit_;
+    const BiasCorrection* correction_;
     PointGrid rejected_;           ///< places not to be tried again
     double separation_;            ///< [px]
     double threshold_ = 0;         ///< least misfit that a sphere must explain [contrast² px]

@@ -6,9 +6,10 @@
 #include <cstdint>
 #include <functional>
 #include <iterator>
+#include <utility>
 
 #include "core/support/parallel.h"
-#include "tracking/synthesis/bias_terms.h"
+#include "tracking/locate.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -25,32 +26,6 @@ double noise_of(const Located& found, std::size_t sphere, double harmless = 0) {
     return std::sqrt(noise + found.correlation * misfit);
 }
 
-/// What positions in one frame lack.
-class Corrector {
- public:
-    Corrector(const BiasCorrection& correction, const Image& darkness, const Image& residual,
-              double diameter, const std::vector<Vec2>& discs)
-        : terms_(darkness, residual, discs, diameter),
-          weights_(correction.weights.begin(), correction.weights.end()),
-          diameter_(diameter),
-          width_(darkness.width()),
-          height_(darkness.height()) {}
-
-    const BiasTerms& terms() const { return terms_; }
-    bool reaches(Vec2 place) const {
-        const double inside =
-            std::min({place.x, place.y, width_ - 1 - place.x, height_ - 1 - place.y});
-        return inside >= BiasTerms::kReach * diameter_;
-    }
-    Vec2 lacking(Vec2 place) const { return diameter_ * terms_.weighted(place, weights_); }
-
- private:
-    BiasTerms terms_;
-    std::vector<float> weights_;
-    double diameter_;
-    int width_, height_;
-};
-
 void for_all(std::size_t count, int threads, const std::function<void(std::size_t)>& each) {
     const auto n = static_cast<std::int64_t>(count);
     parallel_for((n + kTogether - 1) / kTogether, threads, [&](std::int64_t block) {
@@ -60,6 +35,34 @@ void for_all(std::size_t count, int threads, const std::function<void(std::size_
 }
 
 }  // namespace
+
+BiasCorrector::BiasCorrector(BiasTerms terms, const BiasCorrection& correction, double diameter,
+                             int width, int height)
+    : terms_(std::move(terms)),
+      weights_(correction.weights.begin(), correction.weights.end()),
+      diameter_(diameter),
+      width_(width),
+      height_(height) {}
+
+BiasCorrector::BiasCorrector(const BiasCorrection& correction, const Image& darkness,
+                             const Image& residual, const std::vector<Vec2>& discs, double diameter)
+    : BiasCorrector(BiasTerms(darkness, residual, discs, diameter), correction, diameter,
+                    darkness.width(), darkness.height()) {}
+
+BiasCorrector::BiasCorrector(const BiasCorrection& correction, const PaddedImage& darkness,
+                             const PaddedImage& transmission, const std::vector<Vec2>& discs,
+                             double diameter)
+    : BiasCorrector(BiasTerms(darkness, transmission, discs, diameter), correction, diameter,
+                    darkness.width(), darkness.height()) {}
+
+bool BiasCorrector::reaches(Vec2 place) const {
+    const double inside = std::min({place.x, place.y, width_ - 1 - place.x, height_ - 1 - place.y});
+    return inside >= BiasTerms::kReach * diameter_;
+}
+
+Vec2 BiasCorrector::corrected(Vec2 place) const {
+    return reaches(place) ? place + diameter_ * terms_.weighted(place, weights_) : place;
+}
 
 std::vector<Vec2> standard_errors(const Located& found, const std::vector<double>& harmless) {
     std::vector<Vec2> errors = found.error;
@@ -84,7 +87,7 @@ std::size_t class_of(const BiasCorrection& correction, double nearest, double re
 
 void correct_bias(const BiasCorrection& correction, const Image& darkness, const Image& residual,
                   double diameter, Located& found, int threads) {
-    const Corrector corrector(correction, darkness, residual, diameter, found.fitted);
+    const BiasCorrector corrector(correction, darkness, residual, found.fitted, diameter);
     for_all(found.position.size(), threads, [&](std::size_t i) {
         const Vec2 place = found.position[i];
         if (!corrector.reaches(place)) return;
@@ -99,18 +102,17 @@ void correct_bias(const BiasCorrection& correction, const Image& darkness, const
             const double error = correction.remaining[kind] * diameter / noise;
             found.error[i] = {error, error};
         }
-        found.position[i] = place + corrector.lacking(place);
+        found.position[i] = corrector.corrected(place);
     });
 }
 
 std::vector<Vec2> corrected_discs(const BiasCorrection& correction, const Image& darkness,
                                   const Image& residual, double diameter, const Located& found,
                                   int threads) {
-    const Corrector corrector(correction, darkness, residual, diameter, found.fitted);
+    const BiasCorrector corrector(correction, darkness, residual, found.fitted, diameter);
     std::vector<Vec2> discs = found.fitted;
-    for_all(discs.size(), threads, [&](std::size_t i) {
-        if (corrector.reaches(discs[i])) discs[i] += corrector.lacking(discs[i]);
-    });
+    for_all(discs.size(), threads,
+            [&](std::size_t i) { discs[i] = corrector.corrected(discs[i]); });
     return discs;
 }
 

@@ -4,9 +4,13 @@
 #include <vector>
 
 #include "core/frame.h"
-#include "tracking/locate.h"
+#include "core/vec2.h"
+#include "tracking/model/padded_image.h"
+#include "tracking/synthesis/bias_terms.h"
 
 namespace grainfield::tracking {
+
+struct Located;
 
 /// How the positions of fitted discs err on mirror-like spheres: learned from a film's own
 /// synthesised frames (learn_bias), or from those of many cameras (general_correction).
@@ -34,6 +38,31 @@ inline constexpr int kQualityClasses = 4;
 std::size_t overlap_class(double nearest);
 /// Class of a sphere whose nearest neighbour is that far away [a]; index of `remaining`.
 std::size_t class_of(const BiasCorrection& correction, double nearest, double residual);
+
+/// What positions in one frame lack. The images outlive it.
+class BiasCorrector {
+ public:
+    BiasCorrector(const BiasCorrection& correction, const Image& darkness, const Image& residual,
+                  const std::vector<Vec2>& discs, double diameter);
+    /// Of a fit as it stands.
+    BiasCorrector(const BiasCorrection& correction, const PaddedImage& darkness,
+                  const PaddedImage& transmission, const std::vector<Vec2>& discs, double diameter);
+
+    const BiasTerms& terms() const { return terms_; }
+    /// Whether a place is far enough from the border.
+    bool reaches(Vec2 place) const;
+    /// The place corrected; itself where none reaches.
+    Vec2 corrected(Vec2 place) const;
+
+ private:
+    BiasCorrector(BiasTerms terms, const BiasCorrection& correction, double diameter, int width,
+                  int height);
+
+    BiasTerms terms_;
+    std::vector<float> weights_;
+    double diameter_;
+    int width_, height_;
+};
 
 /// Corrects positions, and makes errors those of the scatter that remains, in a general correction
 /// the share of their own that does. Spheres nearer than

@@ -5,6 +5,7 @@
 
 #include "core/frame.h"
 #include "core/support/progress.h"
+#include "tracking/locate.h"
 #include "tracking/model/image_model.h"
 #include "tracking/synthesis/bias_correction.h"
 

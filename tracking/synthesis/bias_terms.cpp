@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <type_traits>
 
 namespace grainfield::tracking {
 namespace {
@@ -41,13 +42,15 @@ struct Between {
     float right, below;  ///< shares of the next column and row
 
     /// A place within images of that size.
-    Between(const Image& image, float x, float y)
+    template <class AnImage>
+    Between(const AnImage& image, float x, float y)
         : column(std::clamp(static_cast<int>(x), 0, image.width() - 2)),
           row(std::clamp(static_cast<int>(y), 0, image.height() - 2)),
           right(x - static_cast<float>(column)),
           below(y - static_cast<float>(row)) {}
 
-    float of(const Image& image) const {
+    template <class AnImage>
+    float of(const AnImage& image) const {
         const float* upper = image.row(row) + column;
         const float* lower = image.row(row + 1) + column;
         const float first = upper[0] + right * (upper[1] - upper[0]);
@@ -60,7 +63,13 @@ struct Between {
 
 BiasTerms::BiasTerms(const Image& darkness, const Image& residual, const std::vector<Vec2>& discs,
                      double diameter)
-    : darkness_(darkness), residual_(residual), diameter_(diameter) {
+    : images_(Given{&darkness, &residual}), diameter_(diameter) {
+    if (!discs.empty()) grid_.emplace(discs, kFarthest * diameter);
+}
+
+BiasTerms::BiasTerms(const PaddedImage& darkness, const PaddedImage& transmission,
+                     const std::vector<Vec2>& discs, double diameter)
+    : images_(Fitted{&darkness, &transmission}), diameter_(diameter) {
     if (!discs.empty()) grid_.emplace(discs, kFarthest * diameter);
 }
 
@@ -84,9 +93,10 @@ std::array<Vec2, BiasTerms::kDistances> BiasTerms::neighbours(Vec2 place) const 
     return sum;
 }
 
-BiasTerms::Moments BiasTerms::moments(Vec2 place) const {
+/// `other`: the residual, or the transmission where the images are those of a fit.
+template <class AnImage>
+void BiasTerms::add_rings(const AnImage& dark, const AnImage& other, Vec2 place, Moments& h) const {
     const Waves& wave = waves();
-    Moments h;
     for (std::size_t ring = 0; ring < kRings; ++ring) {
         const auto radius = static_cast<float>(kRadius[ring] * diameter_);
         const auto x = static_cast<float>(place.x);
@@ -94,10 +104,11 @@ BiasTerms::Moments BiasTerms::moments(Vec2 place) const {
         std::array<float, kAngles> residual;
         std::array<float, kAngles> darkness;
         for (std::size_t k = 0; k < kAngles; ++k) {
-            const Between at(darkness_, x + radius * kAngles * wave.cosine[1][k],
+            const Between at(dark, x + radius * kAngles * wave.cosine[1][k],
                              y + radius * kAngles * wave.sine[1][k]);
-            residual[k] = at.of(residual_);
-            darkness[k] = at.of(darkness_);
+            darkness[k] = at.of(dark);
+            residual[k] = at.of(other);
+            if constexpr (std::is_same_v<AnImage, PaddedImage>) residual[k] += darkness[k] - 1;
         }
         for (std::size_t m = 0; m < kOrders; ++m) {
             float a = 0;
@@ -116,6 +127,16 @@ BiasTerms::Moments BiasTerms::moments(Vec2 place) const {
             h.real[m][kRings + ring] = c;
             h.imaginary[m][kRings + ring] = d;
         }
+    }
+}
+
+BiasTerms::Moments BiasTerms::moments(Vec2 place) const {
+    Moments h;
+    if (const Given* given = std::get_if<Given>(&images_)) {
+        add_rings(*given->darkness, *given->residual, place, h);
+    } else {
+        const Fitted& fitted = std::get<Fitted>(images_);
+        add_rings(*fitted.darkness, *fitted.transmission, place, h);
     }
     return h;
 }

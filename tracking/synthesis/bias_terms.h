@@ -2,10 +2,12 @@
 
 #include <array>
 #include <optional>
+#include <variant>
 #include <vector>
 
 #include "core/frame.h"
 #include "core/vec2.h"
+#include "tracking/model/padded_image.h"
 #include "tracking/point_grid.h"
 
 namespace grainfield::tracking {
@@ -27,6 +29,9 @@ class BiasTerms {
     /// `diameter`: true diameter a [px]. They outlive this.
     BiasTerms(const Image& darkness, const Image& residual, const std::vector<Vec2>& discs,
               double diameter);
+    /// The same of a fit as it stands: its residual is darkness − 1 + transmission.
+    BiasTerms(const PaddedImage& darkness, const PaddedImage& transmission,
+              const std::vector<Vec2>& discs, double diameter);
 
     static constexpr int kDistances = 12;
     static constexpr int kRings = 7;
@@ -56,8 +61,16 @@ class BiasTerms {
     std::array<Vec2, kDistances> neighbours(Vec2 place) const;
     Moments moments(Vec2 place) const;
 
-    const Image& darkness_;
-    const Image& residual_;
+    template <class AnImage>
+    void add_rings(const AnImage& darkness, const AnImage& other, Vec2 place, Moments& h) const;
+
+    struct Given {
+        const Image *darkness, *residual;
+    };
+    struct Fitted {
+        const PaddedImage *darkness, *transmission;
+    };
+    std::variant<Given, Fitted> images_;
     double diameter_;
     std::optional<PointGrid> grid_;  ///< none without discs
 };
