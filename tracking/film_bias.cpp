@@ -89,14 +89,15 @@ void require_same(const BiasCorrection& kept, const TrackOptions& options) {
     require("layers.camera-distance", "a", kept.camera_distance, now.camera_distance);
 }
 
+constexpr const char* kSaved = "half of what mirror images of neighbours do to positions";
+
 /// That of many cameras, if it holds for the film.
 std::optional<BiasCorrection> general_bias(FrameSource& source, const TrackOptions& options,
                                            const ImageModel& model, std::int64_t first, int threads,
                                            RunPlan& plan) {
-    const char* const saved = "half of what mirror images of neighbours do to positions";
     const std::string reason = not_for_this_film(options, model);
     if (!reason.empty()) {
-        plan.skip("bias", reason, saved);
+        plan.skip("bias", reason, kSaved);
         return std::nullopt;
     }
     if (!options.corrects_bias) {
@@ -105,28 +106,29 @@ std::optional<BiasCorrection> general_bias(FrameSource& source, const TrackOptio
     }
     const std::optional<Frame> frame = usable_frame(source, first, options.visible);
     if (!frame) {
-        plan.skip("bias", "no frame is usable", saved);
+        plan.skip("bias", "no frame is usable", kSaved);
         return std::nullopt;
     }
     const double diameter = *options.sphere_diameter;
     const GeneralCorrection& general = general_correction();
-    BiasCorrection correction = general.of(model.disc, diameter);
-    const CorrectionSize size = correction_size(correction, frame->image, model, options.detection,
-                                                options.refinement, diameter, threads);
-    if (size.spheres < kLeastSpheres) {
+    const CorrectionJudgement judgement = judge_correction(
+        general, frame->image, model, options.detection, options.refinement, diameter, threads);
+    if (judgement.spheres < kLeastSpheres) {
         plan.skip("bias",
                   fmt::format("{} spheres in the middle of the frame do not show whether the "
                               "general correction holds, {} would",
-                              size.spheres, kLeastSpheres),
-                  saved);
+                              judgement.spheres, kLeastSpheres),
+                  kSaved);
         return std::nullopt;
     }
-    if (size.is_too_large()) {
-        plan.skip("bias",
-                  fmt::format("these are no mirrors above a panel: the general correction would "
-                              "move them by {:.4f} a RMS, and errors are {:.4f} a",
-                              size.moved, size.expected),
-                  saved);
+    if (judgement.is_unlike() || judgement.is_too_large()) {
+        plan.skip(
+            "bias",
+            fmt::format("these look like no mirrors above a panel: what discs leave is {:.1f} "
+                        "spreads from that of other cameras, 3.8 at most, and the general "
+                        "correction would move them by {:.4f} a RMS beside errors of {:.4f} a",
+                        judgement.unlikeness, judgement.moved, judgement.expected),
+            kSaved);
         return std::nullopt;
     }
     plan.run(
@@ -135,8 +137,8 @@ std::optional<BiasCorrection> general_bias(FrameSource& source, const TrackOptio
                     "from {} other cameras; of cameras left out, errors fell from {:.4f} to "
                     "{:.4f} a",
                     options.synthesis ? "positions that synthesis begins with are" : "positions",
-                    size.moved, general.cameras, general.before, general.after));
-    return correction;
+                    judgement.moved, general.cameras, general.before, general.after));
+    return general.of(model.disc, diameter);
 }
 
 }  // namespace
@@ -145,8 +147,7 @@ std::optional<BiasCorrection> bias_of_film(FrameSource& source, const TrackOptio
                                            const ImageModel& model, std::int64_t first, int threads,
                                            RunPlan& plan) {
     if (!options.correct_bias.value_or(true)) {
-        plan.skip("bias", "not wanted (track.correct-bias)",
-                  "half of what mirror images of neighbours do to positions");
+        plan.skip("bias", "not wanted (track.correct-bias)", kSaved);
         return std::nullopt;
     }
     if (options.kept && options.kept->bias) {

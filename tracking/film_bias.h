@@ -16,11 +16,12 @@ namespace grainfield::tracking {
 /// from `first` on (learn_bias), else the general one (general_correction).
 ///
 /// The general one is used where the true diameter is known, spheres are dark, discs are like those
-/// of the cameras that it was learned from and leave more than half of the noise, neither mask,
-/// camera nor synthesis is given, and where it moves the spheres of that frame by no more than
-/// their errors (correction_size). It takes over where one that was asked for is refused, which is
-/// warned of. Says in `plan` what it does, or why not. A kept one is skipped with synthesis, a
-/// camera or a mask. Throws OptionError for bright spheres where one was asked for, and where a
+/// of the cameras that it was learned from and leave more than half of the noise, neither mask nor
+/// camera is given, and where it moves the spheres of that frame by no more than 1.5 times their
+/// errors (correction_size): its middle is fitted for that. It takes over where one that was asked
+/// for is refused, which is warned of, and with synthesis, which begins at corrected discs, from a
+/// kept one. Says in `plan` what it does, or why not. A kept one is skipped with a camera or a
+/// mask. Throws OptionError for bright spheres where one was asked for, and where a
 /// kept one was learned for another diameter, cell or camera; Interrupted.
 std::optional<BiasCorrection> bias_of_film(FrameSource& source, const TrackOptions& options,
                                            const ImageModel& model, std::int64_t first, int threads,

@@ -62,7 +62,9 @@ void require_size_of_mirrors(const TrackOptions& options) {
 void require_mirrors(const TrackOptions& options) {
     require_size_of_mirrors(options);
     if (options.synthesis) {
-        refuse_bias("synthesis is asked for, too", "either of them", "synthesis has no such bias");
+        refuse_bias(
+            "synthesis is asked for, too", "either of them",
+            "leave out track.correct-bias: synthesis begins at corrected positions by itself");
     }
     if (options.camera) {
         refuse_bias("a camera is given", "frames as a straight lens sees them",

@@ -62,7 +62,8 @@ struct TrackResumption {
 ///
 /// With a correction of the bias, the general one, one learned on the frame calibrated on or kept
 /// with the calibration (bias_of_film), positions and errors are corrected as soon as a frame is
-/// fitted. The next frame starts from those of the fit.
+/// fitted; with synthesis, the discs that it begins with. The next frame starts from those of the
+/// fit.
 ///
 /// With synthesis, positions, heights and layers are those of FilmSynthesis, frame by frame, and
 /// the next frame starts from them. Else, where the height of the cell is given, spheres without
@@ -183,7 +184,7 @@ class Tracker {
     Snapshot snapshot_of(const Job& job, Run& run);
     void report(const Job& job, Snapshot& snapshot, TrackSummary& summary);
     void link(const Job& job, Run& run, Snapshot& snapshot);
-    void correct_bias(Job& job, Lane& lane) const;
+    void correct(Job& job, Lane& lane) const;
 
     FrameSource& source_;
     TrackOptions options_;

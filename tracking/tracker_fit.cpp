@@ -120,11 +120,11 @@ void Tracker::fit(Job& job, Lane& lane) const {
     if (synthesis_) job.discs = job.found.fitted;
     if (!bias_) return;
     begin = RunClock::now();
-    correct_bias(job, lane);
+    correct(job, lane);
     job.ms.refine += milliseconds_since(begin);
 }
 
-void Tracker::correct_bias(Job& job, Lane& lane) const {
+void Tracker::correct(Job& job, Lane& lane) const {
     const Image& counts = job.frame.image;
     Image darkness(counts.width(), counts.height());
     for (int y = 0; y < counts.height(); ++y) {

@@ -51,6 +51,7 @@ struct Lesson {
     Eigen::MatrixXf terms;
     Eigen::VectorXd lacks, error;  ///< truth − found, and its standard error [a]
     std::vector<std::size_t> overlap;
+    std::array<double, ResidualPattern::kNumbers> pattern = {};
 };
 
 double scale_in(const fs::path& file) {
@@ -61,7 +62,7 @@ double scale_in(const fs::path& file) {
     throw std::invalid_argument("no scale in " + file.string());
 }
 
-/// Empty: the frame cannot be calibrated.
+/// Empty: the frame cannot be calibrated, or no sphere of it was found.
 std::optional<Lesson> lesson_of(const fs::path& scene) {
     const double a = scale_in(scene / "optics.toml");
     std::vector<Vec2> truth;
@@ -95,6 +96,7 @@ std::optional<Lesson> lesson_of(const fs::path& scene) {
                   .lacks = {},
                   .error = {},
                   .overlap = {}};
+    ResidualPattern pattern;
     for (std::size_t i = 0; i < found.position.size(); ++i) {
         const Vec2 p = found.position[i];
         const double inside =
@@ -109,10 +111,13 @@ std::optional<Lesson> lesson_of(const fs::path& scene) {
         });
         if (!lack) continue;
         rows.push_back(terms.of(p));
+        pattern.add(rows.back());
         lacks.push_back(*lack);
         expected.push_back((1 / a) * errors[i]);
         lesson.overlap.push_back(overlap_class(terms.nearest(p)));
     }
+    if (rows.empty()) return std::nullopt;
+    lesson.pattern = pattern.numbers();
     const auto n = static_cast<Eigen::Index>(rows.size());
     lesson.terms.resize(2 * n, kTerms);
     lesson.lacks.resize(2 * n);
@@ -161,7 +166,9 @@ Eigen::VectorXd weights_of(const Sums& sums, double ridge) {
         (sums.squares.diagonal().array() / sums.rows + 1e-24).sqrt().inverse().matrix();
     Eigen::MatrixXd matrix = scale.asDiagonal() * sums.squares * scale.asDiagonal();
     matrix.diagonal().array() += ridge * sums.rows;
-    const Eigen::VectorXd solved = matrix.llt().solve(scale.asDiagonal() * sums.product);
+    const Eigen::LLT<Eigen::MatrixXd> factor = matrix.llt();
+    if (factor.info() != Eigen::Success) throw std::runtime_error("the sums cannot be solved for");
+    const Eigen::VectorXd solved = factor.solve(scale.asDiagonal() * sums.product);
     return scale.asDiagonal() * solved;
 }
 
@@ -186,7 +193,8 @@ double quantile(std::vector<double> values, double share) {
     return *place;
 }
 
-/// Factors with which 95.4 % of the errors lie within two standard errors.
+/// Factors with which 95.4 % of the errors lie within two standard errors. Every sphere counts
+/// alike.
 std::vector<double> shares_of(const std::vector<Lesson>& lessons,
                               const std::vector<Eigen::VectorXd>& left) {
     std::vector<std::vector<double>> pulls(kOverlapClasses);
@@ -203,6 +211,31 @@ std::vector<double> shares_of(const std::vector<Lesson>& lessons,
     return shares;
 }
 
+/// Mean of the patterns and inverse of their covariance. A twentieth of each variance is added to
+/// it: directions in which no camera differs say nothing.
+void describe_patterns(const std::vector<Lesson>& lessons, GeneralCorrection& general) {
+    constexpr auto n = static_cast<Eigen::Index>(ResidualPattern::kNumbers);
+    Eigen::MatrixXd patterns(static_cast<Eigen::Index>(lessons.size()), n);
+    for (std::size_t k = 0; k < lessons.size(); ++k) {
+        patterns.row(static_cast<Eigen::Index>(k)) =
+            Eigen::Map<const Eigen::RowVectorXd>(lessons[k].pattern.data(), n);
+    }
+    const Eigen::RowVectorXd mean = patterns.colwise().mean();
+    const Eigen::MatrixXd apart = patterns.rowwise() - mean;
+    Eigen::MatrixXd covariance =
+        apart.transpose() * apart / static_cast<double>(lessons.size() - 1);
+    covariance.diagonal() *= 1.05;
+    const Eigen::MatrixXd inverse = covariance.inverse();
+    general.pattern.assign(mean.begin(), mean.end());
+    for (Eigen::Index i = 0; i < n; ++i) {
+        for (Eigen::Index j = 0; j < n; ++j) general.pattern_weights.push_back(inverse(i, j));
+    }
+    std::vector<double> unlike;
+    for (const Lesson& lesson : lessons) unlike.push_back(general.unlikeness(lesson.pattern));
+    fmt::print("unlikeness: median {:.2f}, most {:.2f}\n", quantile(unlike, 0.5),
+               quantile(unlike, 1));
+}
+
 std::vector<Lesson> lessons_in(const std::vector<std::string>& folders) {
     std::vector<Lesson> lessons;
     for (const std::string& folder : folders) {
@@ -212,7 +245,7 @@ std::vector<Lesson> lessons_in(const std::vector<std::string>& folders) {
         for (const fs::path& scene : scenes) {
             std::optional<Lesson> lesson = lesson_of(scene);
             if (!lesson) {
-                fmt::print(stderr, "{} cannot be calibrated\n", scene.string());
+                fmt::print(stderr, "nothing to learn from in {}\n", scene.string());
                 continue;
             }
             fmt::print(stderr, "\r{} cameras", lessons.size() + 1);
@@ -288,11 +321,14 @@ void learn(const std::string& output, const std::vector<std::string>& folders) {
     general.most_width = *std::max_element(widths.begin(), widths.end());
     general.least_diameter = *std::min_element(diameters.begin(), diameters.end());
     general.most_diameter = *std::max_element(diameters.begin(), diameters.end());
+    describe_patterns(lessons, general);
     const Eigen::VectorXd weights = weights_of(all, chosen);
     for (Eigen::Index k = 0; k < kTerms; ++k) {
         general.weights.push_back({weights(k), weights(kTerms + k), weights(2 * kTerms + k)});
     }
-    std::ofstream(output) << write_general_correction(general);
+    std::ofstream file(output);
+    file << write_general_correction(general) << std::flush;
+    if (!file) throw std::runtime_error("cannot write " + output);
     fmt::print("{} cameras: median {:.4f} to {:.4f} a; ridge {:g}\n", lessons.size(),
                general.before, general.after, chosen);
 }

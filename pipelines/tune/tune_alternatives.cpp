@@ -71,7 +71,7 @@ TrackOptions options_of_part(const TrackOptions& given, const io::FrameRegion& p
     options.camera.reset();
     options.part.reset();
     options.synthesis = false;
-    options.correct_bias = false;  // each tracker would learn it; it moves what is found little
+    options.correct_bias = false;  // it moves what is found little
     options.layers = {};
     options.keeps = false;
     return options;

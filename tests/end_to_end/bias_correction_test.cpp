@@ -83,8 +83,12 @@ TEST_F(BiasCorrection, IsSaidAndKeptWithTheCalibrationAndGivesTheSamePositionsFr
 
     const Outcome plain = run_grainfield(words(3, {"-o", folder_ / "c.h5"}));
     ASSERT_EQ(plain.code, 0) << plain.err;
-    EXPECT_TRUE(json::parse(plain.out).at("bias").is_null());
+    EXPECT_EQ(json::parse(plain.out).at("bias").at("learned_from"), "other cameras");
     EXPECT_NE(testing::fingerprint(folder_ / "c.h5"), testing::fingerprint(folder_ / "a.h5"));
+    const Outcome none = run_grainfield(words(3, {"-o", folder_ / "d.h5", "--no-correct-bias"}));
+    ASSERT_EQ(none.code, 0) << none.err;
+    EXPECT_TRUE(json::parse(none.out).at("bias").is_null());
+    EXPECT_NE(testing::fingerprint(folder_ / "d.h5"), testing::fingerprint(folder_ / "c.h5"));
 
     const std::string line = fmt::format(
         "positions corrected: {:.4f} to {:.4f} a RMS on synthesised frames",
@@ -98,27 +102,31 @@ TEST_F(BiasCorrection, IsSaidAndKeptWithTheCalibrationAndGivesTheSamePositionsFr
 }
 
 TEST_F(BiasCorrection, KilledAndTakenUpAgainGivesWhatOneRunGives) {
-    const std::string output = folder_ / "t.h5";
-    const auto run = [&](const std::vector<std::string>& more) {
-        return words(kFrames,
-                     with({"-o", output, "--correct-bias", "--checkpoint-every", "0"}, more));
-    };
-    const Outcome whole = run_grainfield(run({}));
-    ASSERT_EQ(whole.code, 0) << whole.err;
-    const std::string expected = testing::fingerprint(output);
-    fs::remove(output);
-    {
-        const Process process(program(run({})));
-        process.let_write(output + ".checkpoint");
-        process.send(SIGKILL);
-        process.wait();
+    for (const std::vector<std::string>& kind : {{"--correct-bias"}, std::vector<std::string>()}) {
+        SCOPED_TRACE(kind.empty() ? "general" : "learned");
+        const std::string output = folder_ / "t.h5";
+        fs::remove(output);
+        const auto run = [&](const std::vector<std::string>& more) {
+            return words(kFrames,
+                         with(with({"-o", output, "--checkpoint-every", "0"}, kind), more));
+        };
+        const Outcome whole = run_grainfield(run({}));
+        ASSERT_EQ(whole.code, 0) << whole.err;
+        const std::string expected = testing::fingerprint(output);
+        fs::remove(output);
+        {
+            const Process process(program(run({})));
+            process.let_write(output + ".checkpoint");
+            process.send(SIGKILL);
+            process.wait();
+        }
+        ASSERT_TRUE(fs::exists(output + ".checkpoint")) << "killed too early or too late";
+        const Outcome resumed = run_grainfield(run({"--resume"}));
+        ASSERT_EQ(resumed.code, 0) << resumed.err;
+        EXPECT_EQ(json::parse(resumed.out).at("frames"), kFrames);
+        EXPECT_EQ(json::parse(resumed.out).at("bias"), json::parse(whole.out).at("bias"));
+        EXPECT_EQ(testing::fingerprint(output), expected);
     }
-    ASSERT_TRUE(fs::exists(output + ".checkpoint")) << "killed too early or too late";
-    const Outcome resumed = run_grainfield(run({"--resume"}));
-    ASSERT_EQ(resumed.code, 0) << resumed.err;
-    EXPECT_EQ(json::parse(resumed.out).at("frames"), kFrames);
-    EXPECT_EQ(json::parse(resumed.out).at("bias"), json::parse(whole.out).at("bias"));
-    EXPECT_EQ(testing::fingerprint(output), expected);
 }
 
 }  // namespace

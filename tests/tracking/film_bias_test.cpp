@@ -129,6 +129,35 @@ TEST(FilmBias, OfMirrorsIsTheGeneralOneWithoutBeingAskedFor) {
     EXPECT_THAT(plan.stages()[0].reason, HasSubstr("other cameras"));
 }
 
+TEST(FilmBias, OfMirrorsIsWhatSynthesisBeginsWithWhateverACalibrationKept) {
+    TrackOptions synthesis = options();
+    synthesis.synthesis = true;
+    for (const bool is_kept : {false, true}) {
+        if (is_kept) synthesis.kept.emplace().bias.emplace();
+        SameFrames source(mirrors(), 1);
+        RunPlan plan;
+        const auto bias = bias_of_film(source, synthesis, model(), 0, 2, plan);
+        ASSERT_TRUE(bias.has_value());
+        EXPECT_TRUE(bias->is_general());
+        EXPECT_THAT(plan.stages()[0].reason, HasSubstr("positions that synthesis begins with"));
+    }
+}
+
+// Fewer than the 500 spheres that learning needs are in the frame.
+TEST(FilmBias, IsTheGeneralOneWithAWarningWhereLearningIsRefused) {
+    const int side = static_cast<int>(11 * kScale);
+    Image small(side, side);
+    for (int y = 0; y < side; ++y) std::copy_n(mirrors().row(y + 12) + 12, side, small.row(y));
+    SameFrames source(small, 1);
+    RunPlan plan;
+    TrackOptions asked = options();
+    asked.correct_bias = true;
+    const auto bias = bias_of_film(source, asked, model(), 0, 2, plan);
+    ASSERT_EQ(plan.warnings().size(), 1U);
+    ASSERT_TRUE(bias.has_value());
+    EXPECT_TRUE(bias->is_general());
+}
+
 TEST(FilmBias, IsLearnedFromTheFilmWhereThatIsAskedFor) {
     SameFrames source(mirrors(), 1);
     RunPlan plan;
@@ -148,9 +177,6 @@ TEST(FilmBias, SaysWhyItIsLeftOutWhereItCannotHelp) {
     TrackOptions unknown = options();
     unknown.sphere_diameter.reset();
     EXPECT_THAT(skipped(unknown), HasSubstr("diameter is not known"));
-    TrackOptions synthesis = options();
-    synthesis.synthesis = true;
-    EXPECT_THAT(skipped(synthesis), HasSubstr("synthesis has no such bias"));
     TrackOptions masked = options();
     Image mask(mirrors().width(), mirrors().height(), 1.0F);
     mask(3, 3) = 0;

@@ -397,6 +397,35 @@ TEST(Locate, TheNoiseIsThatOfTheCameraWhereCoresAreNotAsDarkAsTheModelHasThem) {
     EXPECT_NEAR(found.noise, 0.02, 0.004);
 }
 
+TEST(Locate, TheNoiseOfACameraThatSmoothsIsAllThatIsLeftInClearPixels) {
+    const DiscProfile disc{16, 1.2};
+    const auto scene = testing::hard_disc_liquid(320, 320, disc.diameter, 0.4, 5);
+    const Image clean = exact_darkness(scene, disc, 0);
+    const Image noisy = exact_darkness(scene, disc, 0.03);
+    Image image = clean;
+    for (int y = 1; y < 319; ++y) {
+        for (int x = 1; x < 319; ++x) {
+            float sum = 0;
+            for (int v = y - 1; v <= y + 1; ++v) {
+                for (int u = x - 1; u <= x + 1; ++u) sum += noisy(u, v) - clean(u, v);
+            }
+            image(x, y) += sum / 9;
+        }
+    }
+    const Located found = Locator(320, 320, disc, 2).locate(image, {}, {}, scene.position);
+    EXPECT_NEAR(found.noise, 0.01, 0.001);
+}
+
+TEST(Locate, TheNoiseOfFewGreyLevelsIsNotNothing) {
+    const DiscProfile disc{16, 1.2};
+    const auto scene = testing::hard_disc_liquid(320, 320, disc.diameter, 0.4, 5);
+    Image image = exact_darkness(scene, disc, 0.01);
+    for (float& v : image.pixels()) v = std::round(v * 25) / 25;  // noise of a quarter of a level
+    const Located found = Locator(320, 320, disc, 2).locate(image, {}, {}, scene.position);
+    EXPECT_GT(found.noise, 0.001);
+    EXPECT_LT(found.noise, 0.03);
+}
+
 TEST(Locate, AnEmptyFrameGivesNoSpheres) {
     Locator locator(200, 150, DiscProfile{12, 1.2}, 1);
     const auto found = locator.locate(Image(200, 150), {}, {});

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -64,23 +65,24 @@ constexpr double kMostCorrected = 0.15;
 
 /// What is left of the image, from evenly spaced rows, as many as a percent of accuracy needs.
 struct Remainder {
-    /// RMS where the model is flat (clear background or core). Where hardly a pixel is, or what is
-    /// left there is not noise but the model's, that of second differences along the rows.
     double noise = 0;
     /// Mean square where there are spheres, without what is left of missing ones.
     double misfit = 0;
 };
 
-constexpr std::size_t kLeastFlat = 100;  // pixels that show the noise
-constexpr double kOfTheModel = 0.8;  // noise of neighbours over that of flat pixels, below which
-                                     // these are not flat in the image
+constexpr std::size_t kLeastPixels = 100;  // that show the noise
+/// Flat pixels that vary by this share of what is left about the spheres, and neighbouring ones
+/// that differ by less than this share of it: what flat pixels show is not the noise of the layer.
+constexpr double kAlike = 0.8;
 
-/// RMS, outliers beyond four robust standard deviations left out.
+/// RMS, outliers beyond four robust standard deviations left out. Where half of the values are 0,
+/// as in frames of few grey levels, none are.
 double robust_rms(std::vector<float>& sizes) {
     if (sizes.empty()) return 0;
     const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
     std::nth_element(sizes.begin(), middle, sizes.end());
-    const float widest = 4 * 1.4826F * *middle;
+    const float widest =
+        *middle > 0 ? 4 * 1.4826F * *middle : std::numeric_limits<float>::infinity();
     double sum = 0;
     double n = 0;
     for (const float size : sizes) {
@@ -91,12 +93,37 @@ double robust_rms(std::vector<float>& sizes) {
     return std::sqrt(sum / n);
 }
 
+/// Where the noise of a frame shows.
+struct NoiseSamples {
+    std::vector<float> flat;   ///< image − model of clear pixels and of cores
+    std::vector<float> clear;  ///< of clear pixels alone
+    /// Second differences of image − model along the rows, of white noise √6 of it. Structure that
+    /// is wider than three pixels is not in them.
+    std::vector<float> bends, clear_bends;
+
+    /// RMS [contrast]. `left`: RMS of image − model where there are spheres. That of flat pixels,
+    /// unless they are few, or not flat in the image, or so bright that they have more photon noise
+    /// than the layer.
+    double noise(double left) {
+        double of_neighbours = robust_rms(bends) / std::sqrt(6.0);
+        // What a camera or codec has smoothed varies less from pixel to pixel.
+        if (clear_bends.size() >= kLeastPixels) {
+            const double white = robust_rms(clear_bends) / std::sqrt(6.0);
+            if (white > 0) of_neighbours *= std::max(1.0, robust_rms(clear) / white);
+        }
+        if (flat.size() < kLeastPixels) return of_neighbours;
+        const double of_flat = robust_rms(flat);
+        const bool is_no_noise = of_flat > kAlike * left && of_neighbours < kAlike * of_flat;
+        return is_no_noise ? of_neighbours : of_flat;
+    }
+};
+
 Remainder remainder(const PaddedImage& darkness, const PaddedImage& transmission) {
     constexpr double kSample = 3e4;
+    constexpr float kClear = 0.995F;
     const double pixels = static_cast<double>(darkness.width()) * darkness.height();
     const int stride = std::max(1, static_cast<int>(pixels / kSample));
-    std::vector<float> flat;
-    std::vector<float> bends;  // second differences: structure wider than three pixels is not in it
+    NoiseSamples samples;
     double squares = 0;
     double covered = 0;
     for (int y = stride / 2; y < darkness.height(); y += stride) {
@@ -105,24 +132,25 @@ Remainder remainder(const PaddedImage& darkness, const PaddedImage& transmission
         for (int x = 0; x < darkness.width(); ++x) {
             if (t[x] <= 0) continue;  // not visible
             const float deviation = std::abs(d[x] - 1.0F + t[x]);
-            const bool is_third = x % 3 == 1 && x + 1 < darkness.width();  // they share no pixels
-            if (is_third && t[x - 1] > 0 && t[x + 1] > 0) {
-                const float bend = d[x - 1] + t[x - 1] + d[x + 1] + t[x + 1] - 2 * (d[x] + t[x]);
-                bends.push_back(std::abs(bend));
+            const bool is_clear = t[x] > kClear;
+            const bool is_middle_of_three = x % 3 == 1 && x + 1 < darkness.width();
+            if (is_middle_of_three && t[x - 1] > 0 && t[x + 1] > 0) {
+                const float bend =
+                    std::abs(d[x - 1] + t[x - 1] + d[x + 1] + t[x + 1] - 2 * (d[x] + t[x]));
+                samples.bends.push_back(bend);
+                if (is_clear && t[x - 1] > kClear && t[x + 1] > kClear) {
+                    samples.clear_bends.push_back(bend);
+                }
             }
-            const bool is_clear = t[x] > 0.995F;
-            if (is_clear || t[x] < 0.005F) flat.push_back(deviation);
+            if (is_clear) samples.clear.push_back(deviation);
+            if (is_clear || t[x] < 0.005F) samples.flat.push_back(deviation);
             if (is_clear || deviation > kMissing) continue;
             squares += static_cast<double>(deviation) * static_cast<double>(deviation);
             covered += 1;
         }
     }
-    Remainder left;
-    left.misfit = covered > 0 ? squares / covered : 0;
-    const double of_neighbours = robust_rms(bends) / std::sqrt(6.0);
-    left.noise = flat.size() < kLeastFlat ? of_neighbours : robust_rms(flat);
-    if (of_neighbours < kOfTheModel * left.noise) left.noise = of_neighbours;
-    return left;
+    const double misfit = covered > 0 ? squares / covered : 0;
+    return {samples.noise(std::sqrt(misfit)), misfit};
 }
 
 /// What a disc must be to stay.
@@ -142,15 +170,17 @@ std::vector<char> discs_to_keep(const JointFit& fit, const std::vector<double>& 
     const std::vector<Vec2>& positions = fit.positions();
     const int width = fit.darkness().width();
     const int height = fit.darkness().height();
-    const double reach = std::max(demands.separation, demands.cell.diameter);
+    const double a = demands.cell.diameter;
+    const bool is_corrected = demands.correction != nullptr && demands.doubtful > 0;
+    // A neighbour may come this much nearer.
+    const double reach = std::max(demands.separation, a * (is_corrected ? 1 + kMostCorrected : 1));
     PointGrid all(width, height, reach);
     for (std::size_t j = 0; j < positions.size(); ++j) {
         all.add(positions[j], static_cast<std::uint32_t>(j));
     }
     std::vector<char> keep(positions.size(), 1);
-    const double a = demands.cell.diameter;
     std::optional<BiasCorrector> corrector;
-    if (demands.correction != nullptr) {
+    if (is_corrected) {
         corrector.emplace(*demands.correction, fit.darkness(), fit.transmission(), positions, a);
     }
     const auto corrected = [&](Vec2 p) {
@@ -158,7 +188,11 @@ std::vector<char> discs_to_keep(const JointFit& fit, const std::vector<double>& 
         return p + std::min(1.0, kMostCorrected * a / std::max(norm(way), 1e-9)) * way;
     };
     const auto lacks_room = [&](Vec2 place, std::vector<Vec2>& neighbours) {
-        if (!corrector) return !has_room(demands.cell, place, neighbours, kGranted);
+        const auto reaches = [&](Vec2 p) { return corrector->reaches(p); };
+        if (!corrector || !reaches(place) ||
+            !std::all_of(neighbours.begin(), neighbours.end(), reaches)) {
+            return !has_room(demands.cell, place, neighbours, kGranted);
+        }
         for (Vec2& p : neighbours) p = corrected(p);
         return !has_room(demands.cell, corrected(place), neighbours, kGrantedIfCorrected);
     };

@@ -59,7 +59,8 @@ OptionTable describe(DetectionOptions& options);
 class SphereSearch {
  public:
     /// In the image that `fit` was started on. `correlation` must be made for its size; both
-    /// outlive the search. `correction`: of what was fitted, by which room is judged; null: none.
+    /// outlive the search. `correction`: of what was fitted, by which room is judged; null:
+    /// none. It needs options.sphere_diameter.
     SphereSearch(JointFit& fit, DiscCorrelation& correlation, const DetectionOptions& options,
                  const BiasCorrection* correction = nullptr);
 

@@ -34,14 +34,15 @@ inline constexpr double kOverlapBounds[] = {0.6, 0.8, 0.95};
 inline constexpr int kOverlapClasses = 4;
 inline constexpr int kQualityClasses = 4;
 
-/// Class of overlap of a sphere whose nearest neighbour is that far away [a].
+/// Class of overlap of a sphere whose nearest neighbour is that far away [a]: 0 … 3, from the most.
 std::size_t overlap_class(double nearest);
 /// Class of a sphere whose nearest neighbour is that far away [a]; index of `remaining`.
 std::size_t class_of(const BiasCorrection& correction, double nearest, double residual);
 
-/// What positions in one frame lack. The images outlive it.
+/// What positions in one frame lack. All lengths in px. The images outlive it.
 class BiasCorrector {
  public:
+    /// `darkness`, `residual`: of the fit that gave `discs`, all of its discs. `diameter`: a, > 0.
     BiasCorrector(const BiasCorrection& correction, const Image& darkness, const Image& residual,
                   const std::vector<Vec2>& discs, double diameter);
     /// Of a fit as it stands.
@@ -51,7 +52,7 @@ class BiasCorrector {
     const BiasTerms& terms() const { return terms_; }
     /// Whether a place is far enough from the border.
     bool reaches(Vec2 place) const;
-    /// The place corrected; itself where none reaches.
+    /// The place corrected; itself where the border is too near.
     Vec2 corrected(Vec2 place) const;
 
  private:
@@ -64,10 +65,10 @@ class BiasCorrector {
     int width_, height_;
 };
 
-/// Corrects positions, and makes errors those of the scatter that remains, in a general correction
-/// the share of their own that does. Spheres nearer than
-/// BiasTerms::kReach to the border stay as they are. `darkness` and `residual` are those of the fit
-/// that gave `found`. Same bits for any number of threads. About 2 µs a sphere.
+/// Corrects positions, and makes errors those of the scatter that remains; in a general correction
+/// the share of their own that does. Spheres nearer than BiasTerms::kReach to the border stay as
+/// they are. `darkness` and `residual` are those of the fit that gave `found`, `diameter` is a
+/// [px]. Same bits for any number of threads. About 3 µs a sphere.
 void correct_bias(const BiasCorrection& correction, const Image& darkness, const Image& residual,
                   double diameter, Located& found, int threads);
 

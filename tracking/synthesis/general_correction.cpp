@@ -59,6 +59,45 @@ std::vector<double> numbers_after(std::istream& text, const std::string& name, s
 
 }  // namespace
 
+void ResidualPattern::add(const BiasTerms::Terms& terms) {
+    constexpr auto kFirst = static_cast<std::size_t>(BiasTerms::kDistances);  // of the moments
+    for (std::size_t ring = 0; ring < BiasTerms::kRings; ++ring) {
+        const auto x = static_cast<double>(terms.x[kFirst + ring]);
+        const auto y = static_cast<double>(terms.y[kFirst + ring]);
+        squares_[ring] += x * x + y * y;
+        if (ring + 1 == BiasTerms::kRings) continue;
+        products_[ring] += x * static_cast<double>(terms.x[kFirst + ring + 1]) +
+                           y * static_cast<double>(terms.y[kFirst + ring + 1]);
+    }
+}
+
+std::array<double, ResidualPattern::kNumbers> ResidualPattern::numbers() const {
+    std::array<double, kNumbers> numbers{};
+    double mean = 0;
+    for (const double s : squares_) mean += s / BiasTerms::kRings;
+    for (std::size_t ring = 0; ring < BiasTerms::kRings; ++ring) {
+        const bool is_last = ring + 1 == BiasTerms::kRings;
+        if (!is_last) {
+            numbers[ring] = products_[ring] / std::sqrt(squares_[ring] * squares_[ring + 1]);
+        }
+        numbers[BiasTerms::kRings - 1 + ring] = 0.5 * std::log(squares_[ring] / mean);
+    }
+    return numbers;
+}
+
+double GeneralCorrection::unlikeness(
+    const std::array<double, ResidualPattern::kNumbers>& numbers) const {
+    constexpr std::size_t n = ResidualPattern::kNumbers;
+    double sum = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+        for (std::size_t j = 0; j < n; ++j) {
+            sum +=
+                (numbers[i] - pattern[i]) * pattern_weights[i * n + j] * (numbers[j] - pattern[j]);
+        }
+    }
+    return std::sqrt(sum / static_cast<double>(n));
+}
+
 std::array<double, GeneralCorrection::kFilmTerms> GeneralCorrection::film_terms(
     double edge_width, double apparent_diameter) {
     return {1, (edge_width - kMeanWidth) / kSpreadOfWidth,
@@ -119,6 +158,9 @@ GeneralCorrection read_general_correction(std::string_view text) {
     general.least_diameter = diameters[0];
     general.most_diameter = diameters[1];
     general.shares = numbers_after(lines, "shares", kOverlapClasses);
+    general.pattern = numbers_after(lines, "pattern", ResidualPattern::kNumbers);
+    general.pattern_weights = numbers_after(lines, "pattern-weights",
+                                            ResidualPattern::kNumbers * ResidualPattern::kNumbers);
     for (int k = 0; k < BiasTerms::kCount; ++k) {
         const auto weight = numbers_after(lines, "weight", GeneralCorrection::kFilmTerms);
         general.weights.push_back({weight[0], weight[1], weight[2]});
@@ -139,6 +181,10 @@ std::string write_general_correction(const GeneralCorrection& general) {
     text += fmt::format("diameters {:.4f} {:.4f}\n", general.least_diameter, general.most_diameter);
     text += "# of a standard error that remain, by class of overlap\nshares";
     for (const double share : general.shares) text += fmt::format(" {:.4f}", share);
+    text += "\n# of the residual: mean over cameras, and inverse covariance\npattern";
+    for (const double number : general.pattern) text += fmt::format(" {:.5g}", number);
+    text += "\npattern-weights";
+    for (const double weight : general.pattern_weights) text += fmt::format(" {:.5g}", weight);
     text += "\n# of each term, times 1, edge width and diameter about their means [a]\n";
     for (const auto& [one, width, diameter] : general.weights) {
         text += fmt::format("weight {:.4g} {:.4g} {:.4g}\n", one, width, diameter);
@@ -146,9 +192,10 @@ std::string write_general_correction(const GeneralCorrection& general) {
     return text;
 }
 
-CorrectionSize correction_size(const BiasCorrection& correction, const Image& counts,
-                               const ImageModel& model, const DetectionOptions& detection,
-                               const RefinementOptions& refinement, double diameter, int threads) {
+CorrectionJudgement judge_correction(const GeneralCorrection& general, const Image& counts,
+                                     const ImageModel& model, const DetectionOptions& detection,
+                                     const RefinementOptions& refinement, double diameter,
+                                     int threads) {
     const auto side = [&](int whole) {
         return std::min(whole, static_cast<int>(std::ceil(kPart * diameter)));
     };
@@ -166,24 +213,29 @@ CorrectionSize correction_size(const BiasCorrection& correction, const Image& co
     locator.expect_misfit(model.residual_rms);
     DetectionOptions once = detection;
     once.cores = CoreSearch::never;
-    Located found = locator.locate(darkness, once, refinement);
-    const std::vector<Vec2> before = found.position;
+    const Located found = locator.locate(darkness, once, refinement);
+    const Image residual = locator.residual();
     const std::vector<Vec2> errors = standard_errors(found);
-    correct_bias(correction, darkness, locator.residual(), diameter, found, threads);
-    CorrectionSize size;
+    const BiasCorrector corrector(general.of(model.disc, diameter), darkness, residual,
+                                  found.fitted, diameter);
+    ResidualPattern pattern;
+    CorrectionJudgement judgement;
     double moved = 0;
     double expected = 0;
-    for (std::size_t i = 0; i < before.size(); ++i) {
-        const Vec2 p = before[i];
-        if (std::min({p.x, p.y, width - 1 - p.x, height - 1 - p.y}) < kMargin * diameter) continue;
-        ++size.spheres;
-        moved += squared_norm(found.position[i] - p);
+    for (std::size_t i = 0; i < found.position.size(); ++i) {
+        const Vec2 p = found.position[i];
+        const double inside = std::min({p.x, p.y, width - 1 - p.x, height - 1 - p.y});
+        if (inside < kMargin * diameter || !std::isfinite(squared_norm(errors[i]))) continue;
+        ++judgement.spheres;
+        pattern.add(corrector.terms().of(p));
+        moved += squared_norm(corrector.corrected(p) - p);
         expected += squared_norm(errors[i]);
     }
-    if (size.spheres == 0) return size;
-    size.moved = std::sqrt(moved / (2 * size.spheres)) / diameter;
-    size.expected = std::sqrt(expected / (2 * size.spheres)) / diameter;
-    return size;
+    if (judgement.spheres == 0) return judgement;
+    judgement.moved = std::sqrt(moved / (2 * judgement.spheres)) / diameter;
+    judgement.expected = std::sqrt(expected / (2 * judgement.spheres)) / diameter;
+    judgement.unlikeness = general.unlikeness(pattern.numbers());
+    return judgement;
 }
 
 }  // namespace grainfield::tracking

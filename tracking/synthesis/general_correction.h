@@ -15,6 +15,26 @@
 
 namespace grainfield::tracking {
 
+/// How what discs leave over about the spheres of a frame is distributed: the first moments h_1 of
+/// the residual on the rings of BiasTerms.
+///
+///   ⟨h(ρ_k) · h(ρ_{k+1})⟩ / RMS RMS for neighbouring rings, then ln of the RMS on each ring over
+///   that of all rings.
+///
+/// It hardly depends on where spheres are, and tells mirrors from discs with a rim.
+class ResidualPattern {
+ public:
+    static constexpr std::size_t kNumbers = 2 * BiasTerms::kRings - 1;
+
+    void add(const BiasTerms::Terms& terms);
+    /// Of all that were added, one at least.
+    std::array<double, kNumbers> numbers() const;
+
+ private:
+    std::array<double, BiasTerms::kRings> squares_{};
+    std::array<double, BiasTerms::kRings> products_{};  ///< with the next ring
+};
+
 /// How discs err on mirror-like spheres over a panel, whatever the camera.
 ///
 /// Learned once, by ridge regression, from ray-traced frames of cameras drawn at random
@@ -24,19 +44,25 @@ struct GeneralCorrection {
     /// Of what a weight depends on: 1, edge width and diameter.
     static constexpr std::size_t kFilmTerms = 3;
 
-    std::vector<std::array<double, kFilmTerms>> weights;  ///< of BiasTerms [a]
+    /// Of BiasTerms; the sum over all is what a position lacks [a].
+    std::vector<std::array<double, kFilmTerms>> weights;
     std::vector<double> shares;  ///< of a standard error that remain, by class of overlap
     double least_width = 0, most_width = 0;        ///< of edges, that it was learned from [a]
     double least_diameter = 0, most_diameter = 0;  ///< apparent, likewise [a]
+    /// Mean over cameras, and inverse covariance, row by row; some of its diagonal is added to it.
+    std::vector<double> pattern, pattern_weights;
     double before = 0, after = 0;  ///< RMS error per axis on cameras left out, median of them [a]
     int cameras = 0;
     int spheres = 0;
 
-    /// Of discs in units of a, about their means and in units of their spread.
+    /// Of discs, both lengths in a. The weights are of these: a change of the constants in it needs
+    /// learning anew.
     static std::array<double, kFilmTerms> film_terms(double edge_width, double apparent_diameter);
 
     /// Why it does not hold for discs of that size [px]; empty: it does. `diameter`: a [px].
     std::string refused(const DiscProfile& disc, double diameter) const;
+    /// How far a pattern is from the mean of the cameras, RMS in units of their spread [-].
+    double unlikeness(const std::array<double, ResidualPattern::kNumbers>& numbers) const;
     /// What it is for them.
     BiasCorrection of(const DiscProfile& disc, double diameter) const;
 };
@@ -45,22 +71,30 @@ struct GeneralCorrection {
 const GeneralCorrection& general_correction();
 /// Throws std::invalid_argument for text that write_general_correction has not written.
 GeneralCorrection read_general_correction(std::string_view text);
+/// The text that read_general_correction reads.
 std::string write_general_correction(const GeneralCorrection& general);
 
-/// How far a correction moves the spheres of a frame.
-struct CorrectionSize {
-    int spheres = 0;      ///< that were looked at
-    double moved = 0;     ///< RMS per axis [a]
-    double expected = 0;  ///< RMS of their standard errors, misfit included [a]
+/// Whether the general correction holds for a frame.
+struct CorrectionJudgement {
+    int spheres = 0;        ///< that were looked at
+    double moved = 0;       ///< by the correction, RMS per axis [a]
+    double expected = 0;    ///< RMS of their standard errors, misfit included [a]
+    double unlikeness = 0;  ///< GeneralCorrection::unlikeness
 
-    /// No correction can be larger than the errors that it corrects. On frames of other cameras
-    /// than those learned from the ratio is .7 to 1.2, on silhouettes 2.6.
-    bool is_too_large() const { return moved > 1.5 * expected; }
+    /// A correction is hardly larger than the errors that it corrects. On 40 frames of cameras that
+    /// mirror the ratio was .7 to 1.2, on silhouettes in blurred light 2.6.
+    bool is_too_large() const { return !(moved <= 1.5 * expected); }
+    /// Frames of mirrors: 1.7 at most of 320 cameras, 2.6 of a crystal. Silhouettes with and
+    /// without a rim: 5.6 and more.
+    bool is_unlike() const { return !(unlikeness <= 3.8); }
 };
 
-/// Of the middle of a frame, 40 a wide at most. Its border is left out.
-CorrectionSize correction_size(const BiasCorrection& correction, const Image& counts,
-                               const ImageModel& model, const DetectionOptions& detection,
-                               const RefinementOptions& refinement, double diameter, int threads);
+/// Of the middle of a frame, 40 a wide at most, in the light of the calibration. Spheres nearer
+/// than 2 a to its border are left out. `counts`: the frame. `diameter`: a [px]. Same bits for any
+/// number of threads. Takes the time of a cold search of that part.
+CorrectionJudgement judge_correction(const GeneralCorrection& general, const Image& counts,
+                                     const ImageModel& model, const DetectionOptions& detection,
+                                     const RefinementOptions& refinement, double diameter,
+                                     int threads);
 
 }  // namespace grainfield::tracking

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/support/random.h"
+#include "tracking/locate.h"
 #include "tracking/synthesis/bias_terms.h"
 
 namespace grainfield::tracking {

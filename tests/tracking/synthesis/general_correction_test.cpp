@@ -1,5 +1,6 @@
 #include "tracking/synthesis/general_correction.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -7,7 +8,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/run_plan.h"
+#include "tests/support/layer_frames.h"
 #include "tests/tracking/synthesis/rendered_layer.h"
+#include "tracking/calibrate/calibration.h"
 #include "tracking/locate.h"
 #include "tracking/synthesis/bias_terms.h"
 
@@ -16,7 +20,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TEST(GeneralCorrection, OfTheProgramIsOfManyCamerasAndHalvesTheirErrors) {
+TEST(GeneralCorrection, OfTheProgramSaysThatItIsOfManyCamerasAndHalvesTheirErrors) {
     const GeneralCorrection& general = general_correction();
     EXPECT_EQ(general.weights.size(), static_cast<std::size_t>(BiasTerms::kCount));
     EXPECT_GE(general.cameras, 100);
@@ -95,11 +99,44 @@ TEST(GeneralCorrection, BringsTheMirrorsOfAnotherRayTracerNearerToTheirPlaces) {
     };
     const double before = error();
     const BiasCorrection correction = general_correction().of(model.disc, kScale);
-    const CorrectionSize size =
-        correction_size(correction, layer.brightness, model, {}, {}, kScale, 2);
-    EXPECT_FALSE(size.is_too_large());
+    const GeneralCorrection& general = general_correction();
+    const CorrectionJudgement two =
+        judge_correction(general, layer.brightness, model, {}, {}, kScale, 2);
+    EXPECT_GE(two.spheres, 200);
+    EXPECT_GT(two.moved, 0.003);
+    EXPECT_FALSE(two.is_too_large());
+    EXPECT_FALSE(two.is_unlike()) << two.unlikeness;
+    const CorrectionJudgement one =
+        judge_correction(general, layer.brightness, model, {}, {}, kScale, 1);
+    EXPECT_EQ(one.moved, two.moved);
+    EXPECT_EQ(one.expected, two.expected);
+    EXPECT_EQ(one.unlikeness, two.unlikeness);
     correct_bias(correction, darkness, locator.residual(), kScale, found, 2);
     EXPECT_LT(error(), 0.75 * before);
+}
+
+// The frames of the reference camera have a mirroring rim, and errors as large as mirrors have.
+TEST(CorrectionJudgement, OfDiscsWithARimIsThatTheyAreUnlikeMirrors) {
+    const auto scene = testing::hard_disc_liquid(640, 640, 14, 0.7, 3);
+    const Image counts = testing::camera_frame(scene, {}, 1);
+    RunPlan plan;
+    const auto calibration = calibrate(counts, {}, {}, {}, 2, plan);
+    ASSERT_TRUE(calibration.has_value());
+    const CorrectionJudgement judgement =
+        judge_correction(general_correction(), counts, calibration->model, {}, {}, 16, 2);
+    EXPECT_GE(judgement.spheres, 200);
+    EXPECT_TRUE(judgement.is_unlike()) << judgement.unlikeness;
+}
+
+TEST(CorrectionJudgement, BesideErrorsThatAreZeroOrNotKnownIsThatItIsTooLarge) {
+    CorrectionJudgement judgement{.spheres = 3, .moved = 0.01, .expected = 0.01};
+    EXPECT_FALSE(judgement.is_too_large());
+    judgement.expected = 0;
+    EXPECT_TRUE(judgement.is_too_large());
+    judgement.expected = std::nan("");
+    EXPECT_TRUE(judgement.is_too_large());
+    judgement.unlikeness = std::nan("");
+    EXPECT_TRUE(judgement.is_unlike());
 }
 
 }  // namespace

@@ -47,6 +47,7 @@ Snapshot tracked(const TracedFrame& traced, bool with_synthesis) {
     options.sphere_diameter = traced.diameter;
     options.calibration.polarity = PolarityChoice::dark;
     options.synthesis = with_synthesis;
+    if (!with_synthesis) options.correct_bias = false;
     options.threads = 2;
     return track(*frames, options).snapshots.at(0);
 }
