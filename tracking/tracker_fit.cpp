@@ -5,6 +5,7 @@
 #include "core/support/parallel.h"
 #include "core/support/team.h"
 #include "tracking/run_clock.h"
+#include "tracking/synthesis/corrected_positions.h"
 #include "tracking/tracker.h"
 #include "tracking/warm_start.h"
 

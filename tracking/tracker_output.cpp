@@ -6,6 +6,7 @@
 
 #include "tracking/camera/size_misfit.h"
 #include "tracking/run_clock.h"
+#include "tracking/synthesis/corrected_positions.h"
 #include "tracking/tracker.h"
 
 namespace grainfield::tracking {

@@ -29,6 +29,7 @@
 #include "tracking/locate.h"
 #include "tracking/point_grid.h"
 #include "tracking/synthesis/bias_terms.h"
+#include "tracking/synthesis/corrected_positions.h"
 #include "tracking/synthesis/general_correction.h"
 #include "tracking/tracker.h"
 

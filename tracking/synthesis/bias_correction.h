@@ -10,8 +10,6 @@
 
 namespace grainfield::tracking {
 
-struct Located;
-
 /// How the positions of fitted discs err on mirror-like spheres: learned from a film's own
 /// synthesised frames (learn_bias), or from those of many cameras (general_correction).
 struct BiasCorrection {
@@ -64,21 +62,5 @@ class BiasCorrector {
     double diameter_;
     int width_, height_;
 };
-
-/// Corrects positions, and makes errors those of the scatter that remains; in a general correction
-/// the share of their own that does. Spheres nearer than BiasTerms::kReach to the border stay as
-/// they are. `darkness` and `residual` are those of the fit that gave `found`, `diameter` is a
-/// [px]. Same bits for any number of threads. About 3 µs a sphere.
-void correct_bias(const BiasCorrection& correction, const Image& darkness, const Image& residual,
-                  double diameter, Located& found, int threads);
-
-/// Every disc of the model, those farther than BiasTerms::kReach from the border corrected [px].
-std::vector<Vec2> corrected_discs(const BiasCorrection& correction, const Image& darkness,
-                                  const Image& residual, double diameter, const Located& found,
-                                  int threads);
-
-/// Standard errors of what was found, misfit included [px]. `harmless`: what of the squared misfit
-/// about each sphere displaces none [contrast²]; empty: nothing.
-std::vector<Vec2> standard_errors(const Located& found, const std::vector<double>& harmless = {});
 
 }  // namespace grainfield::tracking

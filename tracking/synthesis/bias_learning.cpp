@@ -16,6 +16,7 @@
 #include "core/support/random.h"
 #include "tracking/point_grid.h"
 #include "tracking/synthesis/bias_terms.h"
+#include "tracking/synthesis/corrected_positions.h"
 #include "tracking/synthesis/random_moves.h"
 #include "tracking/synthesis/rendered_part.h"
 

@@ -11,6 +11,7 @@
 
 #include "tracking/locate.h"
 #include "tracking/synthesis/bias_terms.h"
+#include "tracking/synthesis/corrected_positions.h"
 #include "tracking/synthesis/general_correction_text.h"
 #include "tracking/synthesis/rendered_part.h"
 

@@ -12,7 +12,7 @@
 #include "tests/support/tilted_camera.h"
 #include "tracking/camera/camera_fit.h"
 #include "tracking/locate.h"
-#include "tracking/synthesis/bias_correction.h"
+#include "tracking/synthesis/corrected_positions.h"
 #include "tracking/tracker.h"
 
 namespace grainfield::tracking {

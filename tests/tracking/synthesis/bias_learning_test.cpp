@@ -15,6 +15,7 @@
 #include "tests/support/csv_rows.h"
 #include "tests/support/position_score.h"
 #include "tests/tracking/synthesis/rendered_layer.h"
+#include "tracking/synthesis/corrected_positions.h"
 #include "tracking/tracking.h"
 
 namespace grainfield::tracking {

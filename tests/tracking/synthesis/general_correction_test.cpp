@@ -14,6 +14,7 @@
 #include "tracking/calibrate/calibration.h"
 #include "tracking/locate.h"
 #include "tracking/synthesis/bias_terms.h"
+#include "tracking/synthesis/corrected_positions.h"
 
 namespace grainfield::tracking {
 namespace {

@@ -1,4 +1,4 @@
-#include "tracking/synthesis/bias_correction.h"
+#include "tracking/synthesis/corrected_positions.h"
 
 #include <cmath>
 #include <vector>
@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "core/support/random.h"
-#include "tracking/locate.h"
 #include "tracking/synthesis/bias_terms.h"
 
 namespace grainfield::tracking {
@@ -44,7 +43,7 @@ Located located() {
     return found;
 }
 
-TEST(BiasCorrection, GivesTheErrorsThatRemainInTheClass) {
+TEST(CorrectedPositions, GivesTheErrorsThatRemainInTheClass) {
     Located found = located();
     correct_bias(correction(0), noise(1), noise(2), kDiameter, found, 1);
     EXPECT_EQ(found.position, located().position);
@@ -55,7 +54,7 @@ TEST(BiasCorrection, GivesTheErrorsThatRemainInTheClass) {
     EXPECT_NEAR(errors[3].x, 0.016 * kDiameter, 1e-12);
 }
 
-TEST(BiasCorrection, OfManyCamerasLeavesAShareOfEachErrorAndNeverLessThanTheNoise) {
+TEST(CorrectedPositions, OfManyCamerasLeavesAShareOfEachErrorAndNeverLessThanTheNoise) {
     Located found = located();
     const std::vector<Vec2> before = standard_errors(found);
     BiasCorrection general = correction(0);
@@ -68,7 +67,7 @@ TEST(BiasCorrection, OfManyCamerasLeavesAShareOfEachErrorAndNeverLessThanTheNois
     EXPECT_EQ(after[2], before[2]);                     // at the border
 }
 
-TEST(BiasCorrection, LeavesSpheresAtTheBorderAsTheyAre) {
+TEST(CorrectedPositions, LeavesSpheresAtTheBorderAsTheyAre) {
     Located found = located();
     correct_bias(correction(1), noise(1), noise(2), kDiameter, found, 1);
     EXPECT_EQ(found.position[2], located().position[2]);
@@ -76,7 +75,7 @@ TEST(BiasCorrection, LeavesSpheresAtTheBorderAsTheyAre) {
     EXPECT_NE(found.position[0], located().position[0]);
 }
 
-TEST(BiasCorrection, HasTheSameBitsForAnyNumberOfThreads) {
+TEST(CorrectedPositions, HasTheSameBitsForAnyNumberOfThreads) {
     Located one = located();
     Located four = located();
     for (int k = 0; k < 200; ++k) {
