@@ -82,12 +82,13 @@ std::string camera_in_words(const TrackJobResult& result) {
     return text + fmt::format("; residual {:.3f} px\n", camera.residual_rms);
 }
 
-std::string bias_in_words(const TrackJobResult& result) {
+/// What was decided of the bias; empty where positions are those of the discs.
+std::string bias_in_words(const TrackJobResult& result, const RunPlan& plan) {
     if (!result.bias) return "";
-    return fmt::format("  bias       positions corrected: {:.4f} to {:.4f} a RMS on {}\n",
-                       result.bias->before, result.bias->after,
-                       result.bias->is_general() ? "frames of cameras that it was not learned from"
-                                                 : "synthesised frames");
+    for (const PlannedStage& stage : plan.stages()) {
+        if (stage.stage == "bias" && stage.runs) return stage.reason;
+    }
+    return "";
 }
 
 std::string words(const Session& session, const TrackJobResult& result, const LabUnits& lab) {
@@ -118,7 +119,9 @@ std::string words(const Session& session, const TrackJobResult& result, const La
                             tracking::in_words(summary.layers),
                             summary.layers.rejected_pairs + summary.layers.rejected_triples);
     }
-    text += bias_in_words(result);
+    if (const std::string bias = bias_in_words(result, session.plan); !bias.empty()) {
+        text += fmt::format("  bias       {}\n", bias);
+    }
     text += synthesis_in_words(summary.synthesis);
     const auto& ms = summary.ms_per_frame;
     const std::string synthesis =

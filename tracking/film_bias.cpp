@@ -35,7 +35,9 @@ std::string not_for_this_film(const TrackOptions& options, const ImageModel& mod
     if (!options.sphere_diameter) return "the true diameter is not known (track.sphere-diameter)";
     if (model.polarity != Polarity::dark) return "bright spheres mirror no panel";
     if (options.camera) return "it holds for frames as a straight lens sees them";
-    if (!options.visible.are_all()) return "it holds for whole frames, and a mask hides a part";
+    if (!options.visible.are_all())
+        return "it holds for whole frames, and a mask hides a part; a region (film.region) can "
+               "leave out a rim without one";
     if (is_unusual_size(model.disc.diameter, *options.sphere_diameter)) {
         return "discs of this size are no usual picture of spheres of track.sphere-diameter";
     }
@@ -81,8 +83,8 @@ void require_same(const BiasCorrection& kept, const TrackOptions& options) {
                                  : fmt::format("{} is not given", what),
              .expected = fmt::format("{:g} {}, for which it was learned", then, unit),
              .suggestion =
-                 "give that value, or track.correct-bias = false, or calibrate again with "
-                 "track.correct-bias"});
+                 "give that value, or switch track.correct-bias off, or calibrate again with "
+                 "it"});
     };
     require("track.sphere-diameter", "px", kept.diameter, now.diameter);
     require("layers.height", "a", kept.height, now.height);
@@ -147,7 +149,7 @@ std::optional<BiasCorrection> bias_of_film(FrameSource& source, const TrackOptio
                                            const ImageModel& model, std::int64_t first, int threads,
                                            RunPlan& plan) {
     if (!options.correct_bias.value_or(true)) {
-        plan.skip("bias", "not wanted (track.correct-bias)", kSaved);
+        plan.skip("bias", "not wanted (track.correct-bias is off)", kSaved);
         return std::nullopt;
     }
     if (options.kept && options.kept->bias) {

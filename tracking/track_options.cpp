@@ -55,7 +55,7 @@ void require_size_of_mirrors(const TrackOptions& options) {
     if (options.sphere_diameter) return;
     refuse_bias("track.sphere-diameter is not known", "a [px]",
                 "give track.sphere-diameter, the dark disc is smaller than the sphere; or "
-                "track.correct-bias = false");
+                "switch track.correct-bias off, which a kept calibration can ask for as well");
 }
 
 /// Throws OptionError where a correction of the bias cannot be learned.

@@ -98,7 +98,13 @@ TEST_F(BiasCorrection, IsSaidAndKeptWithTheCalibrationAndGivesTheSamePositionsFr
     std::vector<std::string> said =
         words(3, {"-o", folder_ / "b.h5", "--force", "--calibration", kept});
     std::erase(said, "--json");
-    EXPECT_THAT(run_grainfield(said).out, HasSubstr("  bias       " + line));
+    EXPECT_THAT(run_grainfield(said).out,
+                HasSubstr("  bias       positions corrected as kept with the calibration"));
+    std::vector<std::string> general = words(3, {"-o", folder_ / "c.h5", "--force"});
+    std::erase(general, "--json");
+    EXPECT_THAT(run_grainfield(general).out,
+                ::testing::ContainsRegex("  bias       positions corrected for mirror images of "
+                                         "neighbours by 0\\.0[0-9]+ a RMS"));
 }
 
 TEST_F(BiasCorrection, KilledAndTakenUpAgainGivesWhatOneRunGives) {

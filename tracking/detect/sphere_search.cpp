@@ -213,8 +213,8 @@ std::vector<char> discs_to_keep(const JointFit& fit, const std::vector<double>& 
     for (std::uint32_t j = 0; j < positions.size(); ++j) {
         if (explained[j] < demands.threshold || is_crowded(j)) suspects.push_back(j);
     }
-    std::sort(suspects.begin(), suspects.end(), [&](std::uint32_t a, std::uint32_t b) {
-        return explained[a] != explained[b] ? explained[a] < explained[b] : a < b;
+    std::sort(suspects.begin(), suspects.end(), [&](std::uint32_t i, std::uint32_t j) {
+        return explained[i] != explained[j] ? explained[i] < explained[j] : i < j;
     });
     const double influence = 2 * fit.disc().reach();
     PointGrid gone(width, height, influence);
