@@ -113,10 +113,6 @@ class Sheet {
         for (const auto& [key, value] : record.configuration) {
             summary_.facts["configuration"][key] = value;
         }
-        summary_.facts["decided"] = record.decided;
-        for (const std::string& decided : record.decided) {
-            summary_.text += fmt::format("  {:<12} {}\n", "decided", decided);
-        }
         for (const std::string& skipped : record.skipped) {
             summary_.text += fmt::format("  {:<12} {}\n", "skipped", skipped);
         }

@@ -83,7 +83,6 @@ struct RunRecord {
         std::string checksum;  ///< "crc32:9ae0daaf" of the content
     };
     std::vector<Input> inputs;
-    std::vector<std::string> decided;  ///< what was chosen and why, "stage: reason"
     std::vector<std::string> skipped;  ///< "stage: reason"
     std::vector<Warning> warnings;
 };

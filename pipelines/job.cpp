@@ -20,8 +20,8 @@ RunRecord Job::record() const {
     record.seconds = seconds();
     record.configuration = configuration;
     for (const auto& input : inputs) record.inputs.push_back(io::describe_input(input));
-    for (const PlannedStage& stage : plan.stages()) {
-        (stage.runs ? record.decided : record.skipped).push_back(stage.stage + ": " + stage.reason);
+    for (const PlannedStage& stage : plan.skipped()) {
+        record.skipped.push_back(stage.stage + ": " + stage.reason);
     }
     record.warnings = plan.warnings();
     return record;

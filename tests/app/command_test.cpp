@@ -97,14 +97,13 @@ TEST(JsonSummary, HoldsTheKeysThatScriptsRelyOn) {
     EXPECT_EQ(object["frames"], 7);
 }
 
-TEST(SessionRecord, RepeatsWhatWasAskedForDecidedAndSkipped) {
+TEST(SessionRecord, RepeatsWhatWasAskedForAndWhatWasSkipped) {
     const RunRecord record = session().record();
     EXPECT_EQ(record.command, "track");
     EXPECT_EQ(record.version, kVersion);
     EXPECT_EQ(record.seed, 42U);
     EXPECT_EQ(record.threads, 3);
     EXPECT_EQ(record.configuration.at(1).first, "link.memory");
-    EXPECT_EQ(record.decided, std::vector<std::string>{"detect: always"});
     EXPECT_EQ(record.skipped, std::vector<std::string>{"link: one frame"});
     EXPECT_EQ(record.warnings, std::vector<Warning>{{.text = "frame 2 is dark"}});
 }

@@ -85,8 +85,6 @@ TEST_F(BiasCorrection, IsSaidAndKeptWithTheCalibrationAndGivesTheSamePositionsFr
     ASSERT_EQ(plain.code, 0) << plain.err;
     EXPECT_EQ(json::parse(plain.out).at("bias").at("learned_from"), "other cameras");
     EXPECT_NE(testing::fingerprint(folder_ / "c.h5"), testing::fingerprint(folder_ / "a.h5"));
-    const std::string about = run_grainfield({"info", folder_ / "c.h5"}).out;
-    EXPECT_THAT(about, HasSubstr("decided      bias: positions corrected for mirror images"));
     const Outcome none = run_grainfield(words(3, {"-o", folder_ / "d.h5", "--no-correct-bias"}));
     ASSERT_EQ(none.code, 0) << none.err;
     EXPECT_TRUE(json::parse(none.out).at("bias").is_null());

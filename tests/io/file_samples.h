@@ -98,7 +98,6 @@ inline RunRecord sample_record() {
     record.seconds = 1.0 / 3;
     record.configuration = {{"detection.threshold", "0.1"}, {"link.memory", "3"}};
     record.inputs = {{"a.tif", 1024192, "crc32:9ae0daaf"}};
-    record.decided = {"polarity: dark, as most of the frame is bright"};
     record.skipped = {"background fit: uniform"};
     record.warnings = {{.text = "frame 3 is missing"},
                        {WarningCode::apparent_diameter, "lengths are in D"}};
@@ -167,7 +166,6 @@ inline void expect_same(const RunRecord& a, const RunRecord& b) {
         EXPECT_EQ(a.inputs[i].bytes, b.inputs[i].bytes);
         EXPECT_EQ(a.inputs[i].checksum, b.inputs[i].checksum);
     }
-    EXPECT_EQ(a.decided, b.decided);
     EXPECT_EQ(a.skipped, b.skipped);
     EXPECT_EQ(a.warnings, b.warnings);
 }

@@ -159,7 +159,6 @@ json to_json(const RunRecord& record) {
             {"seconds", to_json(record.seconds)},
             {"configuration", configuration},
             {"inputs", inputs},
-            {"decided", record.decided},
             {"skipped", record.skipped},
             {"warnings", warnings},
             {"warning_codes", codes}};
@@ -210,8 +209,6 @@ RunRecord record_from_json(const json& text, const std::string& file) {
                                      whole_from_json<std::uint64_t>(input.at("bytes")),
                                      input.at("checksum").get<std::string>()});
         }
-        // Files of versions up to 2026-11-25 do not say.
-        record.decided = text.value("decided", std::vector<std::string>());
         record.skipped = text.at("skipped").get<std::vector<std::string>>();
         record.warnings = warnings_from_json(text);
         return record;

@@ -96,7 +96,6 @@ TEST(Records, EscapeEverything) {
                       {{hostile, hostile}},
                       {{hostile, 1, hostile}},
                       {hostile},
-                      {hostile},
                       {{.text = hostile}}};
     RunPlan plan;
     plan.warn(hostile);

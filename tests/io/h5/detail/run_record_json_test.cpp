@@ -84,8 +84,6 @@ TEST(RunRecordJson, OfVersion01HasNoIdentityButIsRead) {
     EXPECT_EQ(info_from_json(info, "x").diameter, sample_info().diameter);
     nlohmann::json record = to_json(sample_record());
     record.erase("warning_codes");
-    record.erase("decided");
-    EXPECT_TRUE(record_from_json(record, "x").decided.empty());
     EXPECT_EQ(record_from_json(record, "x").warnings.at(0).text, "frame 3 is missing");
 }
 
