@@ -84,7 +84,7 @@ struct CorrectionJudgement {
     /// A correction is hardly larger than the errors that it corrects. On 40 frames of cameras that
     /// mirror the ratio was .7 to 1.2, on silhouettes in blurred light 2.6.
     bool is_too_large() const { return !(moved <= 1.5 * expected); }
-    /// Frames of mirrors: 1.7 at most of 320 cameras, 2.6 of a crystal. Silhouettes with and
+    /// Frames of mirrors: 1.8 at most of 320 cameras, 2.6 of a crystal. Silhouettes with and
     /// without a rim: 5.6 and more.
     bool is_unlike() const { return !(unlikeness <= 3.8); }
 };
