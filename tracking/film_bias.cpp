@@ -35,9 +35,10 @@ std::string not_for_this_film(const TrackOptions& options, const ImageModel& mod
     if (!options.sphere_diameter) return "the true diameter is not known (track.sphere-diameter)";
     if (model.polarity != Polarity::dark) return "bright spheres mirror no panel";
     if (options.camera) return "it holds for frames as a straight lens sees them";
-    if (!options.visible.are_all())
-        return "it holds for whole frames, and a mask hides a part; a region (film.region) can "
-               "leave out a rim without one";
+    if (!options.visible.are_all()) {
+        return "it holds for whole frames, and a mask hides a part; a region leaves out a rim "
+               "without one";
+    }
     if (is_unusual_size(model.disc.diameter, *options.sphere_diameter)) {
         return "discs of this size are no usual picture of spheres of track.sphere-diameter";
     }
@@ -127,9 +128,10 @@ std::optional<BiasCorrection> general_bias(FrameSource& source, const TrackOptio
         plan.skip(
             "bias",
             fmt::format("these look like no mirrors above a panel: what discs leave is {:.1f} "
-                        "spreads from that of other cameras, 3.8 at most, and the general "
+                        "spreads from that of other cameras, {:.1f} at most, and the general "
                         "correction would move them by {:.4f} a RMS beside errors of {:.4f} a",
-                        judgement.unlikeness, judgement.moved, judgement.expected),
+                        judgement.unlikeness, CorrectionJudgement::kMostUnlike, judgement.moved,
+                        judgement.expected),
             kSaved);
         return std::nullopt;
     }

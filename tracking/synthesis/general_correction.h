@@ -86,7 +86,8 @@ struct CorrectionJudgement {
     bool is_too_large() const { return !(moved <= 1.5 * expected); }
     /// Frames of mirrors: 1.8 at most of 320 cameras, 2.6 of a crystal. Silhouettes with and
     /// without a rim: 5.6 and more.
-    bool is_unlike() const { return !(unlikeness <= 3.8); }
+    bool is_unlike() const { return !(unlikeness <= kMostUnlike); }
+    static constexpr double kMostUnlike = 3.8;
 };
 
 /// Of the middle of a frame, 40 a wide at most, in the light of the calibration. Spheres nearer
