@@ -101,14 +101,19 @@ void Locator::set_visible(const VisiblePixels& visible) {
 }
 
 Image Locator::residual() {
+    Image residual(fit_.darkness().width(), fit_.darkness().height());
+    write_residual(residual);
+    return residual;
+}
+
+void Locator::write_residual(Image& residual) {
     fit_.draw_pending();
-    Image residual = fit_.darkness().inner();
     for (int y = 0; y < residual.height(); ++y) {
+        const float* darkness = fit_.darkness().row(y);
         const float* transmission = fit_.transmission().row(y);
         float* row = residual.row(y);
-        for (int x = 0; x < residual.width(); ++x) row[x] -= 1.0F - transmission[x];
+        for (int x = 0; x < residual.width(); ++x) row[x] = darkness[x] - (1.0F - transmission[x]);
     }
-    return residual;
 }
 
 /// Sweeps end where one joint step does the rest.

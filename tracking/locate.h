@@ -92,6 +92,8 @@ class Locator {
     /// Image − model of the fit that came last, as the product of transmissions sees the image; 0
     /// where nothing is looked at [contrast].
     Image residual();
+    /// The same into an image of that size.
+    void write_residual(Image& residual);
     /// Of the model fitted last.
     const PaddedImage& transmission() const { return fit_.transmission(); }
 

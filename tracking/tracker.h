@@ -155,6 +155,7 @@ class Tracker {
     struct Lane {
         Locator locator;
         IlluminationFollower illumination;
+        Image darkness = {}, residual = {};  ///< of the frame that is corrected; memory is kept
     };
     /// A frame on its way.
     struct Job {

@@ -127,18 +127,21 @@ void Tracker::fit(Job& job, Lane& lane) const {
 
 void Tracker::correct(Job& job, Lane& lane) const {
     const Image& counts = job.frame.image;
-    Image darkness(counts.width(), counts.height());
-    for (int y = 0; y < counts.height(); ++y) {
-        model().darkness_row(counts, job.light, y, darkness.row(y));
+    for (Image* image : {&lane.darkness, &lane.residual}) {
+        if (image->width() != counts.width() || image->height() != counts.height()) {
+            *image = Image(counts.width(), counts.height());
+        }
     }
+    for (int y = 0; y < counts.height(); ++y) {
+        model().darkness_row(counts, job.light, y, lane.darkness.row(y));
+    }
+    lane.locator.write_residual(lane.residual);
     const int own = std::max(1, threads_ / static_cast<int>(lanes_.size()));
-    const Image residual = lane.locator.residual();
+    const double diameter = *options_.sphere_diameter;
     if (synthesis_) {
-        job.discs =
-            corrected_discs(*bias_, darkness, residual, *options_.sphere_diameter, job.found, own);
+        job.discs = corrected_discs(*bias_, lane.darkness, lane.residual, diameter, job.found, own);
     } else {
-        tracking::correct_bias(*bias_, darkness, residual, *options_.sphere_diameter, job.found,
-                               own);
+        tracking::correct_bias(*bias_, lane.darkness, lane.residual, diameter, job.found, own);
     }
 }
 

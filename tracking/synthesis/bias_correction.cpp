@@ -10,7 +10,7 @@ namespace grainfield::tracking {
 BiasCorrector::BiasCorrector(BiasTerms terms, const BiasCorrection& correction, double diameter,
                              int width, int height)
     : terms_(std::move(terms)),
-      weights_(correction.weights.begin(), correction.weights.end()),
+      weights_(correction.weights),
       diameter_(diameter),
       width_(width),
       height_(height) {}

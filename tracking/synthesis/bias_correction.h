@@ -58,7 +58,7 @@ class BiasCorrector {
                   int height);
 
     BiasTerms terms_;
-    std::vector<float> weights_;
+    BiasTerms::Weights weights_;
     double diameter_;
     int width_, height_;
 };

@@ -3,73 +3,40 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
-#include <type_traits>
 
 namespace grainfield::tracking {
 namespace {
 
-constexpr int kAngles = 24;
 constexpr std::array<double, BiasTerms::kRings> kRadius = {0.15, 0.3, 0.45, 0.6, 0.75, 0.9, 1.1};
 constexpr std::array<double, BiasTerms::kDistances> kDistance = {
     0.35, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.45, 1.7, 2.0};  // [a]
 constexpr double kFarthest = 2.3;                                    // [a] where the last φ is 0
 constexpr double kItself = 0.1;                                      // [a]
 
-/// cos mθ and sin mθ over the number of angles.
-struct Waves {
-    std::array<std::array<float, kAngles>, BiasTerms::kOrders> cosine, sine;
-    Waves() {
-        for (std::size_t m = 0; m < BiasTerms::kOrders; ++m) {
-            for (std::size_t k = 0; k < kAngles; ++k) {
-                const double phase =
-                    2 * std::numbers::pi * static_cast<double>(m * k) / double{kAngles};
-                cosine[m][k] = static_cast<float>(std::cos(phase) / kAngles);
-                sine[m][k] = static_cast<float>(std::sin(phase) / kAngles);
-            }
-        }
-    }
-};
-
-const Waves& waves() {
-    static const Waves kept;
-    return kept;
+/// Number of a source among those of MomentSums.
+std::size_t lane_of(std::size_t source) {
+    return source < std::size_t{BiasTerms::kRings}
+               ? source
+               : source - std::size_t{BiasTerms::kRings} + MomentSums::kLanes;
 }
-
-/// Where to read an image between pixels.
-struct Between {
-    int column, row;
-    float right, below;  ///< shares of the next column and row
-
-    /// A place within images of that size.
-    template <class AnImage>
-    Between(const AnImage& image, float x, float y)
-        : column(std::clamp(static_cast<int>(x), 0, image.width() - 2)),
-          row(std::clamp(static_cast<int>(y), 0, image.height() - 2)),
-          right(x - static_cast<float>(column)),
-          below(y - static_cast<float>(row)) {}
-
-    template <class AnImage>
-    float of(const AnImage& image) const {
-        const float* upper = image.row(row) + column;
-        const float* lower = image.row(row + 1) + column;
-        const float first = upper[0] + right * (upper[1] - upper[0]);
-        const float second = lower[0] + right * (lower[1] - lower[0]);
-        return first + below * (second - first);
-    }
-};
 
 }  // namespace
 
 BiasTerms::BiasTerms(const Image& darkness, const Image& residual, const std::vector<Vec2>& discs,
                      double diameter)
-    : images_(Given{&darkness, &residual}), diameter_(diameter) {
+    : darkness_(PixelRows::of(darkness)),
+      residual_(PixelRows::of(residual)),
+      is_transmission_(false),
+      diameter_(diameter) {
     if (!discs.empty()) grid_.emplace(discs, kFarthest * diameter);
 }
 
 BiasTerms::BiasTerms(const PaddedImage& darkness, const PaddedImage& transmission,
                      const std::vector<Vec2>& discs, double diameter)
-    : images_(Fitted{&darkness, &transmission}), diameter_(diameter) {
+    : darkness_(PixelRows::of(darkness)),
+      residual_(PixelRows::of(transmission)),
+      is_transmission_(true),
+      diameter_(diameter) {
     if (!discs.empty()) grid_.emplace(discs, kFarthest * diameter);
 }
 
@@ -77,68 +44,43 @@ std::array<Vec2, BiasTerms::kDistances> BiasTerms::neighbours(Vec2 place) const 
     std::array<Vec2, kDistances> sum{};
     const auto add_neighbour = [&](std::uint32_t, Vec2 disc) {
         const Vec2 apart = (1 / diameter_) * (disc - place);
-        const double d = norm(apart);
+        const double d = std::sqrt(squared_norm(apart));
         if (d < kItself) return;
         const Vec2 direction = (1 / d) * apart;
-        for (std::size_t k = 0; k < kDistances; ++k) {
-            const double here = kDistance[k];
-            const double before = k > 0 ? kDistance[k - 1] : 2 * here - kDistance[1];
-            const double after = k + 1 < kDistances ? kDistance[k + 1] : kFarthest;
-            const double share = std::min((d - before) / (here - before),  //
-                                          (after - d) / (after - here));
-            if (share > 0) sum[k] = sum[k] + share * direction;
-        }
+        // φ_k rises from the distance before its own, and falls to the one behind it.
+        const auto next = static_cast<std::size_t>(
+            std::upper_bound(kDistance.begin(), kDistance.end(), d) - kDistance.begin());
+        const double before = next > 0 ? kDistance[next - 1] : 2 * kDistance[0] - kDistance[1];
+        const double after = next < kDistance.size() ? kDistance[next] : kFarthest;
+        if (next == 0 && d <= before) return;
+        if (next < kDistance.size()) sum[next] += (d - before) / (after - before) * direction;
+        if (next > 0) sum[next - 1] += (after - d) / (after - before) * direction;
     };
     if (grid_) grid_->near(place, kFarthest * diameter_, add_neighbour);
     return sum;
 }
 
-/// `other`: the residual, or the transmission where the images are those of a fit.
-template <class AnImage>
-void BiasTerms::add_rings(const AnImage& dark, const AnImage& other, Vec2 place, Moments& h) const {
-    const Waves& wave = waves();
+MomentSums::Moments BiasTerms::moments(Vec2 place) const {
+    std::array<float, kRings> radii;
     for (std::size_t ring = 0; ring < kRings; ++ring) {
-        const auto radius = static_cast<float>(kRadius[ring] * diameter_);
-        const auto x = static_cast<float>(place.x);
-        const auto y = static_cast<float>(place.y);
-        std::array<float, kAngles> residual;
-        std::array<float, kAngles> darkness;
-        for (std::size_t k = 0; k < kAngles; ++k) {
-            const Between at(dark, x + radius * kAngles * wave.cosine[1][k],
-                             y + radius * kAngles * wave.sine[1][k]);
-            darkness[k] = at.of(dark);
-            residual[k] = at.of(other);
-            if constexpr (std::is_same_v<AnImage, PaddedImage>) residual[k] += darkness[k] - 1;
-        }
-        for (std::size_t m = 0; m < kOrders; ++m) {
-            float a = 0;
-            float b = 0;
-            float c = 0;
-            float d = 0;
-#pragma omp simd reduction(+ : a, b, c, d)
-            for (std::size_t k = 0; k < kAngles; ++k) {
-                a += residual[k] * wave.cosine[m][k];
-                b += residual[k] * wave.sine[m][k];
-                c += darkness[k] * wave.cosine[m][k];
-                d += darkness[k] * wave.sine[m][k];
-            }
-            h.real[m][ring] = a;
-            h.imaginary[m][ring] = b;
-            h.real[m][kRings + ring] = c;
-            h.imaginary[m][kRings + ring] = d;
-        }
+        radii[ring] = static_cast<float>(kRadius[ring] * diameter_);
     }
+    return MomentSums::moments(darkness_, residual_, is_transmission_, radii,
+                               static_cast<float>(place.x), static_cast<float>(place.y));
 }
 
-BiasTerms::Moments BiasTerms::moments(Vec2 place) const {
-    Moments h;
-    if (const Given* given = std::get_if<Given>(&images_)) {
-        add_rings(*given->darkness, *given->residual, place, h);
-    } else {
-        const Fitted& fitted = std::get<Fitted>(images_);
-        add_rings(*fitted.darkness, *fitted.transmission, place, h);
+BiasTerms::Weights::Weights(const std::vector<double>& weights) {
+    const double* next = weights.data();
+    for (double& weight : neighbours_) weight = *next++;
+    const auto single = [&] { return static_cast<float>(*next++); };
+    for (std::size_t s = 0; s < kSources; ++s) moments_.first[lane_of(s)] = single();
+    for (auto& of_order : moments_.product) {
+        for (std::size_t p = 0; p < kSources; ++p) {
+            for (std::size_t q = 0; q < kSources; ++q) {
+                of_order[lane_of(p)][lane_of(q)] = single();
+            }
+        }
     }
-    return h;
 }
 
 BiasTerms::Terms BiasTerms::of(Vec2 place) const {
@@ -150,66 +92,41 @@ BiasTerms::Terms BiasTerms::of(Vec2 place) const {
         ++next;
     };
     for (const Vec2 s : neighbours(place)) add(static_cast<float>(s.x), static_cast<float>(s.y));
-    const Moments h = moments(place);
-    for (std::size_t s = 0; s < kSources; ++s) add(h.real[1][s], h.imaginary[1][s]);
+    const MomentSums::Moments h = moments(place);
+    for (std::size_t s = 0; s < kSources; ++s) {
+        add(h.real[1][lane_of(s)], h.imaginary[1][lane_of(s)]);
+    }
     for (std::size_t m = 0; m + 1 < kOrders; ++m) {
         for (std::size_t p = 0; p < kSources; ++p) {
-            const float a = h.real[m + 1][p];
-            const float b = h.imaginary[m + 1][p];
+            const float a = h.real[m + 1][lane_of(p)];
+            const float b = h.imaginary[m + 1][lane_of(p)];
             for (std::size_t q = 0; q < kSources; ++q) {
-                const float c = h.real[m][q];
-                const float d = h.imaginary[m][q];
-                terms.x[next] = a * c + b * d;
-                terms.y[next] = b * c - a * d;
-                ++next;
+                const float c = h.real[m][lane_of(q)];
+                const float d = h.imaginary[m][lane_of(q)];
+                add(a * c + b * d, b * c - a * d);
             }
         }
     }
     return terms;
 }
 
-Vec2 BiasTerms::weighted(Vec2 place, const std::vector<float>& weights) const {
-    const float* weight = weights.data();
+Vec2 BiasTerms::weighted(Vec2 place, const Weights& weights) const {
     Vec2 sum{0, 0};
-    for (const Vec2 s : neighbours(place)) sum += static_cast<double>(*weight++) * s;
-    const Moments h = moments(place);
-    float x = 0;
-    float y = 0;
-    for (std::size_t s = 0; s < kSources; ++s) {
-        x += *weight * h.real[1][s];
-        y += *weight++ * h.imaginary[1][s];
-    }
-    for (std::size_t m = 0; m + 1 < kOrders; ++m) {
-        // Σ_p w_pq h_{m+1,p}, for each q
-        std::array<float, kSources> real{};
-        std::array<float, kSources> imaginary{};
-        for (std::size_t p = 0; p < kSources; ++p) {
-            const float a = h.real[m + 1][p];
-            const float b = h.imaginary[m + 1][p];
-#pragma omp simd
-            for (std::size_t q = 0; q < kSources; ++q) {
-                real[q] += weight[q] * a;
-                imaginary[q] += weight[q] * b;
-            }
-            weight += kSources;
-        }
-#pragma omp simd reduction(+ : x, y)
-        for (std::size_t q = 0; q < kSources; ++q) {
-            x += real[q] * h.real[m][q] + imaginary[q] * h.imaginary[m][q];
-            y += imaginary[q] * h.real[m][q] - real[q] * h.imaginary[m][q];
-        }
-    }
-    return sum + Vec2{static_cast<double>(x), static_cast<double>(y)};
+    const std::array<Vec2, kDistances> vectors = neighbours(place);
+    for (std::size_t k = 0; k < kDistances; ++k) sum += weights.neighbours_[k] * vectors[k];
+    const MomentSums::Sum pictured = MomentSums::weighted(moments(place), weights.moments_);
+    return sum + Vec2{static_cast<double>(pictured.x), static_cast<double>(pictured.y)};
 }
 
 double BiasTerms::nearest(Vec2 place) const {
-    double least = kFarthest * diameter_;
     if (!grid_) return kFarthest;
-    grid_->near(place, least, [&](std::uint32_t, Vec2 disc) {
-        const double d = norm(disc - place);
-        if (d >= kItself * diameter_) least = std::min(least, d);
+    const double itself = kItself * kItself * diameter_ * diameter_;
+    double least = kFarthest * kFarthest * diameter_ * diameter_;
+    grid_->near(place, kFarthest * diameter_, [&](std::uint32_t, Vec2 disc) {
+        const double d = squared_norm(disc - place);
+        if (d >= itself) least = std::min(least, d);
     });
-    return least / diameter_;
+    return std::sqrt(least) / diameter_;
 }
 
 }  // namespace grainfield::tracking

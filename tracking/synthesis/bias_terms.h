@@ -2,13 +2,13 @@
 
 #include <array>
 #include <optional>
-#include <variant>
 #include <vector>
 
 #include "core/frame.h"
 #include "core/vec2.h"
 #include "tracking/model/padded_image.h"
 #include "tracking/point_grid.h"
+#include "tracking/synthesis/moment_sums.h"
 
 namespace grainfield::tracking {
 
@@ -34,7 +34,7 @@ class BiasTerms {
               const std::vector<Vec2>& discs, double diameter);
 
     static constexpr int kDistances = 12;
-    static constexpr int kRings = 7;
+    static constexpr int kRings = MomentSums::kRings;
     static constexpr int kSources = 2 * kRings;  ///< rings in the residual and in the darkness
     static constexpr int kOrders = 5;            ///< 0 … 4
     static constexpr int kCount =
@@ -47,30 +47,27 @@ class BiasTerms {
     };
     /// Of a sphere at `place` [px], at least kReach from the border.
     Terms of(Vec2 place) const;
-    /// Σ weight × term, without making the terms. `weights`: kCount of them. Differs from the sum
-    /// over of() by rounding.
-    Vec2 weighted(Vec2 place, const std::vector<float>& weights) const;
+    /// Weights of the terms, in the order of of(), as weighted() reads them. kCount of them.
+    class Weights {
+     public:
+        explicit Weights(const std::vector<double>& weights);
+
+     private:
+        friend class BiasTerms;
+        std::array<double, kDistances> neighbours_;
+        MomentSums::Weights moments_;
+    };
+    /// Σ weight × term, without making the terms. Differs from the sum over of() by rounding.
+    Vec2 weighted(Vec2 place, const Weights& weights) const;
     /// Distance of the nearest disc but for the one at `place` [a].
     double nearest(Vec2 place) const;
 
  private:
-    /// Real and imaginary part of h_m, by order and source.
-    struct Moments {
-        std::array<std::array<float, kSources>, kOrders> real, imaginary;
-    };
     std::array<Vec2, kDistances> neighbours(Vec2 place) const;
-    Moments moments(Vec2 place) const;
+    MomentSums::Moments moments(Vec2 place) const;
 
-    template <class AnImage>
-    void add_rings(const AnImage& darkness, const AnImage& other, Vec2 place, Moments& h) const;
-
-    struct Given {
-        const Image *darkness, *residual;
-    };
-    struct Fitted {
-        const PaddedImage *darkness, *transmission;
-    };
-    std::variant<Given, Fitted> images_;
+    PixelRows darkness_, residual_;  ///< or the transmission
+    bool is_transmission_;
     double diameter_;
     std::optional<PointGrid> grid_;  ///< none without discs
 };

@@ -97,21 +97,19 @@ TEST(BiasTerms, NearestLeavesTheSphereItselfOut) {
 TEST(BiasTerms, WeightedIsTheSumOverAllTerms) {
     const Scene scene = random_scene();
     RandomStream random(4, "weights");
-    std::vector<float> weights;
-    for (int k = 0; k < BiasTerms::kCount; ++k) {
-        weights.push_back(static_cast<float>(random.normal()));
-    }
+    std::vector<double> weights;
+    for (int k = 0; k < BiasTerms::kCount; ++k) weights.push_back(random.normal());
     const BiasTerms::Terms terms = scene.terms();
     Vec2 sum{0, 0};
     double size = 0;
     for (std::size_t k = 0; k < weights.size(); ++k) {
-        const Vec2 term = static_cast<double>(weights[k]) *
-                          Vec2{static_cast<double>(terms.x[k]), static_cast<double>(terms.y[k])};
+        const Vec2 term =
+            weights[k] * Vec2{static_cast<double>(terms.x[k]), static_cast<double>(terms.y[k])};
         sum += term;
         size += norm(term);
     }
     const Vec2 quick = BiasTerms(scene.darkness, scene.residual, scene.discs, kDiameter)
-                           .weighted(kMiddle, weights);
+                           .weighted(kMiddle, BiasTerms::Weights(weights));
     EXPECT_NEAR(quick.x, sum.x, 1e-6 * size);
     EXPECT_NEAR(quick.y, sum.y, 1e-6 * size);
     EXPECT_GT(norm(sum), 1e-3 * size);
