@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "app/bias_summary.h"
 #include "core/errors.h"
 #include "io/file_kind.h"
 #include "io/frame_files.h"
@@ -16,6 +17,7 @@
 #include "pipelines/camera/camera_file.h"
 #include "pipelines/lab.h"
 #include "pipelines/track/calibration_file.h"
+#include "pipelines/track/stored_bias.h"
 #include "report/text.h"
 
 namespace grainfield::app {
@@ -149,6 +151,9 @@ Summary describe_snapshots(const std::filesystem::path& path, const char* kind) 
     }
     if (const auto* file = dynamic_cast<const io::TrajectoryFile*>(snapshots.get())) {
         sheet.add_lab(file->info(), pipelines::lab_units_in(file->curves()));
+        if (const auto bias = pipelines::stored_bias(file->curves())) {
+            sheet.add("bias", "bias", bias_facts(*bias), "positions " + in_words(*bias));
+        }
         sheet.add("previews", "previews", file->previews().size());
         sheet.add_record(file->record());
     }
@@ -275,13 +280,12 @@ Summary describe_calibration(const std::filesystem::path& path) {
     sheet.add("residual", "residual", kept.check.residual,
               fmt::format("{:.4f} of the contrast", kept.check.residual));
     if (kept.bias) {
-        const tracking::BiasCorrection& bias = *kept.bias;
-        sheet.add("bias", "bias",
-                  ordered_json{{"rms_before_a", bias.before},
-                               {"rms_after_a", bias.after},
-                               {"learned_from", "film"}},
-                  fmt::format("positions corrected: {:.4f} to {:.4f} a RMS on synthesised frames",
-                              bias.before, bias.after));
+        const tracking::BiasDecision bias{.source = tracking::BiasSource::film,
+                                          .moved = {},
+                                          .before = kept.bias->before,
+                                          .after = kept.bias->after,
+                                          .reason = {}};
+        sheet.add("bias", "bias", bias_facts(bias), "positions " + in_words(bias));
     }
     if (kept.optics) {
         const tracking::MirrorOptics& optics = kept.optics->optics;

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "app/bias_summary.h"
 #include "app/config_file.h"
 #include "core/support/output_file.h"
 #include "core/support/progress.h"
@@ -26,6 +27,7 @@ std::string words(const pipelines::RunJobResult& result, const pipelines::TrackJ
                                               : pipelines::RateSource::unknown;
         text += report::verdict(*result.results, std::nullopt) + "\n";
         text += pipelines::units_in_words(info, source, result.lab, session.plan);
+        if (result.bias) text += fmt::format("  bias       positions {}\n", in_words(*result.bias));
     }
     for (const pipelines::RunStage& stage : result.stages) {
         text += fmt::format("  {:<10} {}{}\n", stage.name, stage.file.string(),
@@ -120,6 +122,7 @@ Summary RunCommand::run(Session& session) {
     if (result.results) {
         summary.facts["frames"] = result.results->frames;
         summary.facts["particles_mean"] = result.results->particles_mean;
+        summary.facts["bias"] = result.bias ? bias_facts(*result.bias) : nlohmann::ordered_json();
     }
     return summary;
 }

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "app/bias_summary.h"
 #include "core/errors.h"
 
 namespace grainfield::app {
@@ -82,15 +83,6 @@ std::string camera_in_words(const TrackJobResult& result) {
     return text + fmt::format("; residual {:.3f} px\n", camera.residual_rms);
 }
 
-/// What was decided of the bias; empty where positions are those of the discs.
-std::string bias_in_words(const TrackJobResult& result, const RunPlan& plan) {
-    if (!result.bias) return "";
-    for (const PlannedStage& stage : plan.stages()) {
-        if (stage.stage == "bias" && stage.runs) return stage.reason;
-    }
-    return "";
-}
-
 std::string words(const Session& session, const TrackJobResult& result, const LabUnits& lab) {
     const tracking::TrackSummary& summary = result.summary;
     std::string text =
@@ -119,8 +111,9 @@ std::string words(const Session& session, const TrackJobResult& result, const La
                             tracking::in_words(summary.layers),
                             summary.layers.rejected_pairs + summary.layers.rejected_triples);
     }
-    if (const std::string bias = bias_in_words(result, session.plan); !bias.empty()) {
-        text += fmt::format("  bias       {}\n", bias);
+    // Why there is none stands with what was skipped.
+    if (result.bias && result.bias->source != tracking::BiasSource::none) {
+        text += fmt::format("  bias       positions {}\n", in_words(*result.bias));
     }
     text += synthesis_in_words(summary.synthesis);
     const auto& ms = summary.ms_per_frame;
@@ -194,12 +187,7 @@ ordered_json facts(const TrackJobResult& result, const LabUnits& lab) {
                            {"rejected_pairs", layers.rejected_pairs},
                            {"rejected_triples", layers.rejected_triples}};
     }
-    facts["bias"] = nullptr;
-    if (result.bias) {
-        facts["bias"] = {{"rms_before_a", result.bias->before},
-                         {"rms_after_a", result.bias->after},
-                         {"learned_from", result.bias->is_general() ? "other cameras" : "film"}};
-    }
+    facts["bias"] = result.bias ? bias_facts(*result.bias) : ordered_json();
     facts["synthesis"] = synthesis_facts(summary);
     facts["unsettled"] = summary.unsettled;
     facts["rejected"] = summary.rejected;
@@ -297,8 +285,8 @@ void TrackCommand::make_room_for(const GivenText& given) {
 }
 
 std::vector<std::string> TrackCommand::usual() const {
-    return {"output", "fps",  "sphere-diameter", "disc-diameter", "polarity", "frames",
-            "region", "mask", "background",      "resume"};
+    return {"output", "fps",  "sphere-diameter", "height", "disc-diameter", "frames",
+            "region", "mask", "synthesis",       "resume"};
 }
 
 std::string TrackCommand::default_output(const std::vector<std::filesystem::path>& inputs) const {

@@ -93,81 +93,95 @@ void require_same(const BiasCorrection& kept, const TrackOptions& options) {
 }
 
 constexpr const char* kSaved = "half of what mirror images of neighbours do to positions";
+constexpr const char* kCorrected = "corrected positions";
+
+/// Positions stay those of the discs.
+FilmBias without(const std::string& reason, RunPlan& plan, const char* saved = kSaved) {
+    plan.skip("bias", reason, saved);
+    return {std::nullopt, {.moved = {}, .reason = reason}};
+}
+
+/// What is not looked at yet.
+FilmBias undecided(const char* what, RunPlan& plan) {
+    plan.run("bias", what);
+    return {std::nullopt, {.moved = {}, .reason = what}};
+}
 
 /// That of many cameras, if it holds for the film.
-std::optional<BiasCorrection> general_bias(FrameSource& source, const TrackOptions& options,
-                                           const ImageModel& model, std::int64_t first, int threads,
-                                           RunPlan& plan) {
+FilmBias general_bias(FrameSource& source, const TrackOptions& options, const ImageModel& model,
+                      std::int64_t first, int threads, RunPlan& plan) {
     const std::string reason = not_for_this_film(options, model);
-    if (!reason.empty()) {
-        plan.skip("bias", reason, kSaved);
-        return std::nullopt;
-    }
+    if (!reason.empty()) return without(reason, plan);
     if (!options.corrects_bias) {
-        plan.run("bias", "whether the general correction holds is seen on the first usable frame");
-        return std::nullopt;
+        return undecided("whether the general correction holds is seen on the first usable frame",
+                         plan);
     }
     const std::optional<Frame> frame = usable_frame(source, first, options.visible);
-    if (!frame) {
-        plan.skip("bias", "no frame is usable", kSaved);
-        return std::nullopt;
-    }
+    if (!frame) return without("no frame is usable", plan);
     const double diameter = *options.sphere_diameter;
     const GeneralCorrection& general = general_correction();
     const CorrectionJudgement judgement = judge_correction(
         general, frame->image, model, options.detection, options.refinement, diameter, threads);
     if (judgement.spheres < kLeastSpheres) {
-        plan.skip("bias",
-                  fmt::format("{} spheres in the middle of the frame do not show whether the "
-                              "general correction holds, {} would",
-                              judgement.spheres, kLeastSpheres),
-                  kSaved);
-        return std::nullopt;
+        return without(fmt::format("{} spheres in the middle of the frame do not show whether the "
+                                   "general correction holds, {} would",
+                                   judgement.spheres, kLeastSpheres),
+                       plan);
     }
     if (judgement.is_unlike() || judgement.is_too_large()) {
-        plan.skip(
-            "bias",
+        return without(
             fmt::format("these look like no mirrors above a panel: what discs leave is {:.1f} "
                         "spreads from that of other cameras, {:.1f} at most, and the general "
                         "correction would move them by {:.4f} a RMS beside errors of {:.4f} a",
                         judgement.unlikeness, CorrectionJudgement::kMostUnlike, judgement.moved,
                         judgement.expected),
-            kSaved);
-        return std::nullopt;
+            plan);
     }
-    plan.run(
-        "bias",
-        fmt::format("{} corrected for mirror images of neighbours by {:.4f} a RMS, as learned "
-                    "from {} other cameras; of cameras left out, errors fell from {:.4f} to "
-                    "{:.4f} a",
-                    options.synthesis ? "positions that synthesis begins with are" : "positions",
-                    judgement.moved, general.cameras, general.before, general.after));
-    return general.of(model.disc, diameter);
+    BiasDecision decision{.source = BiasSource::general,
+                          .cameras = general.cameras,
+                          .moved = judgement.moved,
+                          .before = general.before,
+                          .after = general.after,
+                          .reason = {}};
+    plan.run("bias",
+             (options.synthesis ? "positions that synthesis begins with are " : "positions are ") +
+                 in_words(decision));
+    return {general.of(model.disc, diameter), std::move(decision)};
 }
 
 }  // namespace
 
-std::optional<BiasCorrection> bias_of_film(FrameSource& source, const TrackOptions& options,
-                                           const ImageModel& model, std::int64_t first, int threads,
-                                           RunPlan& plan) {
+FilmBias bias_of_film(FrameSource& source, const TrackOptions& options, const ImageModel& model,
+                      std::int64_t first, int threads, RunPlan& plan) {
     if (!options.correct_bias.value_or(true)) {
-        plan.skip("bias", "not wanted (track.correct-bias is off)", kSaved);
-        return std::nullopt;
+        return without("not wanted (track.correct-bias is off)", plan);
     }
     if (options.kept && options.kept->bias) {
         const BiasCorrection& kept = *options.kept->bias;
         const std::string no_use = no_use_of_kept(options);
         if (!no_use.empty()) {
-            if (options.synthesis)
+            if (options.synthesis) {
                 return general_bias(source, options, model, first, threads, plan);
-            plan.skip("bias", no_use, "corrected positions");
-            return std::nullopt;
+            }
+            return without(no_use, plan, kCorrected);
+        }
+        if (!options.sphere_diameter) {
+            plan.warn(fmt::format(
+                "positions are not corrected: the kept correction is of spheres of {:g} px, and "
+                "none is given; give that as track.sphere-diameter if they are the same",
+                kept.diameter));
+            return without("the true diameter is not given (track.sphere-diameter)", plan,
+                           kCorrected);
         }
         require_same(kept, options);
-        plan.run("bias", fmt::format("positions corrected as kept with the calibration: {:.4f} to "
-                                     "{:.4f} a RMS per axis on synthesised frames",
-                                     kept.before, kept.after));
-        return kept;
+        BiasDecision decision{.source = BiasSource::film,
+                              .moved = {},
+                              .before = kept.before,
+                              .after = kept.after,
+                              .reason = {}};
+        plan.run("bias",
+                 fmt::format("positions are {}; kept with the calibration", in_words(decision)));
+        return {kept, std::move(decision)};
     }
     if (!options.correct_bias) {
         return general_bias(source, options, model, first, threads, plan);
@@ -179,14 +193,10 @@ std::optional<BiasCorrection> bias_of_film(FrameSource& source, const TrackOptio
                            .suggestion = "leave out track.correct-bias"});
     }
     if (!options.corrects_bias) {
-        plan.run("bias", "how discs err is learned on the first usable frame");
-        return std::nullopt;
+        return undecided("how discs err is learned on the first usable frame", plan);
     }
     const std::optional<Frame> frame = usable_frame(source, first, options.visible);
-    if (!frame) {
-        plan.skip("bias", "no frame is usable", "corrected positions");
-        return std::nullopt;
-    }
+    if (!frame) return without("no frame is usable", plan, kCorrected);
     const BiasSetting setting = setting_of(options);
     const auto begin = RunClock::now();
     const BiasLearning learned = learn_bias(frame->image, model, setting, threads);
@@ -195,12 +205,14 @@ std::optional<BiasCorrection> bias_of_film(FrameSource& source, const TrackOptio
         plan.warn(fmt::format("no correction is learned from the film: {}", learned.refused));
         return general_bias(source, options, model, first, threads, plan);
     }
-    plan.run("bias",
-             fmt::format("positions corrected as learned from {} spheres of {} synthesised frames: "
-                         "{:.4f} to {:.4f} a RMS per axis on those left out ({:.0f} s)",
-                         learned.spheres, learned.frames, learned.correction.before,
-                         learned.correction.after, seconds));
-    return learned.correction;
+    BiasDecision decision{.source = BiasSource::film,
+                          .moved = {},
+                          .before = learned.correction.before,
+                          .after = learned.correction.after,
+                          .reason = {}};
+    plan.run("bias", fmt::format("positions are {}: {} spheres of {} frames, {:.0f} s",
+                                 in_words(decision), learned.spheres, learned.frames, seconds));
+    return {learned.correction, std::move(decision)};
 }
 
 }  // namespace grainfield::tracking

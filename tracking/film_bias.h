@@ -5,11 +5,17 @@
 
 #include "core/frame_source.h"
 #include "core/run_plan.h"
+#include "tracking/bias_decision.h"
 #include "tracking/model/image_model.h"
 #include "tracking/synthesis/bias_correction.h"
 #include "tracking/track_options.h"
 
 namespace grainfield::tracking {
+
+struct FilmBias {
+    std::optional<BiasCorrection> correction;  ///< empty: positions are those of the discs
+    BiasDecision decision;
+};
 
 /// What positions are corrected with: nothing where correct_bias is false, else the correction of
 /// the kept calibration, else where correct_bias asks for it one learned on the first usable frame
@@ -21,10 +27,10 @@ namespace grainfield::tracking {
 /// errors (correction_size): its middle is fitted for that. It takes over where one that was asked
 /// for is refused, which is warned of, and with synthesis, which begins at corrected discs, from a
 /// kept one. Says in `plan` what it does, or why not. A kept one is skipped with a camera or a
-/// mask. Throws OptionError for bright spheres where one was asked for, and where a
-/// kept one was learned for another diameter, cell or camera; Interrupted.
-std::optional<BiasCorrection> bias_of_film(FrameSource& source, const TrackOptions& options,
-                                           const ImageModel& model, std::int64_t first, int threads,
-                                           RunPlan& plan);
+/// mask, and without the true diameter, which is warned of. Throws OptionError for bright spheres
+/// where one was asked for, and where a kept one was learned for another diameter, cell or camera;
+/// Interrupted.
+FilmBias bias_of_film(FrameSource& source, const TrackOptions& options, const ImageModel& model,
+                      std::int64_t first, int threads, RunPlan& plan);
 
 }  // namespace grainfield::tracking

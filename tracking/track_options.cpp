@@ -50,17 +50,12 @@ void require_diameter(const TrackOptions& options) {
         ErrorText{"the bias of the discs cannot be corrected", actual, expected, suggestion});
 }
 
-/// Throws OptionError where the bias can neither be learned nor be corrected.
-void require_size_of_mirrors(const TrackOptions& options) {
-    if (options.sphere_diameter) return;
-    refuse_bias("track.sphere-diameter is not known", "a [px]",
-                "give track.sphere-diameter, the dark disc is smaller than the sphere; or "
-                "switch track.correct-bias off, which a kept calibration can ask for as well");
-}
-
 /// Throws OptionError where a correction of the bias cannot be learned.
 void require_mirrors(const TrackOptions& options) {
-    require_size_of_mirrors(options);
+    if (!options.sphere_diameter) {
+        refuse_bias("track.sphere-diameter is not known", "a [px]",
+                    "give track.sphere-diameter, the dark disc is smaller than the sphere");
+    }
     if (options.synthesis) {
         refuse_bias(
             "synthesis is asked for, too", "either of them",
@@ -128,9 +123,6 @@ void warn_of_unusual_size(double apparent, const TrackOptions& options, RunPlan&
 void require_consistent(const TrackOptions& options) {
     require_diameter(options);
     if (options.correct_bias.value_or(false)) require_mirrors(options);
-    if (options.kept && options.kept->bias && options.correct_bias.value_or(true)) {
-        require_size_of_mirrors(options);
-    }
     if (options.kept && options.calibration != CalibrationOptions{}) {
         throw OptionError({.problem = "a kept calibration leaves nothing to estimate",
                            .actual = "options of the section calibrate are given as well",

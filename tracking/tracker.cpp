@@ -82,7 +82,9 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
         kept_optics_ = usable_optics(options_.kept.value_or(KeptCalibration{}), *synthesis_, plan);
     }
     plan_heights(options_, plan);
-    bias_ = bias_of_film(source, options_, model(), film_.weighed_at, threads_, plan);
+    FilmBias bias = bias_of_film(source, options_, model(), film_.weighed_at, threads_, plan);
+    bias_ = std::move(bias.correction);
+    bias_decision_ = std::move(bias.decision);
     if (bias_) {
         for (Lane& lane : lanes_) lane.locator.set_correction(*bias_);
     }

@@ -12,6 +12,7 @@
 #include "core/support/number_archive.h"
 #include "core/support/progress.h"
 #include "core/trajectory.h"
+#include "tracking/bias_decision.h"
 #include "tracking/calibrate/film_calibration.h"
 #include "tracking/calibrate/illumination.h"
 #include "tracking/calibrate/kept_calibration.h"
@@ -101,9 +102,8 @@ class Tracker {
     /// was tried last where none could be calibrated on. Empty: nothing disc-shaped was seen.
     const std::vector<SizeCandidate>& weighed() const { return film_.weighed; }
     std::int64_t weighed_at() const { return film_.weighed_at; }
-    /// What positions are corrected with, or with synthesis those that it begins with; empty: they
-    /// are those of the discs.
-    const std::optional<BiasCorrection>& bias() const { return bias_; }
+    /// What was decided of the bias of the discs; with synthesis, of those that it begins with.
+    const BiasDecision& bias_decision() const { return bias_decision_; }
     /// What a film with synthesis leaves to others, once its first frame has been; else what the
     /// calibration that is used holds. Empty where the factors of its errors were not learned.
     std::optional<FilmOptics> optics() const {
@@ -202,6 +202,7 @@ class Tracker {
     std::optional<Bilayer> bilayer_;
     std::optional<FilmSynthesis> synthesis_;
     std::optional<BiasCorrection> bias_;
+    BiasDecision bias_decision_;
 };
 
 }  // namespace grainfield::tracking

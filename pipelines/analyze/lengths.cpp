@@ -5,6 +5,7 @@
 
 #include "io/h5/trajectory_file.h"
 #include "pipelines/lab.h"
+#include "pipelines/track/stored_bias.h"
 
 namespace grainfield::pipelines {
 
@@ -76,6 +77,10 @@ ObservableResult lengths_of(const SnapshotSource& file, const TrajectoryInfo& in
                                                                     : "fitted by track"});
         }
     }
+    if (const auto bias = stored_bias(tracks->curves())) {
+        result.measurements.push_back(
+            {"bias_correction", "a", bias->moved, std::nullopt, 0, in_words(*bias)});
+    }
     if (const auto mm = lab_units_in(tracks->curves()).sphere_mm) {
         result.measurements.push_back(
             {"sphere_mm", "mm", *mm, std::nullopt, 0, "given to " + tracks->record().command});
@@ -101,6 +106,7 @@ ObservableTitles lengths_titles() {
              {"edge_width", "Edge width w of the discs"},
              {"residual", "Residual of the image model (RMS, of the contrast)"},
              {"noise", "Noise of the camera (RMS, of the contrast)"},
+             {"bias_correction", "Correction of positions for mirror images (RMS)"},
              {"film_length", "Length of the film"},
              {"frame_interval", "Time from frame to frame"}}};
 }

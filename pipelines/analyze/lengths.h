@@ -11,8 +11,9 @@ namespace grainfield::pipelines {
 Curve calibration_curve(double diameter, double edge_width, double residual, double noise);
 
 /// Where the unit of all lengths comes from, as measurements: the particle diameter a with the word
-/// "given" or "apparent"; D, w, the residual and the noise where the file holds a calibration, a in
-/// mm where it holds that.
+/// "given" or "apparent"; D, w, the residual and the noise where the file holds a calibration, the
+/// correction of positions for mirror images [a] where it says what was decided, a in mm where it
+/// holds that.
 ObservableResult lengths_of(const SnapshotSource& file, const TrajectoryInfo& info,
                             const Adjustment& adjustment);
 

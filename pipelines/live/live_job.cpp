@@ -307,7 +307,7 @@ LiveJobResult track_live(const LiveJobOptions& live, const TrackJobOptions& opti
     TrackJobResult& track = result.track;
     track.camera = camera;
     track.spheres = spheres_of(tracker);
-    track.bias = tracker.bias();
+    if (!tracking.synthesis) track.bias = tracker.bias_decision();
     track.weighed = tracker.weighed();
     track.rate_source = rate_source(options, *film.frames);
     if (track.rate_source == RateSource::file) track.rate_source = RateSource::live;

@@ -16,6 +16,7 @@
 #include "pipelines/lab.h"
 #include "pipelines/overlay/overlay_job.h"
 #include "pipelines/page/report_page.h"
+#include "pipelines/track/stored_bias.h"
 
 namespace grainfield::pipelines {
 
@@ -315,6 +316,7 @@ RunJobResult run_film(const RunJobOptions& wanted, Job& job) {
     {
         const io::TrajectoryFile tracks(files.tracks);
         result.lab = lab_units_in(tracks.curves());
+        result.bias = stored_bias(tracks.curves());
         if (!options.report.sphere_mm) options.report.sphere_mm = result.lab.sphere_mm;
         if (const auto gamma = gamma_of(tracks.info())) {
             options.analyze.adjustment.acceleration = gamma;

@@ -41,8 +41,9 @@ struct RunStage {
 struct RunJobResult {
     std::vector<RunStage> stages;
     std::optional<Results> results;  ///< empty if a signal came before
-    LabUnits lab;    ///< as the tracks have it, without Γ (TrajectoryInfo::control)
-    int signal = 0;  ///< that ended the run early; 0: none
+    LabUnits lab;  ///< as the tracks have it, without Γ (TrajectoryInfo::control)
+    std::optional<tracking::BiasDecision> bias;  ///< as the tracks have it
+    int signal = 0;                              ///< that ended the run early; 0: none
 };
 
 /// The folder for this film where none is named: "layer-results" for layer.avi and for pictures

@@ -232,7 +232,7 @@ TrackJobResult track_film(const TrackJobOptions& options, Job& job) {
     result.signal = caught_signal();
     result.spheres = spheres_of(tracker);
     result.weighed = tracker.weighed();
-    if (!tracking.synthesis) result.bias = tracker.bias();
+    if (!tracking.synthesis && tracker.is_calibrated()) result.bias = tracker.bias_decision();
     tracking::TrackSummary& summary = result.summary;
     // Without the tracks that are too short to be written.
     summary.particles_mean = tracks->particles_mean();

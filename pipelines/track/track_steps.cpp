@@ -8,6 +8,7 @@
 #include "pipelines/camera/camera_file.h"
 #include "pipelines/camera/stored_camera.h"
 #include "pipelines/track/calibration_file.h"
+#include "pipelines/track/stored_bias.h"
 
 namespace grainfield::pipelines {
 
@@ -154,6 +155,7 @@ void add_curves(const TrackJobResult& result, KeptTracks& tracks) {
     }
     if (const auto units = curve_of(result.lab)) tracks.add_curve(*units);
     if (result.camera) tracks.add_curve(curve_of(*result.camera));
+    if (result.bias) tracks.add_curve(curve_of(*result.bias));
     if (summary.synthesis.frames > 0) tracks.add_curve(synthesis_curve(summary.synthesis));
 }
 

@@ -45,8 +45,9 @@ struct TrackJobResult {
     RateSource rate_source = RateSource::unknown;  ///< of the frame rate
     LabUnits lab;                                  ///< as given, or as the camera says
     std::optional<tracking::Camera> camera;        ///< positions were corrected with
-    std::optional<tracking::BiasCorrection> bias;  ///< positions were corrected with
-    int signal = 0;                                ///< that ended it early; 0: none
+    /// Of the bias of positions; empty with synthesis, which has no such bias.
+    std::optional<tracking::BiasDecision> bias;
+    int signal = 0;  ///< that ended it early; 0: none
 
     /// Whether summary.residual_rms was measured.
     bool has_residual() const { return spheres && summary.particles_mean > 0; }

@@ -83,23 +83,29 @@ TEST_F(BiasCorrection, IsSaidAndKeptWithTheCalibrationAndGivesTheSamePositionsFr
 
     const Outcome plain = run_grainfield(words(3, {"-o", folder_ / "c.h5"}));
     ASSERT_EQ(plain.code, 0) << plain.err;
-    EXPECT_EQ(json::parse(plain.out).at("bias").at("learned_from"), "other cameras");
+    EXPECT_EQ(json::parse(plain.out).at("bias").at("source"), "general");
+    const json stored = json::parse(run_grainfield({"info", "--json", folder_ / "c.h5"}).out);
+    EXPECT_EQ(stored.at("bias"), json::parse(plain.out).at("bias"));
+    EXPECT_GT(stored.at("bias").at("moved_a").get<double>(), 0);
     EXPECT_NE(testing::fingerprint(folder_ / "c.h5"), testing::fingerprint(folder_ / "a.h5"));
     const Outcome none = run_grainfield(words(3, {"-o", folder_ / "d.h5", "--no-correct-bias"}));
     ASSERT_EQ(none.code, 0) << none.err;
-    EXPECT_TRUE(json::parse(none.out).at("bias").is_null());
+    EXPECT_EQ(json::parse(none.out).at("bias").at("source"), "none");
+    EXPECT_THAT(run_grainfield({"info", folder_ / "d.h5"}).out,
+                HasSubstr("bias         positions not corrected for mirror images: not wanted"));
     EXPECT_NE(testing::fingerprint(folder_ / "d.h5"), testing::fingerprint(folder_ / "c.h5"));
 
-    const std::string line = fmt::format(
-        "positions corrected: {:.4f} to {:.4f} a RMS on synthesised frames",
-        learned.at("rms_before_a").get<double>(), learned.at("rms_after_a").get<double>());
+    const std::string line = fmt::format("as learned from rendered frames: {:.4f} to {:.4f} a RMS",
+                                         learned.at("rms_before_a").get<double>(),
+                                         learned.at("rms_after_a").get<double>());
     EXPECT_THAT(run_grainfield({"info", kept}).out, HasSubstr(line));
     EXPECT_EQ(json::parse(run_grainfield({"info", "--json", kept}).out).at("bias"), learned);
     std::vector<std::string> said =
         words(3, {"-o", folder_ / "b.h5", "--force", "--calibration", kept});
     std::erase(said, "--json");
     EXPECT_THAT(run_grainfield(said).out,
-                HasSubstr("  bias       positions corrected as kept with the calibration"));
+                ::testing::ContainsRegex("  bias       positions corrected for mirror images of "
+                                         "neighbours as learned from rendered frames"));
     std::vector<std::string> general = words(3, {"-o", folder_ / "c.h5", "--force"});
     std::erase(general, "--json");
     EXPECT_THAT(run_grainfield(general).out,

@@ -109,11 +109,15 @@ TrackOptions options() {
 std::string skipped(const TrackOptions& options, const ImageModel& discs = model()) {
     SameFrames source(mirrors(), 3);
     RunPlan plan;
-    EXPECT_FALSE(bias_of_film(source, options, discs, 0, 2, plan).has_value());
+    const FilmBias found = bias_of_film(source, options, discs, 0, 2, plan);
+    EXPECT_FALSE(found.correction.has_value());
+    EXPECT_EQ(found.decision.source, BiasSource::none);
     EXPECT_TRUE(plan.warnings().empty()) << "nobody asked for it";
     EXPECT_EQ(source.reads(), 0);
     for (const PlannedStage& stage : plan.skipped()) {
-        if (stage.stage == "bias") return stage.reason;
+        if (stage.stage != "bias") continue;
+        EXPECT_EQ(found.decision.reason, stage.reason);
+        return stage.reason;
     }
     return "";
 }
@@ -121,10 +125,15 @@ std::string skipped(const TrackOptions& options, const ImageModel& discs = model
 TEST(FilmBias, OfMirrorsIsTheGeneralOneWithoutBeingAskedFor) {
     SameFrames source(mirrors(), 1);
     RunPlan plan;
-    const auto bias = bias_of_film(source, options(), model(), 0, 2, plan);
+    const FilmBias found = bias_of_film(source, options(), model(), 0, 2, plan);
+    const std::optional<BiasCorrection>& bias = found.correction;
     ASSERT_TRUE(bias.has_value());
     EXPECT_TRUE(bias->is_general());
     EXPECT_EQ(*bias, general_correction().of(model().disc, kScale));
+    EXPECT_EQ(found.decision.source, BiasSource::general);
+    EXPECT_EQ(found.decision.cameras, general_correction().cameras);
+    EXPECT_GT(found.decision.moved.value_or(0), 0);
+    EXPECT_EQ(found.decision.after, general_correction().after);
     ASSERT_EQ(plan.stages().size(), 1U);
     EXPECT_THAT(plan.stages()[0].reason, HasSubstr("other cameras"));
 }
@@ -136,7 +145,7 @@ TEST(FilmBias, OfMirrorsIsWhatSynthesisBeginsWithWhateverACalibrationKept) {
         if (is_kept) synthesis.kept.emplace().bias.emplace();
         SameFrames source(mirrors(), 1);
         RunPlan plan;
-        const auto bias = bias_of_film(source, synthesis, model(), 0, 2, plan);
+        const auto bias = bias_of_film(source, synthesis, model(), 0, 2, plan).correction;
         ASSERT_TRUE(bias.has_value());
         EXPECT_TRUE(bias->is_general());
         EXPECT_THAT(plan.stages()[0].reason, HasSubstr("positions that synthesis begins with"));
@@ -152,7 +161,7 @@ TEST(FilmBias, IsTheGeneralOneWithAWarningWhereLearningIsRefused) {
     RunPlan plan;
     TrackOptions asked = options();
     asked.correct_bias = true;
-    const auto bias = bias_of_film(source, asked, model(), 0, 2, plan);
+    const auto bias = bias_of_film(source, asked, model(), 0, 2, plan).correction;
     ASSERT_EQ(plan.warnings().size(), 1U);
     ASSERT_TRUE(bias.has_value());
     EXPECT_TRUE(bias->is_general());
@@ -163,7 +172,7 @@ TEST(FilmBias, IsLearnedFromTheFilmWhereThatIsAskedFor) {
     RunPlan plan;
     TrackOptions asked = options();
     asked.correct_bias = true;
-    const auto bias = bias_of_film(source, asked, model(), 0, 2, plan);
+    const auto bias = bias_of_film(source, asked, model(), 0, 2, plan).correction;
     ASSERT_TRUE(bias.has_value());
     EXPECT_FALSE(bias->is_general());
     EXPECT_LT(bias->after, 0.9 * bias->before);
@@ -209,11 +218,25 @@ TEST(FilmBias, KeptWithACalibrationIsLeftOutWhereNoneIsWanted) {
     kept.kept->bias->height = kept.synthesis_options.height;
     SameFrames source(mirrors(), 3);
     RunPlan plan;
-    EXPECT_TRUE(bias_of_film(source, kept, model(), 0, 2, plan).has_value());
+    EXPECT_TRUE(bias_of_film(source, kept, model(), 0, 2, plan).correction.has_value());
     kept.correct_bias = false;
     EXPECT_THAT(skipped(kept), HasSubstr("not wanted"));
     kept.sphere_diameter.reset();
     EXPECT_NO_THROW(require_consistent(kept));
+}
+
+TEST(FilmBias, KeptWithACalibrationIsLeftOutWithAWarningWhereTheDiameterIsNotGiven) {
+    TrackOptions kept = options();
+    kept.kept.emplace().bias.emplace();
+    kept.kept->bias->diameter = kScale;
+    kept.sphere_diameter.reset();
+    SameFrames source(mirrors(), 3);
+    RunPlan plan;
+    const FilmBias found = bias_of_film(source, kept, model(), 0, 2, plan);
+    EXPECT_FALSE(found.correction.has_value());
+    EXPECT_EQ(found.decision.source, BiasSource::none);
+    ASSERT_EQ(plan.warnings().size(), 1U);
+    EXPECT_THAT(plan.warnings()[0].text, HasSubstr("track.sphere-diameter"));
 }
 
 TEST(FilmBias, OfATrackerWithAnotherPurposeIsPlannedAndCostsNothing) {
@@ -223,7 +246,7 @@ TEST(FilmBias, OfATrackerWithAnotherPurposeIsPlannedAndCostsNothing) {
         if (is_asked_for) other.correct_bias = true;
         SameFrames source(mirrors(), 500);
         RunPlan plan;
-        EXPECT_FALSE(bias_of_film(source, other, model(), 0, 2, plan).has_value());
+        EXPECT_FALSE(bias_of_film(source, other, model(), 0, 2, plan).correction.has_value());
         EXPECT_EQ(source.reads(), 0);
         ASSERT_EQ(plan.stages().size(), 1U);
         EXPECT_THAT(plan.stages()[0].reason, HasSubstr("on the first usable frame"));
@@ -234,13 +257,13 @@ TEST(FilmBias, OfATrackerWithAnotherPurposeIsPlannedAndCostsNothing) {
 TEST(FilmBias, OfSilhouettesIsLeftOutAndThatIsAWarningOnlyWhereOneWasAskedFor) {
     SameFrames source(silhouettes(), 500);
     RunPlan plan;
-    EXPECT_FALSE(bias_of_film(source, options(), model(), 0, 2, plan).has_value());
+    EXPECT_FALSE(bias_of_film(source, options(), model(), 0, 2, plan).correction.has_value());
     ASSERT_EQ(plan.skipped().size(), 1U);
     EXPECT_THAT(plan.skipped()[0].reason, HasSubstr("no mirrors above a panel"));
     EXPECT_TRUE(plan.warnings().empty());
     TrackOptions asked = options();
     asked.correct_bias = true;
-    EXPECT_FALSE(bias_of_film(source, asked, model(), 0, 2, plan).has_value());
+    EXPECT_FALSE(bias_of_film(source, asked, model(), 0, 2, plan).correction.has_value());
     EXPECT_EQ(plan.warnings().size(), 1U);
 }
 
@@ -252,7 +275,7 @@ TEST(FilmBias, OfTooFewSpheresToJudgeItIsLeftOut) {
     }
     SameFrames source(small, 1);
     RunPlan plan;
-    EXPECT_FALSE(bias_of_film(source, options(), model(), 0, 2, plan).has_value());
+    EXPECT_FALSE(bias_of_film(source, options(), model(), 0, 2, plan).correction.has_value());
     ASSERT_EQ(plan.skipped().size(), 1U);
     EXPECT_THAT(plan.skipped()[0].reason, HasSubstr("do not show whether"));
 }

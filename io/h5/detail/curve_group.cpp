@@ -1,5 +1,7 @@
 #include "io/h5/detail/curve_group.h"
 
+#include <algorithm>
+#include <functional>
 #include <string>
 #include <utility>
 
@@ -9,6 +11,17 @@
 namespace grainfield::io {
 
 using nlohmann::json;
+
+namespace {
+
+bool has_equal_columns(const Curve& curve) {
+    std::vector<std::size_t> sizes;
+    for (const Column& column : curve.columns) sizes.push_back(column.values.size());
+    for (const auto& [name, words] : curve.text_columns) sizes.push_back(words.size());
+    return std::ranges::adjacent_find(sizes, std::not_equal_to<>()) == sizes.end();
+}
+
+}  // namespace
 
 void write_curves(const H5Group& group, const std::vector<Curve>& curves) {
     json index = json::array();
@@ -22,8 +35,9 @@ void write_curves(const H5Group& group, const std::vector<Curve>& curves) {
             columns.push_back(
                 {{"name", column.name}, {"unit", column.unit.text()}, {"meaning", column.meaning}});
         }
-        index.push_back(
-            {{"name", curves[i].name}, {"title", curves[i].title}, {"columns", columns}});
+        json entry{{"name", curves[i].name}, {"title", curves[i].title}, {"columns", columns}};
+        if (!curves[i].text_columns.empty()) entry["text_columns"] = curves[i].text_columns;
+        index.push_back(std::move(entry));
     }
     group.write_text("index", index.dump());
 }
@@ -44,10 +58,13 @@ std::vector<Curve> read_curves(const H5Group& group) {
                      .unit = entry.at("unit").get<std::string>(),
                      .meaning = entry.at("meaning").get<std::string>(),
                      .values = own.dataset(std::to_string(c++)).read<double>()});
-                if (curve.columns.back().values.size() != curve.columns.front().values.size()) {
-                    group.file().fail(fmt::format(
-                        "the columns of curve '{}' have different lengths", curve.name));
-                }
+            }
+            if (index[i].contains("text_columns")) {
+                index[i].at("text_columns").get_to(curve.text_columns);
+            }
+            if (!has_equal_columns(curve)) {
+                group.file().fail(
+                    fmt::format("the columns of curve '{}' have different lengths", curve.name));
             }
             curves.push_back(std::move(curve));
         }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "io/h5/trajectory_file.h"
+#include "pipelines/track/stored_bias.h"
 #include "tests/support/scratch_folder.h"
 
 namespace grainfield::pipelines {
@@ -64,6 +65,33 @@ TEST(Lengths, HoldTheCalibrationBesideTheParticleDiameter) {
     EXPECT_EQ(lengths.find_measurement("residual")->value, 0.13);
     EXPECT_EQ(lengths.find_measurement("noise")->value, 0.12);
     EXPECT_EQ(lengths.find_measurement("noise")->reason, "measured by track");
+}
+
+TEST(Lengths, SayWhetherPositionsWereCorrectedForMirrorImages) {
+    const testing::ScratchFolder folder;
+    const TrajectoryInfo info = info_of(Origin::video);
+    const auto said = [&](const tracking::BiasDecision& decision) {
+        io::TrajectoryWriter writer(folder / "t.h5", info, Overwrite::force);
+        writer.add_curve(curve_of(decision));
+        writer.finish({});
+        const io::TrajectoryFile file(folder / "t.h5");
+        const ObservableResult lengths = lengths_of(file, info, {});
+        const Measurement* found = lengths.find_measurement("bias_correction");
+        EXPECT_NE(found, nullptr);
+        return found == nullptr ? Measurement{} : *found;
+    };
+    const Measurement general = said({.source = tracking::BiasSource::general,
+                                      .cameras = 320,
+                                      .moved = 0.0108,
+                                      .before = 0.0169,
+                                      .after = 0.0083,
+                                      .reason = {}});
+    EXPECT_EQ(general.value, 0.0108);
+    EXPECT_NE(general.reason.find("320 other cameras"), std::string::npos);
+    const Measurement none = said({.moved = {}, .reason = "bright spheres mirror no panel"});
+    EXPECT_FALSE(none.value.has_value());
+    EXPECT_NE(none.reason.find("bright spheres"), std::string::npos);
+    EXPECT_EQ(lengths_of(info, {}).find_measurement("bias_correction"), nullptr);
 }
 
 TEST(RunIdentity, OfMolecularDynamicsArrivesWhateverTheOptionsAreCalled) {

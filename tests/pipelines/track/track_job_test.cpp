@@ -7,6 +7,7 @@
 
 #include "core/errors.h"
 #include "io/h5/trajectory_file.h"
+#include "pipelines/track/stored_bias.h"
 #include "tests/pipelines/interrupted_run.h"
 #include "tests/support/disc_sequence.h"
 #include "tests/support/position_score.h"
@@ -61,8 +62,9 @@ TEST_F(TrackJob, WritesWhereTheDiscsAreWithTheCalibrationAndThePictures) {
         EXPECT_EQ(found.id, file.read(0).id) << "nothing comes or goes";
     }
     EXPECT_EQ(file.previews().size(), 2U);
-    ASSERT_EQ(file.curves().size(), 1U);
+    ASSERT_EQ(file.curves().size(), 2U);
     EXPECT_EQ(file.curves()[0].find("apparent_diameter")->values[0], result.spheres->diameter);
+    EXPECT_EQ(stored_bias(file.curves()), result.bias) << "why there is none";
     EXPECT_EQ(folder_.entries(), 1U) << "no checkpoint and no log";
 }
 
