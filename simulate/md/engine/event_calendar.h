@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "core/support/huge_pages.h"
@@ -55,13 +56,15 @@ class EventCalendar {
         }
     }
 
-    /// The earliest entry, or nullptr if there is none. `time_of(grain)` gives the time a grain is
-    /// planned for now; `look_ahead(bucket)` is called for each bucket as it becomes the present
-    /// one.
+    /// The earliest entry, or nullptr if none is due before `until`. `time_of(grain)` gives the time
+    /// a grain is planned for now; `look_ahead(bucket)` is called for each bucket as it becomes the
+    /// present one. What is due later may still be returned, but no bucket beyond that of `until`
+    /// becomes the present one: entries can be pushed there at no cost.
     template <class TimeOf, class LookAhead>
-    const Entry* front(TimeOf&& time_of, LookAhead&& look_ahead) {
+    const Entry* front(TimeOf&& time_of, LookAhead&& look_ahead,
+                       double until = std::numeric_limits<double>::infinity()) {
         while (next_ == current_.size()) {
-            if (bucket_ >= last_bucket_) return nullptr;
+            if (bucket_ >= bucket_of(until)) return nullptr;
             current_.clear();
             next_ = 0;
             ++bucket_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -57,6 +58,11 @@ struct Burst {
 /// others are done (the seam between two cores).
 enum class TileKind { whole, core, seam };
 
+/// The number of the strip whose core executes the events of a grain, and what threatens it.
+using Owner = std::uint16_t;
+constexpr Owner threatened_mark = 1 << 15;  ///< the unknown may reach it within the step
+constexpr Owner lost_mark = 1 << 14;        ///< the unknown has reached it
+
 /// A strip of cell rows worked on by one thread, with what it needs for itself.
 struct Tile {
     TileKind kind = TileKind::whole;
@@ -64,13 +70,16 @@ struct Tile {
     Ledger ledger;
     std::int64_t taken = 0;  ///< entries taken from the calendar, for its bucket width
     double now = 0;
-    double end = 0;  ///< events from here on are left to later
+    double end = 0;       ///< events from here on are left to others
+    double step_end = 0;  ///< of a core: what happens from here on waits for the next step
+    Owner number = 0;     ///< of the strip
     int first_row = 0;
     int end_row = 0;
     int low_front = 0;   ///< highest row that the unknown reached from below
     int high_front = 0;  ///< lowest row that it reached from above
     std::vector<std::int32_t> unknown;
-    bool is_violated = false;  ///< a grain was faster than the front
+    std::vector<std::int32_t> threatened;  ///< in this step, some of them more than once
+    bool is_violated = false;              ///< a grain was faster than the front
 };
 
 /// The engine for one combination of policies (docs/md/engine.md).
@@ -100,7 +109,7 @@ class EventEngine final : public Engine {
 
     void begin_window(Team& team);
     void set_collapse_limits(Team& team);
-    void fill_calendar(Tile& tile, double start, double end);
+    void reset_calendar(Tile& tile, double start, double end, std::size_t grains);
     void predict_all(Team& team);
     void start_whole(double start);
 
@@ -109,16 +118,19 @@ class EventEngine final : public Engine {
     void advance_strips_or_whole(double time, Team& team);
     bool advance_strips(double time, Team& team);
     double greatest_speed(double time, Team& team) const;
-    void run_cores(double start, double end, int strips, Team& team);
+    void begin_cores(int strips, Team& team);
     void run_core(Tile& tile, double start, double end);
     bool run_seams(double start, double end, int strips, Team& team);
     void run_seam(Tile& tile, double end);
+    void take_back(Tile& core, int strips);
+    void plan_in_core(Tile& tile, std::int32_t i);
+    void threaten(Tile& tile, std::int32_t i, double time);
     void lose(Tile& tile, std::int32_t i);
-    void loses_neighbours(Tile& tile, std::int32_t lost);
+    void loses_neighbours(Tile& tile, std::int32_t i);
     double time_lost(const Tile& tile, std::int32_t i) const;
     double time_reached(std::int32_t i, std::int32_t lost, double now) const;
     bool is_known(std::int32_t i) const {
-        return lost_at_.empty() || lost_at_[static_cast<std::size_t>(i)] == never;
+        return owner_.empty() || (owner_[static_cast<std::size_t>(i)] & lost_mark) == 0;
     }
     void run(Tile& tile, double end);
     void execute(Tile& tile, std::int32_t i);
@@ -140,15 +152,23 @@ class EventEngine final : public Engine {
     double vertical_crossing(const Grain& grain, const Plan& plan, double now,
                              std::int8_t& direction) const;
     void schedule(Tile& tile, std::int32_t i);
-    /// When its next event is due: in a core, also that of being lost.
+    /// When its next event is due: in a core, also that of being lost; never there if it is lost or
+    /// another strip's.
     double time_of(const Tile& tile, std::int32_t i) const {
         const auto k = static_cast<std::size_t>(i);
-        const double time = plan_[k].time();
-        return tile.kind == TileKind::core ? std::min(time, loses_at_[k]) : time;
+        if (tile.kind != TileKind::core || owner_[k] == tile.number) return plan_[k].time();
+        if (owner_[k] != (tile.number | threatened_mark)) return never;
+        return std::min(plan_[k].time(), loses_at_[k]);
+    }
+    /// Whether the tile may read the plan of a grain that its calendar once held.
+    bool may_read(const Tile& tile, std::int32_t i) const {
+        return tile.kind != TileKind::core || owner_[static_cast<std::size_t>(i)] == tile.number;
     }
     void look_ahead(const Tile& tile, std::int32_t bucket) const;
     template <class F>
     void for_each_row(const Tile& tile, std::int32_t i, F&& f) const;
+    template <class F>
+    void for_each_grain(int first_row, int end_row, F&& f) const;
     void link(std::int32_t i);
     void unlink(std::int32_t i);
     void count_event(std::int32_t i, std::int32_t partner, double time, double since);
@@ -171,8 +191,10 @@ class EventEngine final : public Engine {
     std::vector<Tile> tile_;  ///< one; or all cores, then all seams
     const GrainState* loaded_ = nullptr;
     bool is_whole_ = true;
-    std::vector<double> lost_at_;   ///< since when a grain is unknown to its core; strips only
-    std::vector<double> loses_at_;  ///< when that will happen as things stand
+    bool has_cores_ = false;        ///< the cores hold all events of this window
+    HugeVector<Owner> owner_;       ///< strips only; written by the owner, between phases by others
+    std::vector<double> lost_at_;   ///< since when a grain is unknown to its core
+    std::vector<double> loses_at_;  ///< when that will happen as things stand: of threatened ones
     double front_start_ = 0;
     double front_speed_ = 0;
     double front_margin_ = 0;

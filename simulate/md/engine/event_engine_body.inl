@@ -67,6 +67,7 @@ void EventEngine<tangential, has_gravity, plates>::begin_window(Team& team) {
         plan_[i] = plan;
     }
     for (std::size_t i = 0; i < count; ++i) link(static_cast<std::int32_t>(i));
+    has_cores_ = false;
     fetch_ahead_ = count > cached_grains;
     now_ = 0;
     set_collapse_limits(team);
@@ -114,36 +115,36 @@ void EventEngine<tangential, has_gravity, plates>::predict_all(Team& team) {
 template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::start_whole(double start) {
     is_whole_ = true;
-    lost_at_.clear();
+    owner_.clear();
     Tile& tile = tile_.front();
     tile.kind = TileKind::whole;
     tile.now = start;
-    fill_calendar(tile, start, end_);
+    reset_calendar(tile, start, end_, grain_.size());
     for (std::size_t i = 0; i < grain_.size(); ++i) schedule(tile, static_cast<std::int32_t>(i));
 }
 
+// Empty, for the events of so many grains in [start, end).
 template <Tangential tangential, bool has_gravity, Plates plates>
-void EventEngine<tangential, has_gravity, plates>::fill_calendar(Tile& tile, double start,
-                                                                 double end) {
+void EventEngine<tangential, has_gravity, plates>::reset_calendar(Tile& tile, double start,
+                                                                  double end, std::size_t grains) {
     const double rate = rate_ > 0 ? rate_ : 20;
-    const double share = tile.kind == TileKind::whole ? 1 : 2.0 / static_cast<double>(tile_.size());
     tile.end = end;
-    tile.calendar.reset(start, end,
-                        rate * share * (end - start) * static_cast<double>(grain_.size()));
+    tile.calendar.reset(start, end, rate * (end - start) * static_cast<double>(grains));
 }
 
 template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::schedule(Tile& tile, std::int32_t i) {
-    if (tile.kind == TileKind::core) {
-        loses_at_[static_cast<std::size_t>(i)] = time_lost(tile, i);
-    }
     if (tile.kind != TileKind::whole) {
         const Vec3& v = grain_[static_cast<std::size_t>(i)].v;
         const double bound = front_speed_ - front_margin_;
         if (squared_norm(v) > bound * bound) tile.is_violated = true;
     }
-    const double time = time_of(tile, i);
-    if (time < tile.end) tile.calendar.push({time, plan_[static_cast<std::size_t>(i)].id, i});
+    if (tile.kind == TileKind::core) {
+        plan_in_core(tile, i);
+        return;
+    }
+    const Plan& plan = plan_[static_cast<std::size_t>(i)];
+    if (const double time = plan.time(); time < tile.end) tile.calendar.push({time, plan.id, i});
 }
 
 template <Tangential tangential, bool has_gravity, Plates plates>
@@ -172,7 +173,7 @@ void EventEngine<tangential, has_gravity, plates>::run(Tile& tile, double end) {
     const auto fetch = [this, &tile](std::int32_t bucket) {
         if (fetch_ahead_) look_ahead(tile, bucket);
     };
-    while (const EventCalendar::Entry* entry = tile.calendar.front(planned, fetch)) {
+    while (const EventCalendar::Entry* entry = tile.calendar.front(planned, fetch, end)) {
         if (entry->time >= end) break;
         const std::int32_t i = entry->grain;
         const double time = entry->time;
@@ -181,12 +182,10 @@ void EventEngine<tangential, has_gravity, plates>::run(Tile& tile, double end) {
         if (planned(i) != time) continue;
         tile.ledger.backwards = std::max(tile.ledger.backwards, tile.now - time);
         tile.now = time;
-        if (tile.kind == TileKind::core) {
-            if (!is_known(i)) continue;
-            if (loses_at_[static_cast<std::size_t>(i)] == time) {
-                lose(tile, i);
-                continue;
-            }
+        if (tile.kind == TileKind::core && owner_[static_cast<std::size_t>(i)] != tile.number &&
+            loses_at_[static_cast<std::size_t>(i)] == time) {
+            lose(tile, i);
+            continue;
         }
         execute(tile, i);
     }
@@ -223,7 +222,8 @@ void EventEngine<tangential, has_gravity, plates>::look_ahead(const Tile& tile,
         fetch_line(&grain_[static_cast<std::size_t>(i)]);
         fetch_line(&plan_[static_cast<std::size_t>(i)]);
     });
-    tile.calendar.for_each(bucket + 4, [this](std::int32_t i) {
+    tile.calendar.for_each(bucket + 4, [this, &tile](std::int32_t i) {
+        if (!may_read(tile, i)) return;
         const std::int32_t partner = plan_[static_cast<std::size_t>(i)].partner;
         if (partner >= 0) fetch_line(&plan_[static_cast<std::size_t>(partner)]);
     });
@@ -251,6 +251,7 @@ template <Tangential tangential, bool has_gravity, Plates plates>
 template <class F>
 void EventEngine<tangential, has_gravity, plates>::for_each_row(const Tile& tile, std::int32_t i,
                                                                 F&& f) const {
+    if (!may_read(tile, i)) return;
     const Plan& plan = plan_[static_cast<std::size_t>(i)];
     // Near the rim of a core, partner and cells may belong to another thread.
     if (tile.kind == TileKind::core &&
@@ -357,7 +358,7 @@ template <Tangential tangential, bool has_gravity, Plates plates>
 std::size_t EventEngine<tangential, has_gravity, plates>::bytes() const {
     std::size_t sum = grain_.capacity() * sizeof(Grain) + plan_.capacity() * sizeof(Plan) +
                       last_contact_.capacity() * sizeof(double) +
-                      cells_.cell.capacity() * sizeof(Cell) +
+                      cells_.cell.capacity() * sizeof(Cell) + owner_.capacity() * sizeof(Owner) +
                       (lost_at_.capacity() + loses_at_.capacity()) * sizeof(double);
     for (const Tile& tile : tile_) sum += tile.calendar.bytes();
     return sum;

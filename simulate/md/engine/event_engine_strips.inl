@@ -1,6 +1,7 @@
 // EventEngine on several threads: strips of cell rows, without rollback and with the same result.
 //
-// In a short step each core (strip) executes its own events in order of time while its rim becomes
+// Each core (strip) has a calendar for the whole window, which goes through it in short steps.
+// In a step a core executes its own events in order of time while its rim becomes
 // unknown: what lies beyond the strip can reach a grain no sooner than something of speed
 // `front_speed_` could, directly or by way of grains that it reached before. A grain that may have
 // been reached is *lost*: it stops where it is. When all cores are done, the lost grains between
@@ -22,6 +23,9 @@ constexpr int worthwhile_rows = 64;
 constexpr int seam_distance = 8;
 // How far, in cells, an unknown grain may get in a step, so that 5 × 5 cells cover its reach.
 constexpr double step_reach = 0.9;
+// Rows at the edge of a strip in which the unknown beyond it may reach a grain within a step: one
+// of contact, and step_reach for each of the two. Another for grains beside their cell.
+constexpr int rim_rows = 4;
 constexpr double speed_reserve = 1.3;
 
 template <Tangential tangential, bool has_gravity, Plates plates>
@@ -76,9 +80,7 @@ void EventEngine<tangential, has_gravity, plates>::advance_strips_or_whole(doubl
 template <Tangential tangential, bool has_gravity, Plates plates>
 bool EventEngine<tangential, has_gravity, plates>::advance_strips(double time, Team& team) {
     const int strips = strip_count();
-    tile_.resize(2 * static_cast<std::size_t>(strips));
-    lost_at_.resize(grain_.size(), never);
-    loses_at_.resize(grain_.size(), never);
+    if (!has_cores_) begin_cores(strips, team);
     const double width = *std::min_element(cells_.width.begin(), cells_.width.begin() + 2);
     double start = now_;
     while (start < time) {
@@ -90,46 +92,101 @@ bool EventEngine<tangential, has_gravity, plates>::advance_strips(double time, T
         step = step_reach * width / front_speed_;
         const double end = std::min(time, start + step);
         front_start_ = start;
-        run_cores(start, end, strips, team);
+        team.for_each(strips, [&](std::int64_t s) {
+            run_core(tile_[static_cast<std::size_t>(s)], start, end);
+        });
         if (!run_seams(start, end, strips, team)) return false;
         start = end;
     }
     return true;
 }
 
+// f(grain) for all grains in these rows of cells.
 template <Tangential tangential, bool has_gravity, Plates plates>
-void EventEngine<tangential, has_gravity, plates>::run_cores(double start, double end, int strips,
-                                                             Team& team) {
+template <class F>
+void EventEngine<tangential, has_gravity, plates>::for_each_grain(int first_row, int end_row,
+                                                                  F&& f) const {
+    for (int z = 0; z < cells_.count[2]; ++z) {
+        for (int y = first_row; y < end_row; ++y) {
+            const std::size_t first = cells_.index(0, y, z);
+            const std::size_t last = first + static_cast<std::size_t>(cells_.count[0]);
+            for (std::size_t c = first; c < last; ++c) cells_.for_each(c, grain_, f);
+        }
+    }
+}
+
+// All events from now to the end of the window into the calendars of the cores.
+template <Tangential tangential, bool has_gravity, Plates plates>
+void EventEngine<tangential, has_gravity, plates>::begin_cores(int strips, Team& team) {
+    const std::size_t count = grain_.size();
+    tile_.resize(2 * static_cast<std::size_t>(strips));
+    owner_.resize(count);
+    lost_at_.resize(count, never);
+    loses_at_.resize(count, never);
     for (int s = 0; s < strips; ++s) {
         Tile& tile = tile_[static_cast<std::size_t>(s)];
         tile.kind = TileKind::core;
+        tile.number = static_cast<Owner>(s);
         tile.first_row = s * cells_.count[1] / strips;
         tile.end_row = (s + 1) * cells_.count[1] / strips;
     }
-    team.for_each(
-        strips, [&](std::int64_t s) { run_core(tile_[static_cast<std::size_t>(s)], start, end); });
+    team.for_each(strips, [&](std::int64_t s) {
+        Tile& tile = tile_[static_cast<std::size_t>(s)];
+        reset_calendar(tile, now_, end_, count / static_cast<std::size_t>(strips));
+        for_each_grain(tile.first_row, tile.end_row, [&](std::int32_t i) {
+            const Plan& plan = plan_[static_cast<std::size_t>(i)];
+            owner_[static_cast<std::size_t>(i)] = tile.number;
+            if (plan.time() < tile.end) tile.calendar.push({plan.time(), plan.id, i});
+        });
+    });
+    has_cores_ = true;
 }
 
 template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::run_core(Tile& tile, double start, double end) {
     tile.now = start;
+    tile.step_end = end;
     tile.low_front = tile.first_row;
     tile.high_front = tile.end_row - 1;
     tile.is_violated = false;
     tile.unknown.clear();
-    fill_calendar(tile, start, end);
-    for (int z = 0; z < cells_.count[2]; ++z) {
-        for (int y = tile.first_row; y < tile.end_row; ++y) {
-            const std::size_t first = cells_.index(0, y, z);
-            const std::size_t last = first + static_cast<std::size_t>(cells_.count[0]);
-            for (std::size_t c = first; c < last; ++c) {
-                cells_.for_each(c, grain_, [&](std::int32_t i) { schedule(tile, i); });
-            }
-        }
-    }
-    // Its grains' flight may have made them faster than at their last event; greatest_speed() knew.
-    tile.is_violated = false;
+    tile.threatened.clear();
+    const auto threaten_rim = [&](std::int32_t i) {
+        if (const double t = time_lost(tile, i); t < end) threaten(tile, i, t);
+    };
+    for_each_grain(tile.first_row, tile.first_row + rim_rows, threaten_rim);
+    for_each_grain(tile.end_row - rim_rows, tile.end_row, threaten_rim);
     run(tile, end);
+    // What was not reached goes on. Its event may have left the calendar while it was threatened.
+    for (const std::int32_t i : tile.threatened) {
+        const auto k = static_cast<std::size_t>(i);
+        if (owner_[k] != (tile.number | threatened_mark)) continue;
+        owner_[k] = tile.number;
+        const Plan& plan = plan_[k];
+        if (plan.time() < tile.end) tile.calendar.push({plan.time(), plan.id, i});
+    }
+}
+
+// Plans the next event of a grain of a core, and when it is lost if that comes first.
+template <Tangential tangential, bool has_gravity, Plates plates>
+void EventEngine<tangential, has_gravity, plates>::plan_in_core(Tile& tile, std::int32_t i) {
+    const auto k = static_cast<std::size_t>(i);
+    owner_[k] = tile.number;
+    const Plan& plan = plan_[k];
+    if (plan.time() < tile.end) tile.calendar.push({plan.time(), plan.id, i});
+    if (const double t = time_lost(tile, i); t < tile.step_end) threaten(tile, i, t);
+}
+
+// The unknown will reach the grain at `time`, within the step.
+template <Tangential tangential, bool has_gravity, Plates plates>
+void EventEngine<tangential, has_gravity, plates>::threaten(Tile& tile, std::int32_t i,
+                                                            double time) {
+    const auto k = static_cast<std::size_t>(i);
+    owner_[k] = tile.number | threatened_mark;
+    loses_at_[k] = time;
+    tile.threatened.push_back(i);
+    const Plan& plan = plan_[k];
+    if (time < plan.time()) tile.calendar.push({time, plan.id, i});
 }
 
 template <Tangential tangential, bool has_gravity, Plates plates>
@@ -160,18 +217,29 @@ bool EventEngine<tangential, has_gravity, plates>::run_seams(double start, doubl
     }
     team.for_each(is_apart ? strips : 1,
                   [&](std::int64_t s) { run_seam(tile_[n + static_cast<std::size_t>(s)], end); });
-    for (std::size_t s = 0; s < n; ++s) {
-        is_good = is_good && !tile_[n + s].is_violated;
-        for (const std::int32_t i : tile_[n + s].unknown) {
-            lost_at_[static_cast<std::size_t>(i)] = never;
+    for (std::size_t s = 0; s < n; ++s) is_good = is_good && !tile_[n + s].is_violated;
+    team.for_each(strips,
+                  [&](std::int64_t s) { take_back(tile_[static_cast<std::size_t>(s)], strips); });
+    return is_good;
+}
+
+// The lost grains that are in the rows of this core after the step are its own from now on.
+template <Tangential tangential, bool has_gravity, Plates plates>
+void EventEngine<tangential, has_gravity, plates>::take_back(Tile& core, int strips) {
+    for (int s = strips; s < 2 * strips; ++s) {
+        for (const std::int32_t i : tile_[static_cast<std::size_t>(s)].unknown) {
+            const auto k = static_cast<std::size_t>(i);
+            const Plan& plan = plan_[k];
+            if (plan.cell[1] < core.first_row || plan.cell[1] >= core.end_row) continue;
+            owner_[k] = core.number;
+            if (plan.time() < core.end) core.calendar.push({plan.time(), plan.id, i});
         }
     }
-    return is_good;
 }
 
 template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::run_seam(Tile& tile, double end) {
-    fill_calendar(tile, tile.now, end);
+    reset_calendar(tile, tile.now, end, tile.unknown.size());
     for (const std::int32_t i : tile.unknown) {
         predict(i, lost_at_[static_cast<std::size_t>(i)]);
         schedule(tile, i);
@@ -184,6 +252,7 @@ void EventEngine<tangential, has_gravity, plates>::run_seam(Tile& tile, double e
 template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::lose(Tile& tile, std::int32_t i) {
     lost_at_[static_cast<std::size_t>(i)] = tile.now;
+    owner_[static_cast<std::size_t>(i)] = tile.number | lost_mark;
     tile.unknown.push_back(i);
     const int row = plan_[static_cast<std::size_t>(i)].cell[1];
     if (2 * row < tile.first_row + tile.end_row) {
@@ -195,20 +264,17 @@ void EventEngine<tangential, has_gravity, plates>::lose(Tile& tile, std::int32_t
 }
 
 template <Tangential tangential, bool has_gravity, Plates plates>
-void EventEngine<tangential, has_gravity, plates>::loses_neighbours(Tile& tile, std::int32_t lost) {
-    const auto& cell = plan_[static_cast<std::size_t>(lost)].cell;
+void EventEngine<tangential, has_gravity, plates>::loses_neighbours(Tile& tile, std::int32_t i) {
+    const auto& cell = plan_[static_cast<std::size_t>(i)].cell;
     const std::array<int, 3> low{cell[0] - 2, std::max(cell[1] - 2, tile.first_row), cell[2] - 2};
     const std::array<int, 3> high{cell[0] + 2, std::min(cell[1] + 2, tile.end_row - 1),
                                   cell[2] + 2};
     for_each_image(low, high, [&](std::int32_t j, const Vec3&) {
         if (!is_known(j)) return;
-        const double t = time_reached(j, lost, tile.now);
-        double& loses_at = loses_at_[static_cast<std::size_t>(j)];
-        if (t >= loses_at) return;
-        const double planned = time_of(tile, j);
-        loses_at = t;
-        if (t > planned || t >= tile.end) return;
-        tile.calendar.push({t, plan_[static_cast<std::size_t>(j)].id, j});
+        const auto k = static_cast<std::size_t>(j);
+        const double t = time_reached(j, i, tile.now);
+        if (t >= ((owner_[k] & threatened_mark) != 0 ? loses_at_[k] : tile.step_end)) return;
+        threaten(tile, j, t);
     });
 }
 
@@ -230,12 +296,16 @@ double EventEngine<tangential, has_gravity, plates>::time_lost(const Tile& tile,
         const double t = rest <= 0 ? now : now + 0.999999 * rest / std::max(closing, 1e-300);
         lost = std::min(lost, t);
     };
-    if (cells_.periodic[1] || tile.first_row > 0) edge(y - tile.first_row * width, -grain.v.y);
-    if (cells_.periodic[1] || tile.end_row < cells_.count[1]) {
+    const int row = plan.cell[1];
+    if (row < tile.first_row + rim_rows && (cells_.periodic[1] || tile.first_row > 0)) {
+        edge(y - tile.first_row * width, -grain.v.y);
+    }
+    if (row >= tile.end_row - rim_rows && (cells_.periodic[1] || tile.end_row < cells_.count[1])) {
         edge(tile.end_row * width - y, grain.v.y);
     }
-    const int row = plan.cell[1];
-    if (row > tile.low_front + 2 && row < tile.high_front - 2) return lost;
+    if (tile.unknown.empty() || (row > tile.low_front + 2 && row < tile.high_front - 2)) {
+        return lost;
+    }
     const std::array<int, 3> low{plan.cell[0] - 2, std::max(row - 2, tile.first_row),
                                  plan.cell[2] - 2};
     const std::array<int, 3> high{plan.cell[0] + 2, std::min(row + 2, tile.end_row - 1),

@@ -1,5 +1,6 @@
 #include "simulate/md/engine/event_calendar.h"
 
+#include <algorithm>
 #include <map>
 #include <utility>
 #include <vector>
@@ -52,6 +53,37 @@ TEST(EventCalendar, DeliversGrainsInOrderOfTheirPresentTimes) {
         EXPECT_TRUE(oracle.empty());
         EXPECT_GT(delivered, 50000);
     }
+}
+
+// As a core of the layer does: it stops between steps, where grains come back that it had lost.
+TEST(EventCalendar, StopsBeforeATimeAndTakesEarlierEntriesAfterwards) {
+    EventCalendar calendar;
+    calendar.reset(0, 100, 2000);
+    std::vector<double> time{95, 40, 40, 10.5};
+    const auto time_of = [&](std::int32_t i) { return time[static_cast<std::size_t>(i)]; };
+    std::int32_t highest = -1;
+    const auto look_ahead = [&](std::int32_t bucket) { highest = std::max(highest, bucket); };
+    const auto next = [&](double until) { return calendar.front(time_of, look_ahead, until); };
+    calendar.push({95, 0, 0});
+    calendar.push({40, 1, 1});
+    time[1] = 60;  // nothing valid is left before 95
+    EXPECT_EQ(next(10), nullptr);
+    EXPECT_EQ(highest, 10) << "one bucket a unit of time: that of `until` and no farther";
+    calendar.push({10.5, 3, 3});
+    calendar.push({40, 2, 2});
+    for (const std::int32_t due : {3, 2}) {
+        const EventCalendar::Entry* entry = next(50);
+        ASSERT_NE(entry, nullptr);
+        EXPECT_EQ(entry->grain, due);
+        calendar.pop();
+    }
+    EXPECT_EQ(next(50), nullptr);
+    calendar.push({60, 1, 1});
+    EXPECT_EQ(next(100)->grain, 1);
+    calendar.pop();
+    EXPECT_EQ(next(100)->grain, 0);
+    calendar.pop();
+    EXPECT_EQ(next(100), nullptr);
 }
 
 TEST(EventCalendar, EqualTimesComeInOrderOfIdentity) {
