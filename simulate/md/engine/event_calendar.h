@@ -56,10 +56,10 @@ class EventCalendar {
         }
     }
 
-    /// The earliest entry, or nullptr if none is due before `until`. `time_of(grain)` gives the time
-    /// a grain is planned for now; `look_ahead(bucket)` is called for each bucket as it becomes the
-    /// present one. What is due later may still be returned, but no bucket beyond that of `until`
-    /// becomes the present one: entries can be pushed there at no cost.
+    /// The earliest entry, or nullptr if none is due before `until`. `time_of(grain)` gives the
+    /// time a grain is planned for now; `look_ahead(bucket)` is called for each bucket as it
+    /// becomes the present one. What is due later may still be returned, but no bucket beyond that
+    /// of `until` becomes the present one: entries can be pushed there at no cost.
     template <class TimeOf, class LookAhead>
     const Entry* front(TimeOf&& time_of, LookAhead&& look_ahead,
                        double until = std::numeric_limits<double>::infinity()) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -129,8 +130,16 @@ class EventEngine final : public Engine {
     void loses_neighbours(Tile& tile, std::int32_t i);
     double time_lost(const Tile& tile, std::int32_t i) const;
     double time_reached(std::int32_t i, std::int32_t lost, double now) const;
-    bool is_known(std::int32_t i) const {
-        return owner_.empty() || (owner_[static_cast<std::size_t>(i)] & lost_mark) == 0;
+    bool is_known(std::int32_t i) const { return owner_.empty() || (owner_of(i) & lost_mark) == 0; }
+    // A calendar may hold an entry of a grain that has gone to another strip, whose core marks it.
+    // Whatever it reads then is not its own number.
+    Owner owner_of(std::int32_t i) const {
+        return std::atomic_ref<Owner>(owner_[static_cast<std::size_t>(i)])
+            .load(std::memory_order_relaxed);
+    }
+    void set_owner(std::int32_t i, int owner) {
+        std::atomic_ref<Owner>(owner_[static_cast<std::size_t>(i)])
+            .store(static_cast<Owner>(owner), std::memory_order_relaxed);
     }
     void run(Tile& tile, double end);
     void execute(Tile& tile, std::int32_t i);
@@ -156,13 +165,15 @@ class EventEngine final : public Engine {
     /// another strip's.
     double time_of(const Tile& tile, std::int32_t i) const {
         const auto k = static_cast<std::size_t>(i);
-        if (tile.kind != TileKind::core || owner_[k] == tile.number) return plan_[k].time();
-        if (owner_[k] != (tile.number | threatened_mark)) return never;
+        if (tile.kind != TileKind::core) return plan_[k].time();
+        const Owner owner = owner_of(i);
+        if (owner == tile.number) return plan_[k].time();
+        if (owner != (tile.number | threatened_mark)) return never;
         return std::min(plan_[k].time(), loses_at_[k]);
     }
     /// Whether the tile may read the plan of a grain that its calendar once held.
     bool may_read(const Tile& tile, std::int32_t i) const {
-        return tile.kind != TileKind::core || owner_[static_cast<std::size_t>(i)] == tile.number;
+        return tile.kind != TileKind::core || owner_of(i) == tile.number;
     }
     void look_ahead(const Tile& tile, std::int32_t bucket) const;
     template <class F>
@@ -191,9 +202,9 @@ class EventEngine final : public Engine {
     std::vector<Tile> tile_;  ///< one; or all cores, then all seams
     const GrainState* loaded_ = nullptr;
     bool is_whole_ = true;
-    bool has_cores_ = false;        ///< the cores hold all events of this window
-    HugeVector<Owner> owner_;       ///< strips only; written by the owner, between phases by others
-    std::vector<double> lost_at_;   ///< since when a grain is unknown to its core
+    bool has_cores_ = false;           ///< the cores hold all events of this window
+    mutable HugeVector<Owner> owner_;  ///< strips only
+    std::vector<double> lost_at_;      ///< since when a grain is unknown to its core
     std::vector<double> loses_at_;  ///< when that will happen as things stand: of threatened ones
     double front_start_ = 0;
     double front_speed_ = 0;

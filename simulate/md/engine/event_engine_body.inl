@@ -182,7 +182,7 @@ void EventEngine<tangential, has_gravity, plates>::run(Tile& tile, double end) {
         if (planned(i) != time) continue;
         tile.ledger.backwards = std::max(tile.ledger.backwards, tile.now - time);
         tile.now = time;
-        if (tile.kind == TileKind::core && owner_[static_cast<std::size_t>(i)] != tile.number &&
+        if (tile.kind == TileKind::core && owner_of(i) != tile.number &&
             loses_at_[static_cast<std::size_t>(i)] == time) {
             lose(tile, i);
             continue;

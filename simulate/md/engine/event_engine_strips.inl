@@ -135,7 +135,7 @@ void EventEngine<tangential, has_gravity, plates>::begin_cores(int strips, Team&
         reset_calendar(tile, now_, end_, count / static_cast<std::size_t>(strips));
         for_each_grain(tile.first_row, tile.end_row, [&](std::int32_t i) {
             const Plan& plan = plan_[static_cast<std::size_t>(i)];
-            owner_[static_cast<std::size_t>(i)] = tile.number;
+            set_owner(i, tile.number);
             if (plan.time() < tile.end) tile.calendar.push({plan.time(), plan.id, i});
         });
     });
@@ -160,8 +160,8 @@ void EventEngine<tangential, has_gravity, plates>::run_core(Tile& tile, double s
     // What was not reached goes on. Its event may have left the calendar while it was threatened.
     for (const std::int32_t i : tile.threatened) {
         const auto k = static_cast<std::size_t>(i);
-        if (owner_[k] != (tile.number | threatened_mark)) continue;
-        owner_[k] = tile.number;
+        if (owner_of(i) != (tile.number | threatened_mark)) continue;
+        set_owner(i, tile.number);
         const Plan& plan = plan_[k];
         if (plan.time() < tile.end) tile.calendar.push({plan.time(), plan.id, i});
     }
@@ -171,7 +171,7 @@ void EventEngine<tangential, has_gravity, plates>::run_core(Tile& tile, double s
 template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::plan_in_core(Tile& tile, std::int32_t i) {
     const auto k = static_cast<std::size_t>(i);
-    owner_[k] = tile.number;
+    set_owner(i, tile.number);
     const Plan& plan = plan_[k];
     if (plan.time() < tile.end) tile.calendar.push({plan.time(), plan.id, i});
     if (const double t = time_lost(tile, i); t < tile.step_end) threaten(tile, i, t);
@@ -182,7 +182,7 @@ template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::threaten(Tile& tile, std::int32_t i,
                                                             double time) {
     const auto k = static_cast<std::size_t>(i);
-    owner_[k] = tile.number | threatened_mark;
+    set_owner(i, tile.number | threatened_mark);
     loses_at_[k] = time;
     tile.threatened.push_back(i);
     const Plan& plan = plan_[k];
@@ -231,7 +231,7 @@ void EventEngine<tangential, has_gravity, plates>::take_back(Tile& core, int str
             const auto k = static_cast<std::size_t>(i);
             const Plan& plan = plan_[k];
             if (plan.cell[1] < core.first_row || plan.cell[1] >= core.end_row) continue;
-            owner_[k] = core.number;
+            set_owner(i, core.number);
             if (plan.time() < core.end) core.calendar.push({plan.time(), plan.id, i});
         }
     }
@@ -252,7 +252,7 @@ void EventEngine<tangential, has_gravity, plates>::run_seam(Tile& tile, double e
 template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::lose(Tile& tile, std::int32_t i) {
     lost_at_[static_cast<std::size_t>(i)] = tile.now;
-    owner_[static_cast<std::size_t>(i)] = tile.number | lost_mark;
+    set_owner(i, tile.number | lost_mark);
     tile.unknown.push_back(i);
     const int row = plan_[static_cast<std::size_t>(i)].cell[1];
     if (2 * row < tile.first_row + tile.end_row) {
@@ -273,7 +273,7 @@ void EventEngine<tangential, has_gravity, plates>::loses_neighbours(Tile& tile, 
         if (!is_known(j)) return;
         const auto k = static_cast<std::size_t>(j);
         const double t = time_reached(j, i, tile.now);
-        if (t >= ((owner_[k] & threatened_mark) != 0 ? loses_at_[k] : tile.step_end)) return;
+        if (t >= ((owner_of(j) & threatened_mark) != 0 ? loses_at_[k] : tile.step_end)) return;
         threaten(tile, j, t);
     });
 }
