@@ -53,6 +53,12 @@ constexpr double kMisfits = 12;
 constexpr double kLeastEvidence = 0.04;
 constexpr double kMostEvidence = 0.15;
 constexpr double kMostBesideRoom = 0.08;
+/// Of true spheres the fewer are there the less they explain: in a thick liquid a tenth as many
+/// explain 0.08 to 0.15 of an isolated one as 0.15 to 0.25 (kDoubtful). In a crystal of mirrors
+/// three discs in a row fit two spheres, and have room: half as many. From that share and number on
+/// those that explain less than 0.15 are taken for false ones. Chosen between the two.
+constexpr double kTooManyWeak = 0.5;
+constexpr int kLeastWeak = 8;
 /// In a crystal two discs can fit one sphere better than one does. Each explains 0.08 to 0.3 of an
 /// isolated sphere, and is 0.02 to 0.2 a too near to others to have room. So are a few true spheres
 /// in a thick liquid, by the bias of the model. Where that is corrected true ones have more room
@@ -310,12 +316,16 @@ std::int64_t SphereSearch::remove_unfounded() {
     const double area = std::numbers::pi * disc_.reach() * disc_.reach();
     const double needed = kMisfits * left.misfit * area;
     // Where the model fits, what explains little is no less sure.
-    const bool asks_for_room =
-        !options_.evidence && options_.sphere_diameter && needed > kMostBesideRoom * isolated;
-    threshold_ = options_.evidence
-                     ? *options_.evidence * isolated
-                     : std::clamp(needed, kLeastEvidence * isolated,
-                                  (asks_for_room ? kMostBesideRoom : kMostEvidence) * isolated);
+    asks_for_room_ = !options_.evidence && !weak_are_false_ && options_.sphere_diameter &&
+                     needed > kMostBesideRoom * isolated;
+    if (options_.evidence) {
+        threshold_ = *options_.evidence * isolated;
+    } else if (weak_are_false_) {
+        threshold_ = kMostEvidence * isolated;
+    } else {
+        threshold_ = std::clamp(needed, kLeastEvidence * isolated,
+                                (asks_for_room_ ? kMostBesideRoom : kMostEvidence) * isolated);
+    }
     threshold_ = std::max(threshold_,
                           options_.significance * options_.significance * left.noise * left.noise);
     summary_.evidence = threshold_ / isolated;
@@ -323,7 +333,7 @@ std::int64_t SphereSearch::remove_unfounded() {
     if (threshold_ < 0.5 * rejected_at_) forget_rejections();
     const SphereCell cell{.diameter = options_.sphere_diameter.value_or(0),
                           .height = options_.cell_height};
-    const double doubtful = asks_for_room ? std::max(threshold_, kDoubtful * isolated) : 0;
+    const double doubtful = asks_for_room_ ? std::max(threshold_, kDoubtful * isolated) : 0;
     const std::vector<char> keep = discs_to_keep(
         fit_, fit_.explained(), {threshold_, separation_, doubtful, cell, correction_});
     std::int64_t removed = 0;
@@ -457,8 +467,23 @@ bool SphereSearch::look_again(const RefinementOptions& refinement, const Residua
 void SphereSearch::finish(const RefinementOptions& refinement, Drawing drawing) {
     for (int round = 0; round < kLastRounds; ++round) {
         sweep(refinement, drawing);
-        if (remove_unfounded() == 0) break;
+        if (remove_unfounded() == 0 && !finds_weak_false()) break;
     }
+}
+
+/// Whether it is seen now that those are false which explain less than without a known a.
+bool SphereSearch::finds_weak_false() {
+    if (!asks_for_room_) return false;
+    const double isolated = correlation_.full_gain();
+    int weak = 0;
+    int doubtful = 0;
+    for (const double e : fit_.explained()) {
+        weak += e < kMostEvidence * isolated ? 1 : 0;
+        doubtful += e < kDoubtful * isolated ? 1 : 0;
+    }
+    weak_are_false_ = weak >= kLeastWeak && weak > kTooManyWeak * (doubtful - weak);
+    if (weak_are_false_) forget_judgement();
+    return weak_are_false_;
 }
 
 void SphereSearch::sweep(const RefinementOptions& refinement, Drawing drawing) {

@@ -107,6 +107,7 @@ class SphereSearch {
  private:
     void forget_rejections();
     std::int64_t remove_unfounded();
+    bool finds_weak_false();
     void split(std::uint32_t j, Vec2 place);
     double least_gain(const ResidualBlocks& residual) const;
     std::vector<PixelBlock> where_gain_reaches(const ResidualBlocks& residual, double least) const;
@@ -120,6 +121,8 @@ class SphereSearch {
     const BiasCorrection* correction_;
     PointGrid rejected_;           ///< places not to be tried again
     double separation_;            ///< [px]
+    bool asks_for_room_ = false;   ///< of doubtful spheres
+    bool weak_are_false_ = false;  ///< those that explain little, once seen: for the whole frame
     double threshold_ = 0;         ///< least misfit that a sphere must explain [contrast² px]
     double rejected_at_ = 0;       ///< the highest threshold that those rejected fell short of
     std::int64_t judged_at_ = -1;  ///< disc updates done when no disc had to go; −1: not known

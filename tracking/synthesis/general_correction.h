@@ -84,10 +84,10 @@ struct CorrectionJudgement {
     /// A correction is hardly larger than the errors that it corrects. On 40 frames of cameras that
     /// mirror the ratio was .7 to 1.2, on silhouettes in blurred light 2.6.
     bool is_too_large() const { return !(moved <= 1.5 * expected); }
-    /// Frames of mirrors: 1.8 at most of 320 cameras, 2.6 of a crystal. Silhouettes with and
-    /// without a rim: 5.6 and more.
+    /// Frames of mirrors: 1.8 at most of 320 cameras, 2.6 and 4.0 of crystals. Silhouettes with and
+    /// without a rim: 5.6 and more. The middle of 4.0 and 5.6.
     bool is_unlike() const { return !(unlikeness <= kMostUnlike); }
-    static constexpr double kMostUnlike = 3.8;
+    static constexpr double kMostUnlike = 4.7;
 };
 
 /// Of the middle of a frame, 40 a wide at most, in the light of the calibration. Spheres nearer

@@ -1,5 +1,6 @@
 #include "tracking/detect/sphere_search.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -130,6 +131,46 @@ TEST(SphereSearch, SpheresThatExplainLittleNeedRoomWhereTheModelFitsBadly) {
     EXPECT_EQ(discs_of_a_row(kDisc.edge_width, options), 3U) << "the model fits";
     options.cell_height = 3;
     EXPECT_EQ(discs_of_a_row(kBlurred, options), 3U);
+}
+
+/// What stays of 36 discs far from one another: some explain a tenth of an isolated one, some a
+/// fifth, and the others 0.7, so that the model fits badly.
+std::size_t discs_of_shares(int tenths, int fifths, const DetectionOptions& options) {
+    const testing::LayerScene scene = testing::isolated_discs(kSize, kSize, 16, 40, 1);
+    Image darkness(kSize, kSize);
+    std::ranges::fill(darkness.pixels(), 0.0F);
+    for (std::size_t j = 0; j < scene.position.size(); ++j) {
+        const auto number = static_cast<int>(j);
+        // Of a disc with darkness b the model, with darkness 1, explains 2 b - 1.
+        const double share = number < tenths ? 0.1 : number < tenths + fifths ? 0.2 : 0.7;
+        for (int y = 0; y < kSize; ++y) {
+            for (int x = 0; x < kSize; ++x) {
+                const double r =
+                    norm(Vec2{static_cast<double>(x), static_cast<double>(y)} - scene.position[j]);
+                if (r > kDisc.reach()) continue;
+                darkness(x, y) = static_cast<float>((1 + share) / 2 * kDisc.darkness(r));
+            }
+        }
+    }
+    JointFit fit(darkness, kDisc, 2);
+    DiscCorrelation correlation(kSize, kSize, kDisc, DiscCorrelation::suitable_factor(kDisc));
+    SphereSearch search(fit, correlation, options);
+    fit.restart(darkness);
+    fit.add_all(scene.position);
+    search.finish(kRough, Drawing::exactly);
+    return fit.positions().size();
+}
+
+TEST(SphereSearch, ThoseThatExplainLittleAreFalseWhereTheyAreManyBesideThoseThatExplainMore) {
+    DetectionOptions options;
+    EXPECT_EQ(discs_of_shares(10, 0, options), 26U) << "a is not known, 0.15 is asked for";
+    options.sphere_diameter = 18;
+    EXPECT_EQ(discs_of_shares(10, 0, options), 26U);
+    EXPECT_EQ(discs_of_shares(10, 16, options), 26U);
+    EXPECT_EQ(discs_of_shares(10, 24, options), 36U) << "as of overlaps in a thick liquid";
+    EXPECT_EQ(discs_of_shares(6, 0, options), 36U) << "too few to tell";
+    options.evidence = 0.05;
+    EXPECT_EQ(discs_of_shares(10, 0, options), 36U) << "as asked for";
 }
 
 TEST(SphereSearch, ForMostSpheresTakesOnePass) {
