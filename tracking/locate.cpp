@@ -347,6 +347,7 @@ Located Locator::report(Frame& frame) {
     found.settled_detection = summary.settled_detection && !frame.is_doubtful;
     found.trials = summary.trials;
     found.evidence = summary.evidence;
+    found.weak_are_false = summary.weak_are_false;
     found.noise = summary.noise;
     found.steps += summary.steps;
     const auto begin = Clock::now();

@@ -55,10 +55,11 @@ constexpr double kMostEvidence = 0.15;
 constexpr double kMostBesideRoom = 0.08;
 /// Of true spheres the fewer are there the less they explain: in a thick liquid a tenth as many
 /// explain 0.08 to 0.15 of an isolated one as 0.15 to 0.25 (kDoubtful). In a crystal of mirrors
-/// three discs in a row fit two spheres, and have room: half as many. From that share and number on
-/// those that explain less than 0.15 are taken for false ones. Chosen between the two.
-constexpr double kTooManyWeak = 0.5;
-constexpr int kLeastWeak = 8;
+/// three discs in a row fit two spheres, and have room: 0.35 to 0.8 as many. Above this share and
+/// from this number on those that explain less than 0.15 are taken for false ones, in this frame
+/// and those that start from it. Chosen between the two.
+constexpr double kTooManyWeak = 0.25;
+constexpr int kLeastWeak = 5;
 /// In a crystal two discs can fit one sphere better than one does. Each explains 0.08 to 0.3 of an
 /// isolated sphere, and is 0.02 to 0.2 a too near to others to have room. So are a few true spheres
 /// in a thick liquid, by the bias of the model. Where that is corrected true ones have more room
@@ -277,7 +278,9 @@ SphereSearch::SphereSearch(JointFit& fit, DiscCorrelation& correlation,
       fit_(fit),
       correction_(correction),
       rejected_(fit.darkness().width(), fit.darkness().height(), kSameAgain * disc_.diameter),
-      separation_(options.separation * disc_.diameter) {}
+      separation_(options.separation * disc_.diameter) {
+    summary_.weak_are_false = options.weak_are_false && options.sphere_diameter.has_value();
+}
 
 void SphereSearch::seed() {
     const auto begin = Clock::now();
@@ -316,11 +319,11 @@ std::int64_t SphereSearch::remove_unfounded() {
     const double area = std::numbers::pi * disc_.reach() * disc_.reach();
     const double needed = kMisfits * left.misfit * area;
     // Where the model fits, what explains little is no less sure.
-    asks_for_room_ = !options_.evidence && !weak_are_false_ && options_.sphere_diameter &&
+    asks_for_room_ = !options_.evidence && !summary_.weak_are_false && options_.sphere_diameter &&
                      needed > kMostBesideRoom * isolated;
     if (options_.evidence) {
         threshold_ = *options_.evidence * isolated;
-    } else if (weak_are_false_) {
+    } else if (summary_.weak_are_false) {
         threshold_ = kMostEvidence * isolated;
     } else {
         threshold_ = std::clamp(needed, kLeastEvidence * isolated,
@@ -465,25 +468,45 @@ bool SphereSearch::look_again(const RefinementOptions& refinement, const Residua
 }
 
 void SphereSearch::finish(const RefinementOptions& refinement, Drawing drawing) {
-    for (int round = 0; round < kLastRounds; ++round) {
+    int rounds = kLastRounds;
+    for (int round = 0; round < rounds; ++round) {
         sweep(refinement, drawing);
-        if (remove_unfounded() == 0 && !finds_weak_false()) break;
+        if (remove_unfounded() > 0) continue;
+        if (!finds_weak_false()) break;
+        rounds = round + 1 + kLastRounds;  // once a frame at most
     }
 }
 
-/// Whether it is seen now that those are false which explain less than without a known a.
+/// Whether it is seen now that those which explain less than 0.15 are false. Discs that the border
+/// or a mask cuts explain little, whatever they are.
 bool SphereSearch::finds_weak_false() {
-    if (!asks_for_room_) return false;
+    if (!asks_for_room_ || options_.goal != SearchGoal::every_sphere) return false;
     const double isolated = correlation_.full_gain();
     int weak = 0;
     int doubtful = 0;
-    for (const double e : fit_.explained()) {
-        weak += e < kMostEvidence * isolated ? 1 : 0;
-        doubtful += e < kDoubtful * isolated ? 1 : 0;
+    const std::vector<double>& explained = fit_.explained();
+    for (std::size_t j = 0; j < explained.size(); ++j) {
+        if (explained[j] >= kDoubtful * isolated || !is_whole(fit_.positions()[j])) continue;
+        (explained[j] < kMostEvidence * isolated ? weak : doubtful) += 1;
     }
-    weak_are_false_ = weak >= kLeastWeak && weak > kTooManyWeak * (doubtful - weak);
-    if (weak_are_false_) forget_judgement();
-    return weak_are_false_;
+    if (weak < kLeastWeak || weak <= kTooManyWeak * doubtful) return false;
+    summary_.weak_are_false = true;
+    forget_judgement();
+    return true;
+}
+
+/// Whether a disc lies in the image with all of its edge, and no mask hides any of that.
+bool SphereSearch::is_whole(Vec2 p) const {
+    constexpr int kDirections = 16;
+    const PaddedImage& transmission = fit_.transmission();
+    for (int k = 0; k < kDirections; ++k) {
+        const double angle = 2 * std::numbers::pi * k / kDirections;
+        const double x = std::round(p.x + disc_.reach() * std::cos(angle));
+        const double y = std::round(p.y + disc_.reach() * std::sin(angle));
+        if (x < 0 || y < 0 || x >= transmission.width() || y >= transmission.height()) return false;
+        if (transmission.row(static_cast<int>(y))[static_cast<int>(x)] <= 0) return false;
+    }
+    return true;
 }
 
 void SphereSearch::sweep(const RefinementOptions& refinement, Drawing drawing) {

@@ -34,9 +34,11 @@ struct DetectionOptions {
     /// 1.94 a, 0.341 a, rounded down; D ≤ a.
     double separation = 0.34;
     /// A sphere must explain this share of the misfit that an isolated one explains [-]. Auto: 0.04
-    /// to 0.15, the more the image model leaves unexplained, to 0.08 where a is known
-    /// (docs/tracking/detection.md).
+    /// to 0.15, the more the image model leaves unexplained, to 0.08 where a is known and spheres
+    /// that explain so little are few (docs/tracking/detection.md).
     std::optional<double> evidence;
+    /// They were many in the frame that this one starts from: 0.15 where a is known, too.
+    bool weak_are_false = false;
     /// a [px]; if known, a sphere that explains less than 0.25 must have room between the plates.
     std::optional<double> sphere_diameter;
     double cell_height = 1.94;  ///< distance of the plates L_z [a]
@@ -98,6 +100,7 @@ class SphereSearch {
         std::int64_t trials = 0;        ///< discs added on trial
         bool settled_detection = true;  ///< the last pass changed nothing
         double evidence = 0;            ///< share of an isolated one's misfit that all explain
+        bool weak_are_false = false;    ///< too many spheres explain little: they were removed
         double noise = 0;               ///< robust RMS where the model is flat [contrast]
         double misfit = 0;  ///< RMS where there are spheres, without what is missing [contrast]
         double detect_seconds = 0, refine_seconds = 0;
@@ -108,6 +111,7 @@ class SphereSearch {
     void forget_rejections();
     std::int64_t remove_unfounded();
     bool finds_weak_false();
+    bool is_whole(Vec2 p) const;
     void split(std::uint32_t j, Vec2 place);
     double least_gain(const ResidualBlocks& residual) const;
     std::vector<PixelBlock> where_gain_reaches(const ResidualBlocks& residual, double least) const;
@@ -122,7 +126,6 @@ class SphereSearch {
     PointGrid rejected_;           ///< places not to be tried again
     double separation_;            ///< [px]
     bool asks_for_room_ = false;   ///< of doubtful spheres
-    bool weak_are_false_ = false;  ///< those that explain little, once seen: for the whole frame
     double threshold_ = 0;         ///< least misfit that a sphere must explain [contrast² px]
     double rejected_at_ = 0;       ///< the highest threshold that those rejected fell short of
     std::int64_t judged_at_ = -1;  ///< disc updates done when no disc had to go; −1: not known

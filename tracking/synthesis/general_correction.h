@@ -85,7 +85,7 @@ struct CorrectionJudgement {
     /// mirror the ratio was .7 to 1.2, on silhouettes in blurred light 2.6.
     bool is_too_large() const { return !(moved <= 1.5 * expected); }
     /// Frames of mirrors: 1.8 at most of 320 cameras, 2.6 and 4.0 of crystals. Silhouettes with and
-    /// without a rim: 5.6 and more. The middle of 4.0 and 5.6.
+    /// without a rim: 5.6 and more. Between 4.0 and 5.6.
     bool is_unlike() const { return !(unlikeness <= kMostUnlike); }
     static constexpr double kMostUnlike = 4.7;
 };

@@ -79,8 +79,7 @@ struct Tile {
     int low_front = 0;   ///< highest row that the unknown reached from below
     int high_front = 0;  ///< lowest row that it reached from above
     std::vector<std::int32_t> unknown;
-    std::vector<std::int32_t> threatened;  ///< in this step, some of them more than once
-    bool is_violated = false;              ///< a grain was faster than the front
+    bool is_violated = false;  ///< a grain was faster than the front
 };
 
 /// The engine for one combination of policies (docs/md/engine.md).

@@ -261,7 +261,7 @@ void EventEngine<tangential, has_gravity, plates>::for_each_row(const Tile& tile
     if (!cells_.is_inside(plan.cell[0], plan.cell[1], plan.cell[2])) return;
     std::array<int, 3> low{plan.cell[0], plan.cell[1], plan.cell[2]};
     std::array<int, 3> high = low;
-    if (plan.partner >= 0) {
+    if (plan.partner >= 0 && may_read(tile, plan.partner)) {
         const Plan& other = plan_[static_cast<std::size_t>(plan.partner)];
         if (other.partner == i && plan.partner < i) return;
         if (cells_.is_inside(other.cell[0], other.cell[1], other.cell[2])) {

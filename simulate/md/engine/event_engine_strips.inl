@@ -150,21 +150,18 @@ void EventEngine<tangential, has_gravity, plates>::run_core(Tile& tile, double s
     tile.high_front = tile.end_row - 1;
     tile.is_violated = false;
     tile.unknown.clear();
-    tile.threatened.clear();
     const auto threaten_rim = [&](std::int32_t i) {
-        if (const double t = time_lost(tile, i); t < end) threaten(tile, i, t);
+        const double t = time_lost(tile, i);
+        if (t <= start) {
+            lose(tile, i);
+        } else if (t < end) {
+            threaten(tile, i, t);
+        }
     };
     for_each_grain(tile.first_row, tile.first_row + rim_rows, threaten_rim);
     for_each_grain(tile.end_row - rim_rows, tile.end_row, threaten_rim);
+    // Whatever is threatened now is lost, or has had another event, before the step ends.
     run(tile, end);
-    // What was not reached goes on. Its event may have left the calendar while it was threatened.
-    for (const std::int32_t i : tile.threatened) {
-        const auto k = static_cast<std::size_t>(i);
-        if (owner_of(i) != (tile.number | threatened_mark)) continue;
-        set_owner(i, tile.number);
-        const Plan& plan = plan_[k];
-        if (plan.time() < tile.end) tile.calendar.push({plan.time(), plan.id, i});
-    }
 }
 
 // Plans the next event of a grain of a core, and when it is lost if that comes first.
@@ -184,7 +181,6 @@ void EventEngine<tangential, has_gravity, plates>::threaten(Tile& tile, std::int
     const auto k = static_cast<std::size_t>(i);
     set_owner(i, tile.number | threatened_mark);
     loses_at_[k] = time;
-    tile.threatened.push_back(i);
     const Plan& plan = plan_[k];
     if (time < plan.time()) tile.calendar.push({time, plan.id, i});
 }
