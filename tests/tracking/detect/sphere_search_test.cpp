@@ -167,8 +167,11 @@ TEST(SphereSearch, ThoseThatExplainLittleAreFalseWhereTheyAreManyBesideThoseThat
     options.sphere_diameter = 18;
     EXPECT_EQ(discs_of_shares(10, 0, options), 26U);
     EXPECT_EQ(discs_of_shares(10, 16, options), 26U);
-    EXPECT_EQ(discs_of_shares(10, 24, options), 36U) << "as of overlaps in a thick liquid";
-    EXPECT_EQ(discs_of_shares(6, 0, options), 36U) << "too few to tell";
+    EXPECT_EQ(discs_of_shares(5, 24, options), 36U) << "as of overlaps in a thick liquid";
+    EXPECT_EQ(discs_of_shares(4, 0, options), 36U) << "too few to tell";
+    options.weak_are_false = true;
+    EXPECT_EQ(discs_of_shares(4, 0, options), 32U) << "so it was in the frame before";
+    options.weak_are_false = false;
     options.evidence = 0.05;
     EXPECT_EQ(discs_of_shares(10, 0, options), 36U) << "as asked for";
 }
