@@ -338,6 +338,23 @@ void Locator::fit_overlaps(Frame& frame) {
     }
 }
 
+/// Doubtful spheres were judged anew when all had settled: their places are searched again.
+void Locator::search_again(Frame& frame) {
+    if (!model_.is_product()) {
+        const std::vector<Vec2> positions = fit_.positions();
+        fit_.restart(original_);
+        place_all({positions, {}}, kSweepTolerance * model_.disc.edge_width);
+    }
+    frame.search.forget_judgement();
+    frame.search.run(rough_sweeps_of(frame.refinement));
+    settle_and_judge(frame);
+    if (frame.search.look_again(sweeps_of(frame.refinement), *frame.residual)) {
+        settle_and_judge(frame);
+    }
+    if (!frame.is_settled) sweep_to_rest(frame);
+    if (!model_.is_product()) fit_overlaps(frame);
+}
+
 /// Stage 7. Discs at the border have explained what is dark there; half unseen, they are not
 /// reported.
 Located Locator::report(Frame& frame) {
@@ -347,7 +364,7 @@ Located Locator::report(Frame& frame) {
     found.settled_detection = summary.settled_detection && !frame.is_doubtful;
     found.trials = summary.trials;
     found.evidence = summary.evidence;
-    found.weak_are_false = summary.weak_are_false;
+    found.doubtful_are_false = summary.doubtful_are_false;
     found.noise = summary.noise;
     found.steps += summary.steps;
     const auto begin = Clock::now();
@@ -407,6 +424,9 @@ Located Locator::locate(const JointFit::WriteRow& darkness, const DetectionOptio
     search(frame);
     compare_with_cores(frame);
     if (!model_.is_product()) fit_overlaps(frame);
+    if (frame.search.summary().doubtful_are_false != detection.doubtful_are_false) {
+        search_again(frame);
+    }
     return report(frame);
 }
 

@@ -40,7 +40,7 @@ struct Located {
     int arrangements = 0;           ///< places where a search for cores found other discs
     int arrangements_taken = 0;     ///< … that explained the frame better
     double evidence = 0;            ///< share of an isolated one's misfit that every disc explains
-    bool weak_are_false = false;    ///< too many spheres explained little (DetectionOptions)
+    bool doubtful_are_false = false;  ///< they hardly had room (SphereSearch::Summary)
     std::vector<Vec2> fitted;       ///< every disc of the model, those at the border included
     std::int64_t unsettled = 0;     ///< spheres still moving after the last sweep
     std::int64_t rejected = 0;      ///< … by more than their standard error: not reported
@@ -114,6 +114,7 @@ class Locator {
     bool take_better(Frame& frame);
     void sweep_to_rest(Frame& frame);
     void fit_overlaps(Frame& frame);
+    void search_again(Frame& frame);
     Located report(Frame& frame);
     double far(double noise) const;
     double least_drawn(double noise, const RefinementOptions& refinement) const;

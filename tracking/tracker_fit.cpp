@@ -97,7 +97,7 @@ void Tracker::fit(Job& job, Lane& lane) const {
         detection.cores = CoreSearch::this_frame;
     }
     if (!places.empty() && frame.index != film_.frame) {
-        detection.weak_are_false = previous_.found.weak_are_false;
+        detection.doubtful_are_false = previous_.found.doubtful_are_false;
     }
     for (int attempt = 0; attempt < 2; ++attempt) {
         begin = RunClock::now();
@@ -119,7 +119,7 @@ void Tracker::fit(Job& job, Lane& lane) const {
         places = job.found.fitted;
         step = 0;
         detection.cores = CoreSearch::never;
-        detection.weak_are_false = job.found.weak_are_false;
+        detection.doubtful_are_false = job.found.doubtful_are_false;
     }
     job.light = light;
     if (synthesis_) job.discs = job.found.fitted;

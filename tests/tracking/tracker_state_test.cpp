@@ -31,7 +31,7 @@ TEST(TrackerCheckpoint, EveryMemberOfWhatWasLocatedSurvives) {
     {
         auto& [position, error, residual, explained, residual_rms, correlation, noise, passes,
                added, removed, coarse_steps, steps, warm, approached, maps_skipped, maps_in_part,
-               trials, arrangements, arrangements_taken, evidence, weak_are_false, fitted,
+               trials, arrangements, arrangements_taken, evidence, doubtful_are_false, fitted,
                unsettled, rejected, settled_detection, detect_seconds, refine_seconds] = before;
         position = {{1, 2}};
         error = {{3, 4}};
@@ -44,7 +44,7 @@ TEST(TrackerCheckpoint, EveryMemberOfWhatWasLocatedSurvives) {
         std::tie(arrangements, arrangements_taken) = std::tuple{22, 23};
         std::tie(added, removed, coarse_steps, steps, trials, unsettled, rejected) =
             std::tuple{11, 12, 13, 14, 15, 16, 17};
-        std::tie(warm, approached, weak_are_false, settled_detection) =
+        std::tie(warm, approached, doubtful_are_false, settled_detection) =
             std::tuple{true, true, true, false};
         fitted = {{18, 19}, {20, 21}};
     }
@@ -54,7 +54,7 @@ TEST(TrackerCheckpoint, EveryMemberOfWhatWasLocatedSurvives) {
     EXPECT_EQ(after.trials, 15);
     EXPECT_EQ(after.arrangements_taken, 23);
     EXPECT_EQ(after.evidence, 0.3);
-    EXPECT_TRUE(after.weak_are_false);
+    EXPECT_TRUE(after.doubtful_are_false);
     EXPECT_EQ(after.correlation, 24);
     EXPECT_EQ(after.fitted, before.fitted);
     EXPECT_FALSE(after.settled_detection);

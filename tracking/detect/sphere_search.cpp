@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <optional>
 
 #include "tracking/detect/local_maxima.h"
+#include "tracking/detect/remainder.h"
 #include "tracking/detect/second_look.h"
-#include "tracking/layers/sphere_cell.h"
-#include "tracking/synthesis/bias_correction.h"
+#include "tracking/detect/sphere_room.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -38,9 +37,6 @@ constexpr double kMostlyNoise = 0.9;
 /// Both halves of a split disc go so far: 0.6 D apart, the middle between the least separation
 /// (0.34 D) and 0.9 D, where the discs of two spheres hardly overlap.
 constexpr double kHalfSplit = 0.3;  // [D]
-/// A larger deviation belongs to a missing sphere, of darkness 1 where nothing covers it, and not
-/// to the misfit of the model: rims and meeting edges leave less.
-constexpr float kMissing = 0.25F;  // [contrast]
 /// A sphere must explain this many times the usual misfit m² A within its reach. A false disc adds
 /// nothing but fits what is left, m² A at most where nothing is unusual. The factor is chosen, not
 /// derived: it makes the threshold of the real frame (m = 0.06) the most that is asked, and leaves
@@ -53,120 +49,28 @@ constexpr double kMisfits = 12;
 constexpr double kLeastEvidence = 0.04;
 constexpr double kMostEvidence = 0.15;
 constexpr double kMostBesideRoom = 0.08;
-/// Of true spheres the fewer are there the less they explain: in a thick liquid a tenth as many
-/// explain 0.08 to 0.15 of an isolated one as 0.15 to 0.25 (kDoubtful). In a crystal of mirrors
-/// three discs in a row fit two spheres, and have room: 0.35 to 0.8 as many. Above this share and
-/// from this number on those that explain less than 0.15 are taken for false ones, in this frame
-/// and those that start from it. Chosen between the two.
-constexpr double kTooManyWeak = 0.25;
-constexpr int kLeastWeak = 5;
-/// In a crystal two discs can fit one sphere better than one does. Each explains 0.08 to 0.3 of an
-/// isolated sphere, and is 0.02 to 0.2 a too near to others to have room. So are a few true spheres
-/// in a thick liquid, by the bias of the model. Where that is corrected true ones have more room
-/// than false ones. All are chosen between the two.
-constexpr double kDoubtful = 0.25;            // share of what an isolated sphere explains
-constexpr double kGranted = 0.08;             // [a]
-constexpr double kGrantedIfCorrected = 0.06;  // [a]
-/// No correction moves a doubtful sphere farther: others of its size are not learned from [a].
-constexpr double kMostCorrected = 0.15;
-
-/// What is left of the image, from evenly spaced rows, as many as a percent of accuracy needs.
-struct Remainder {
-    double noise = 0;
-    /// Mean square where there are spheres, without what is left of missing ones.
-    double misfit = 0;
-};
-
-constexpr std::size_t kLeastPixels = 100;  // that show the noise
-/// Flat pixels that vary by this share of what is left about the spheres, and neighbouring ones
-/// that differ by less than this share of it: what flat pixels show is not the noise of the layer.
-constexpr double kAlike = 0.8;
-
-/// RMS, outliers beyond four robust standard deviations left out. Where half of the values are 0,
-/// as in frames of few grey levels, none are.
-double robust_rms(std::vector<float>& sizes) {
-    if (sizes.empty()) return 0;
-    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-    std::nth_element(sizes.begin(), middle, sizes.end());
-    const float widest =
-        *middle > 0 ? 4 * 1.4826F * *middle : std::numeric_limits<float>::infinity();
-    double sum = 0;
-    double n = 0;
-    for (const float size : sizes) {
-        if (size > widest) continue;
-        sum += static_cast<double>(size) * static_cast<double>(size);
-        n += 1;
-    }
-    return std::sqrt(sum / n);
-}
-
-/// Where the noise of a frame shows.
-struct NoiseSamples {
-    std::vector<float> flat;   ///< image − model of clear pixels and of cores
-    std::vector<float> clear;  ///< of clear pixels alone
-    /// Second differences of image − model along the rows, of white noise √6 of it. Structure that
-    /// is wider than three pixels is not in them.
-    std::vector<float> bends, clear_bends;
-
-    /// RMS [contrast]. `left`: RMS of image − model where there are spheres. That of flat pixels,
-    /// unless they are few, or not flat in the image, or so bright that they have more photon noise
-    /// than the layer.
-    double noise(double left) {
-        double of_neighbours = robust_rms(bends) / std::sqrt(6.0);
-        // What a camera or codec has smoothed varies less from pixel to pixel.
-        if (clear_bends.size() >= kLeastPixels) {
-            const double white = robust_rms(clear_bends) / std::sqrt(6.0);
-            if (white > 0) of_neighbours *= std::max(1.0, robust_rms(clear) / white);
-        }
-        if (flat.size() < kLeastPixels) return of_neighbours;
-        const double of_flat = robust_rms(flat);
-        const bool is_no_noise = of_flat > kAlike * left && of_neighbours < kAlike * of_flat;
-        return is_no_noise ? of_neighbours : of_flat;
-    }
-};
-
-Remainder remainder(const PaddedImage& darkness, const PaddedImage& transmission) {
-    constexpr double kSample = 3e4;
-    constexpr float kClear = 0.995F;
-    const double pixels = static_cast<double>(darkness.width()) * darkness.height();
-    const int stride = std::max(1, static_cast<int>(pixels / kSample));
-    NoiseSamples samples;
-    double squares = 0;
-    double covered = 0;
-    for (int y = stride / 2; y < darkness.height(); y += stride) {
-        const float* d = darkness.row(y);
-        const float* t = transmission.row(y);
-        for (int x = 0; x < darkness.width(); ++x) {
-            if (t[x] <= 0) continue;  // not visible
-            const float deviation = std::abs(d[x] - 1.0F + t[x]);
-            const bool is_clear = t[x] > kClear;
-            const bool is_middle_of_three = x % 3 == 1 && x + 1 < darkness.width();
-            if (is_middle_of_three && t[x - 1] > 0 && t[x + 1] > 0) {
-                const float bend =
-                    std::abs(d[x - 1] + t[x - 1] + d[x + 1] + t[x + 1] - 2 * (d[x] + t[x]));
-                samples.bends.push_back(bend);
-                if (is_clear && t[x - 1] > kClear && t[x + 1] > kClear) {
-                    samples.clear_bends.push_back(bend);
-                }
-            }
-            if (is_clear) samples.clear.push_back(deviation);
-            if (is_clear || t[x] < 0.005F) samples.flat.push_back(deviation);
-            if (is_clear || deviation > kMissing) continue;
-            squares += static_cast<double>(deviation) * static_cast<double>(deviation);
-            covered += 1;
-        }
-    }
-    const double misfit = covered > 0 ? squares / covered : 0;
-    return {samples.noise(std::sqrt(misfit)), misfit};
-}
+/// In a crystal two discs can fit one sphere better than one does, and three two. Each explains 0.08
+/// to 0.3 of an isolated sphere. So do a few true spheres in a thick liquid.
+constexpr double kDoubtful = 0.25;  // share of what an isolated sphere explains
+/// Most doubtful spheres that are true have room with this granted, and one in ten of those that
+/// are false.
+constexpr GrantedRoom kClearly{.corrected = 0.03, .fitted = 0.03};
+/// Where more than this many times as many lack it as have it, and at least so many, all doubtful
+/// spheres are taken for false ones: in crystals nine times as many lack it, in liquids 1.2 times
+/// at most. Turned round, the same says that they are true again. Chosen between the two.
+constexpr double kMostUnequal = 2;
+constexpr int kLeastJudged = 5;
+/// Elsewhere this is granted, for what the bias of the model does to true spheres. False ones are
+/// 0.02 to 0.2 a too near to others. Chosen between the two.
+constexpr GrantedRoom kGranted{.corrected = 0.10, .fitted = 0.08};
 
 /// What a disc must be to stay.
 struct Demands {
-    double threshold;   ///< explains as much [contrast² px]
-    double separation;  ///< from a stronger one [px]
-    double doubtful;    ///< explains as much, or has room in `cell` [contrast² px]
-    SphereCell cell;
-    const BiasCorrection* correction;  ///< of positions, before room is judged; null: none
+    double threshold;        ///< explains as much [contrast² px]
+    double separation;       ///< from a stronger one [px]
+    double doubtful;         ///< explains as much, or has room [contrast² px]
+    const SphereRoom* room;  ///< null: not asked for
+    GrantedRoom granted;
 };
 
 /// Weakest first: discs that explain less than the threshold, the weaker of every pair nearer than
@@ -177,44 +81,18 @@ std::vector<char> discs_to_keep(const JointFit& fit, const std::vector<double>& 
     const std::vector<Vec2>& positions = fit.positions();
     const int width = fit.darkness().width();
     const int height = fit.darkness().height();
-    const double a = demands.cell.diameter;
-    const bool is_corrected = demands.correction != nullptr && demands.doubtful > 0;
-    // A neighbour may come this much nearer.
-    const double reach = std::max(demands.separation, a * (is_corrected ? 1 + kMostCorrected : 1));
-    PointGrid all(width, height, reach);
+    PointGrid all(width, height, demands.separation);
     for (std::size_t j = 0; j < positions.size(); ++j) {
         all.add(positions[j], static_cast<std::uint32_t>(j));
     }
     std::vector<char> keep(positions.size(), 1);
-    std::optional<BiasCorrector> corrector;
-    if (is_corrected) {
-        corrector.emplace(*demands.correction, fit.darkness(), fit.transmission(), positions, a);
-    }
-    const auto corrected = [&](Vec2 p) {
-        const Vec2 way = corrector->corrected(p) - p;
-        return p + std::min(1.0, kMostCorrected * a / std::max(norm(way), 1e-9)) * way;
-    };
-    const auto lacks_room = [&](Vec2 place, std::vector<Vec2>& neighbours) {
-        const auto reaches = [&](Vec2 p) { return corrector->reaches(p); };
-        if (!corrector || !reaches(place) ||
-            !std::all_of(neighbours.begin(), neighbours.end(), reaches)) {
-            return !has_room(demands.cell, place, neighbours, kGranted);
-        }
-        for (Vec2& p : neighbours) p = corrected(p);
-        return !has_room(demands.cell, corrected(place), neighbours, kGrantedIfCorrected);
-    };
     const auto is_crowded = [&](std::uint32_t j) {
-        const bool is_doubtful = explained[j] < demands.doubtful;
         bool crowded = false;
-        std::vector<Vec2> neighbours;
-        all.near(positions[j], is_doubtful ? reach : demands.separation,
-                 [&](std::uint32_t other, Vec2 p) {
-                     if (other == j || keep[other] == 0) return;
-                     const double squared = squared_norm(p - positions[j]);
-                     crowded = crowded || squared < demands.separation * demands.separation;
-                     neighbours.push_back(p);
-                 });
-        return crowded || (is_doubtful && lacks_room(positions[j], neighbours));
+        all.near(positions[j], demands.separation, [&](std::uint32_t other, Vec2) {
+            crowded = crowded || (other != j && keep[other] != 0);
+        });
+        if (crowded || demands.room == nullptr || explained[j] >= demands.doubtful) return crowded;
+        return !demands.room->has(j, demands.granted, keep);
     };
     std::vector<std::uint32_t> suspects;
     for (std::uint32_t j = 0; j < positions.size(); ++j) {
@@ -279,7 +157,7 @@ SphereSearch::SphereSearch(JointFit& fit, DiscCorrelation& correlation,
       correction_(correction),
       rejected_(fit.darkness().width(), fit.darkness().height(), kSameAgain * disc_.diameter),
       separation_(options.separation * disc_.diameter) {
-    summary_.weak_are_false = options.weak_are_false && options.sphere_diameter.has_value();
+    summary_.doubtful_are_false = options.doubtful_are_false && options.sphere_diameter.has_value();
 }
 
 void SphereSearch::seed() {
@@ -319,31 +197,35 @@ std::int64_t SphereSearch::remove_unfounded() {
     const double area = std::numbers::pi * disc_.reach() * disc_.reach();
     const double needed = kMisfits * left.misfit * area;
     // Where the model fits, what explains little is no less sure.
-    asks_for_room_ = !options_.evidence && !summary_.weak_are_false && options_.sphere_diameter &&
-                     needed > kMostBesideRoom * isolated;
+    asks_for_room_ =
+        !options_.evidence && options_.sphere_diameter && needed > kMostBesideRoom * isolated;
     if (options_.evidence) {
         threshold_ = *options_.evidence * isolated;
-    } else if (summary_.weak_are_false) {
-        threshold_ = kMostEvidence * isolated;
+    } else if (asks_for_room_) {
+        threshold_ = (summary_.doubtful_are_false ? kDoubtful : kMostBesideRoom) * isolated;
     } else {
-        threshold_ = std::clamp(needed, kLeastEvidence * isolated,
-                                (asks_for_room_ ? kMostBesideRoom : kMostEvidence) * isolated);
+        threshold_ = std::clamp(needed, kLeastEvidence * isolated, kMostEvidence * isolated);
     }
     threshold_ = std::max(threshold_,
                           options_.significance * options_.significance * left.noise * left.noise);
     summary_.evidence = threshold_ / isolated;
     // Judged by what was left while most spheres were missing.
     if (threshold_ < 0.5 * rejected_at_) forget_rejections();
-    const SphereCell cell{.diameter = options_.sphere_diameter.value_or(0),
-                          .height = options_.cell_height};
-    const double doubtful = asks_for_room_ ? std::max(threshold_, kDoubtful * isolated) : 0;
+    std::optional<SphereRoom> room;
+    if (asks_for_room_) room.emplace(fit_, cell(), correction_);
     const std::vector<char> keep = discs_to_keep(
-        fit_, fit_.explained(), {threshold_, separation_, doubtful, cell, correction_});
+        fit_, fit_.explained(),
+        {.threshold = threshold_,
+         .separation = separation_,
+         .doubtful = kDoubtful * isolated,
+         .room = room ? &*room : nullptr,
+         .granted = kGranted});
     std::int64_t removed = 0;
     for (std::size_t j = 0; j < keep.size(); ++j) {
         if (keep[j]) continue;
         ++removed;
         rejected_.add(fit_.positions()[j], 0);
+        if (room && summary_.doubtful_are_false) count_doubtful(j, *room, taken_out_);
     }
     if (removed > 0) {
         rejected_at_ = std::max(rejected_at_, threshold_);
@@ -472,26 +354,46 @@ void SphereSearch::finish(const RefinementOptions& refinement, Drawing drawing) 
     for (int round = 0; round < rounds; ++round) {
         sweep(refinement, drawing);
         if (remove_unfounded() > 0) continue;
-        if (!finds_weak_false()) break;
-        rounds = round + 1 + kLastRounds;  // once a frame at most
+        if (!judges_doubtful_anew()) break;
+        rounds = round + 1 + kLastRounds;  // twice a frame at most
     }
 }
 
-/// Whether it is seen now that those which explain less than 0.15 are false. Discs that the border
-/// or a mask cuts explain little, whatever they are.
-bool SphereSearch::finds_weak_false() {
-    if (!asks_for_room_ || options_.goal != SearchGoal::every_sphere) return false;
-    const double isolated = correlation_.full_gain();
-    int weak = 0;
-    int doubtful = 0;
-    const std::vector<double>& explained = fit_.explained();
-    for (std::size_t j = 0; j < explained.size(); ++j) {
-        if (explained[j] >= kDoubtful * isolated || !is_whole(fit_.positions()[j])) continue;
-        (explained[j] < kMostEvidence * isolated ? weak : doubtful) += 1;
+SphereCell SphereSearch::cell() const {
+    return {.diameter = options_.sphere_diameter.value_or(0), .height = options_.cell_height};
+}
+
+/// Discs that the border or a mask cuts explain little, whatever they are.
+void SphereSearch::count_doubtful(std::size_t j, const SphereRoom& room, RoomCount& count) {
+    const double explained = fit_.explained()[j] / correlation_.full_gain();
+    if (explained < kMostBesideRoom || explained >= kDoubtful || !is_whole(fit_.positions()[j])) {
+        return;
     }
-    if (weak < kLeastWeak || weak <= kTooManyWeak * doubtful) return false;
-    summary_.weak_are_false = true;
+    (room.has(j, kClearly) ? count.clear : count.tight) += 1;
+}
+
+/// Whether doubtful spheres are seen now to be false, as most of them hardly have room; or true
+/// again, as most of those that a warm frame took out have it.
+bool SphereSearch::judges_doubtful_anew() {
+    if (!asks_for_room_ || correction_ == nullptr || options_.goal != SearchGoal::every_sphere) {
+        return false;
+    }
+    const auto outweighs = [](int many, int few) {
+        return many >= kLeastJudged && many > kMostUnequal * few;
+    };
+    if (summary_.doubtful_are_false) {
+        if (!options_.doubtful_are_false || !outweighs(taken_out_.clear, taken_out_.tight)) {
+            return false;
+        }
+    } else {
+        const SphereRoom room(fit_, cell(), correction_);
+        RoomCount all;
+        for (std::size_t j = 0; j < fit_.positions().size(); ++j) count_doubtful(j, room, all);
+        if (!outweighs(all.tight, all.clear)) return false;
+    }
+    summary_.doubtful_are_false = !summary_.doubtful_are_false;
     forget_judgement();
+    forget_rejections();
     return true;
 }
 

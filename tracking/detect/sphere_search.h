@@ -8,6 +8,8 @@
 #include "core/option_table.h"
 #include "tracking/detect/disc_correlation.h"
 #include "tracking/detect/residual_blocks.h"
+#include "tracking/detect/sphere_room.h"
+#include "tracking/layers/sphere_cell.h"
 #include "tracking/point_grid.h"
 #include "tracking/refine/joint_fit.h"
 
@@ -34,11 +36,11 @@ struct DetectionOptions {
     /// 1.94 a, 0.341 a, rounded down; D ≤ a.
     double separation = 0.34;
     /// A sphere must explain this share of the misfit that an isolated one explains [-]. Auto: 0.04
-    /// to 0.15, the more the image model leaves unexplained, to 0.08 where a is known and spheres
-    /// that explain so little are few (docs/tracking/detection.md).
+    /// to 0.15, the more the image model leaves unexplained; 0.08 at most where a is known, or 0.25
+    /// where those that explain less hardly have room (docs/tracking/detection.md).
     std::optional<double> evidence;
-    /// They were many in the frame that this one starts from: 0.15 where a is known, too.
-    bool weak_are_false = false;
+    /// So it was in the frame that this one starts from.
+    bool doubtful_are_false = false;
     /// a [px]; if known, a sphere that explains less than 0.25 must have room between the plates.
     std::optional<double> sphere_diameter;
     double cell_height = 1.94;  ///< distance of the plates L_z [a]
@@ -100,7 +102,8 @@ class SphereSearch {
         std::int64_t trials = 0;        ///< discs added on trial
         bool settled_detection = true;  ///< the last pass changed nothing
         double evidence = 0;            ///< share of an isolated one's misfit that all explain
-        bool weak_are_false = false;    ///< too many spheres explain little: they were removed
+        /// Most that explained less than 0.25 of an isolated one hardly had room: all were removed.
+    bool doubtful_are_false = false;
         double noise = 0;               ///< robust RMS where the model is flat [contrast]
         double misfit = 0;  ///< RMS where there are spheres, without what is missing [contrast]
         double detect_seconds = 0, refine_seconds = 0;
@@ -110,7 +113,13 @@ class SphereSearch {
  private:
     void forget_rejections();
     std::int64_t remove_unfounded();
-    bool finds_weak_false();
+    /// How many spheres have room between the plates, and how many hardly have.
+    struct RoomCount {
+        int clear = 0, tight = 0;
+    };
+    void count_doubtful(std::size_t j, const SphereRoom& room, RoomCount& count);
+    bool judges_doubtful_anew();
+    SphereCell cell() const;
     bool is_whole(Vec2 p) const;
     void split(std::uint32_t j, Vec2 place);
     double least_gain(const ResidualBlocks& residual) const;
@@ -128,6 +137,7 @@ class SphereSearch {
     bool asks_for_room_ = false;   ///< of doubtful spheres
     double threshold_ = 0;         ///< least misfit that a sphere must explain [contrast² px]
     double rejected_at_ = 0;       ///< the highest threshold that those rejected fell short of
+    RoomCount taken_out_;          ///< of those that explained less than 0.25, where they are false
     std::int64_t judged_at_ = -1;  ///< disc updates done when no disc had to go; −1: not known
     Summary summary_;
 };

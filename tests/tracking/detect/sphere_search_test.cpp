@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "tests/support/layer_frames.h"
 #include "tests/support/position_score.h"
+#include "tracking/synthesis/bias_correction.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -133,47 +136,90 @@ TEST(SphereSearch, SpheresThatExplainLittleNeedRoomWhereTheModelFitsBadly) {
     EXPECT_EQ(discs_of_a_row(kBlurred, options), 3U);
 }
 
-/// What stays of 36 discs far from one another: some explain a tenth of an isolated one, some a
-/// fifth, and the others 0.7, so that the model fits badly.
-std::size_t discs_of_shares(int tenths, int fifths, const DetectionOptions& options) {
+/// What is left of doubtful discs, that explain a fifth of an isolated one.
+struct Doubtful {
+    std::size_t left = 0;
+    bool are_false = false;
+};
+
+/// `tight` doubtful discs stand beside others, 0.9 a away, where a cell of 1.3 a has room from 0.954
+/// a on; `clear` ones stand alone. Others explain 0.7, so that the model fits badly.
+Doubtful doubtful_left(int tight, int clear, DetectionOptions options,
+                       const BiasCorrection* correction) {
+    constexpr double kA = 18;
+    struct Spot {
+        Vec2 place;
+        double share;
+    };
     const testing::LayerScene scene = testing::isolated_discs(kSize, kSize, 16, 40, 1);
-    Image darkness(kSize, kSize);
-    std::ranges::fill(darkness.pixels(), 0.0F);
+    std::vector<Spot> spots;
     for (std::size_t j = 0; j < scene.position.size(); ++j) {
         const auto number = static_cast<int>(j);
-        // Of a disc with darkness b the model, with darkness 1, explains 2 b - 1.
-        const double share = number < tenths ? 0.1 : number < tenths + fifths ? 0.2 : 0.7;
-        for (int y = 0; y < kSize; ++y) {
-            for (int x = 0; x < kSize; ++x) {
-                const double r =
-                    norm(Vec2{static_cast<double>(x), static_cast<double>(y)} - scene.position[j]);
-                if (r > kDisc.reach()) continue;
-                darkness(x, y) = static_cast<float>((1 + share) / 2 * kDisc.darkness(r));
+        const Vec2 place = scene.position[j];
+        const bool is_clear = number >= tight && number < tight + clear;
+        spots.push_back({place, is_clear ? 0.2 : 0.7});
+        if (number < tight) spots.push_back({place + Vec2{0.9 * kA, 0}, 0.2});
+    }
+    Image darkness(kSize, kSize);
+    for (int y = 0; y < kSize; ++y) {
+        for (int x = 0; x < kSize; ++x) {
+            double bright = 1;
+            for (const Spot& spot : spots) {
+                const Vec2 from = Vec2{static_cast<double>(x), static_cast<double>(y)} - spot.place;
+                if (norm(from) > kDisc.reach()) continue;
+                // Of a disc with darkness b the model, with darkness 1, explains 2 b - 1.
+                bright *= 1 - (1 + spot.share) / 2 * kDisc.darkness(norm(from));
             }
+            darkness(x, y) = static_cast<float>(1 - bright);
         }
     }
+    options.sphere_diameter = kA;
+    options.cell_height = 1.3;
     JointFit fit(darkness, kDisc, 2);
     DiscCorrelation correlation(kSize, kSize, kDisc, DiscCorrelation::suitable_factor(kDisc));
-    SphereSearch search(fit, correlation, options);
+    SphereSearch search(fit, correlation, options, correction);
     fit.restart(darkness);
-    fit.add_all(scene.position);
+    std::vector<Vec2> places;
+    for (const Spot& spot : spots) places.push_back(spot.place);
+    fit.add_all(places);
     search.finish(kRough, Drawing::exactly);
-    return fit.positions().size();
+    const std::size_t others = scene.position.size() - static_cast<std::size_t>(clear);
+    return {fit.positions().size() - others, search.summary().doubtful_are_false};
 }
 
-TEST(SphereSearch, ThoseThatExplainLittleAreFalseWhereTheyAreManyBesideThoseThatExplainMore) {
-    DetectionOptions options;
-    EXPECT_EQ(discs_of_shares(10, 0, options), 26U) << "a is not known, 0.15 is asked for";
-    options.sphere_diameter = 18;
-    EXPECT_EQ(discs_of_shares(10, 0, options), 26U);
-    EXPECT_EQ(discs_of_shares(10, 16, options), 26U);
-    EXPECT_EQ(discs_of_shares(5, 24, options), 36U) << "as of overlaps in a thick liquid";
-    EXPECT_EQ(discs_of_shares(4, 0, options), 36U) << "too few to tell";
-    options.weak_are_false = true;
-    EXPECT_EQ(discs_of_shares(4, 0, options), 32U) << "so it was in the frame before";
-    options.weak_are_false = false;
-    options.evidence = 0.05;
-    EXPECT_EQ(discs_of_shares(10, 0, options), 36U) << "as asked for";
+/// Of a film whose positions are known to be right.
+BiasCorrection no_bias() {
+    BiasCorrection correction;
+    correction.diameter = 18;
+    correction.weights.assign(BiasTerms::kCount, 0.0);
+    return correction;
+}
+
+TEST(SphereSearch, DoubtfulSpheresAreFalseWhereMostHardlyHaveRoom) {
+    const BiasCorrection correction = no_bias();
+    const Doubtful crystal = doubtful_left(10, 4, {}, &correction);
+    EXPECT_EQ(crystal.left, 0U);
+    EXPECT_TRUE(crystal.are_false);
+    const Doubtful liquid = doubtful_left(10, 5, {}, &correction);
+    EXPECT_EQ(liquid.left, 15U) << "no more than two lack it for one that has it";
+    EXPECT_FALSE(liquid.are_false);
+    EXPECT_EQ(doubtful_left(4, 0, {}, &correction).left, 4U) << "too few to tell";
+    EXPECT_EQ(doubtful_left(10, 0, {}, nullptr).left, 10U) << "how positions err is not known";
+    DetectionOptions asked;
+    asked.evidence = 0.05;
+    EXPECT_EQ(doubtful_left(10, 0, asked, &correction).left, 10U);
+}
+
+TEST(SphereSearch, DoubtfulSpheresStayFalseInTheNextFrameUntilMostHaveRoom) {
+    const BiasCorrection correction = no_bias();
+    DetectionOptions next;
+    next.doubtful_are_false = true;
+    const Doubtful crystal = doubtful_left(4, 0, next, &correction);
+    EXPECT_EQ(crystal.left, 0U);
+    EXPECT_TRUE(crystal.are_false);
+    EXPECT_TRUE(doubtful_left(4, 8, next, &correction).are_false);
+    EXPECT_TRUE(doubtful_left(0, 4, next, &correction).are_false) << "too few to tell";
+    EXPECT_FALSE(doubtful_left(4, 9, next, &correction).are_false);
 }
 
 TEST(SphereSearch, ForMostSpheresTakesOnePass) {

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/vec2.h"
+#include "tracking/layers/sphere_cell.h"
+#include "tracking/point_grid.h"
+#include "tracking/refine/joint_fit.h"
+#include "tracking/synthesis/bias_correction.h"
+
+namespace grainfield::tracking {
+
+/// By how much distances may be too short for room between the plates [a].
+struct GrantedRoom {
+    double corrected;  ///< where the bias of positions is corrected
+    double fitted;     ///< where it is not
+};
+
+/// Whether the discs of a fit, as it stands, have room between the plates (has_room), each beside
+/// all others within a. Distances are those of corrected positions where a correction is known and
+/// reaches all of them. The fit outlives it.
+class SphereRoom {
+ public:
+    /// `cell.diameter` > 0. `correction` may be null.
+    SphereRoom(const JointFit& fit, const SphereCell& cell, const BiasCorrection* correction);
+
+    /// Of disc j beside those of `present` (all where it is empty).
+    bool has(std::size_t j, GrantedRoom granted, const std::vector<char>& present = {}) const;
+
+    /// No correction moves a disc farther: others are not learned from [a].
+    static constexpr double kMostCorrected = 0.15;
+
+ private:
+    Vec2 corrected(Vec2 p) const;
+
+    const JointFit& fit_;
+    SphereCell cell_;
+    double reach_;  ///< a neighbour may come nearer by what it is corrected [px]
+    PointGrid discs_;
+    std::optional<BiasCorrector> corrector_;
+};
+
+}  // namespace grainfield::tracking
