@@ -57,9 +57,9 @@ constexpr double kDoubtful = 0.25;  // share of what an isolated sphere explains
 constexpr GrantedRoom kClearly{.corrected = 0.03, .fitted = 0.03};
 /// Where more than this many times as many lack it as have it, and at least so many, all doubtful
 /// spheres are taken for false ones: in crystals nine times as many lack it, in liquids 1.2 times
-/// at most. Turned round, the same says that they are true again. Chosen between the two.
-constexpr double kMostUnequal = 2;
-constexpr int kLeastJudged = 5;
+/// at most. So it is in this frame and those that start from it. Chosen between the two.
+constexpr double kMostTight = 2;
+constexpr int kLeastTight = 5;
 /// Elsewhere this is granted, for what the bias of the model does to true spheres. False ones are
 /// 0.02 to 0.2 a too near to others. Chosen between the two.
 constexpr GrantedRoom kGranted{.corrected = 0.10, .fitted = 0.08};
@@ -197,12 +197,14 @@ std::int64_t SphereSearch::remove_unfounded() {
     const double area = std::numbers::pi * disc_.reach() * disc_.reach();
     const double needed = kMisfits * left.misfit * area;
     // Where the model fits, what explains little is no less sure.
-    asks_for_room_ =
-        !options_.evidence && options_.sphere_diameter && needed > kMostBesideRoom * isolated;
+    asks_for_room_ = !options_.evidence && !summary_.doubtful_are_false &&
+                     options_.sphere_diameter && needed > kMostBesideRoom * isolated;
     if (options_.evidence) {
         threshold_ = *options_.evidence * isolated;
+    } else if (summary_.doubtful_are_false) {
+        threshold_ = kDoubtful * isolated;
     } else if (asks_for_room_) {
-        threshold_ = (summary_.doubtful_are_false ? kDoubtful : kMostBesideRoom) * isolated;
+        threshold_ = kMostBesideRoom * isolated;
     } else {
         threshold_ = std::clamp(needed, kLeastEvidence * isolated, kMostEvidence * isolated);
     }
@@ -225,7 +227,6 @@ std::int64_t SphereSearch::remove_unfounded() {
         if (keep[j]) continue;
         ++removed;
         rejected_.add(fit_.positions()[j], 0);
-        if (room && summary_.doubtful_are_false) count_doubtful(j, *room, taken_out_);
     }
     if (removed > 0) {
         rejected_at_ = std::max(rejected_at_, threshold_);
@@ -354,8 +355,8 @@ void SphereSearch::finish(const RefinementOptions& refinement, Drawing drawing) 
     for (int round = 0; round < rounds; ++round) {
         sweep(refinement, drawing);
         if (remove_unfounded() > 0) continue;
-        if (!judges_doubtful_anew()) break;
-        rounds = round + 1 + kLastRounds;  // twice a frame at most
+        if (!finds_doubtful_false()) break;
+        rounds = round + 1 + kLastRounds;  // once a frame at most
     }
 }
 
@@ -363,35 +364,23 @@ SphereCell SphereSearch::cell() const {
     return {.diameter = options_.sphere_diameter.value_or(0), .height = options_.cell_height};
 }
 
-/// Discs that the border or a mask cuts explain little, whatever they are.
-void SphereSearch::count_doubtful(std::size_t j, const SphereRoom& room, RoomCount& count) {
-    const double explained = fit_.explained()[j] / correlation_.full_gain();
-    if (explained < kMostBesideRoom || explained >= kDoubtful || !is_whole(fit_.positions()[j])) {
-        return;
-    }
-    (room.has(j, kClearly) ? count.clear : count.tight) += 1;
-}
-
-/// Whether doubtful spheres are seen now to be false, as most of them hardly have room; or true
-/// again, as most of those that a warm frame took out have it.
-bool SphereSearch::judges_doubtful_anew() {
+/// Whether it is seen now that doubtful spheres are false, as most of them hardly have room. Discs
+/// that the border or a mask cuts explain little, whatever they are.
+bool SphereSearch::finds_doubtful_false() {
     if (!asks_for_room_ || correction_ == nullptr || options_.goal != SearchGoal::every_sphere) {
         return false;
     }
-    const auto outweighs = [](int many, int few) {
-        return many >= kLeastJudged && many > kMostUnequal * few;
-    };
-    if (summary_.doubtful_are_false) {
-        if (!options_.doubtful_are_false || !outweighs(taken_out_.clear, taken_out_.tight)) {
-            return false;
-        }
-    } else {
-        const SphereRoom room(fit_, cell(), correction_);
-        RoomCount all;
-        for (std::size_t j = 0; j < fit_.positions().size(); ++j) count_doubtful(j, room, all);
-        if (!outweighs(all.tight, all.clear)) return false;
+    const SphereRoom room(fit_, cell(), correction_);
+    const double doubtful = kDoubtful * correlation_.full_gain();
+    const std::vector<double>& explained = fit_.explained();
+    int clear = 0;
+    int tight = 0;
+    for (std::size_t j = 0; j < explained.size(); ++j) {
+        if (explained[j] >= doubtful || !is_whole(fit_.positions()[j])) continue;
+        (room.has(j, kClearly) ? clear : tight) += 1;
     }
-    summary_.doubtful_are_false = !summary_.doubtful_are_false;
+    if (tight < kLeastTight || tight <= kMostTight * clear) return false;
+    summary_.doubtful_are_false = true;
     forget_judgement();
     forget_rejections();
     return true;

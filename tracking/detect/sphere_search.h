@@ -113,12 +113,7 @@ class SphereSearch {
  private:
     void forget_rejections();
     std::int64_t remove_unfounded();
-    /// How many spheres have room between the plates, and how many hardly have.
-    struct RoomCount {
-        int clear = 0, tight = 0;
-    };
-    void count_doubtful(std::size_t j, const SphereRoom& room, RoomCount& count);
-    bool judges_doubtful_anew();
+    bool finds_doubtful_false();
     SphereCell cell() const;
     bool is_whole(Vec2 p) const;
     void split(std::uint32_t j, Vec2 place);
@@ -137,7 +132,6 @@ class SphereSearch {
     bool asks_for_room_ = false;   ///< of doubtful spheres
     double threshold_ = 0;         ///< least misfit that a sphere must explain [contrast² px]
     double rejected_at_ = 0;       ///< the highest threshold that those rejected fell short of
-    RoomCount taken_out_;          ///< of those that explained less than 0.25, where they are false
     std::int64_t judged_at_ = -1;  ///< disc updates done when no disc had to go; −1: not known
     Summary summary_;
 };
