@@ -44,7 +44,7 @@ constexpr double kHalfSplit = 0.3;  // [D]
 constexpr double kMisfits = 12;
 /// The bounds of that threshold, as shares of what an isolated sphere explains. In a thick layer
 /// spheres below two others explain 0.04 and no more. The upper bound is the best of 0.04 to 0.15
-/// on cameras drawn at random and a film, where room is asked for (docs/tracking/detection.md).
+/// on cameras drawn at random and a film, where room is asked for (docs/tracking/room.md).
 /// Where a is not known it cannot be: on the real frame doubtful spheres lie below 0.15.
 constexpr double kLeastEvidence = 0.04;
 constexpr double kMostEvidence = 0.15;

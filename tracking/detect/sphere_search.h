@@ -37,7 +37,7 @@ struct DetectionOptions {
     double separation = 0.34;
     /// A sphere must explain this share of the misfit that an isolated one explains [-]. Auto: 0.04
     /// to 0.15, the more the image model leaves unexplained; 0.08 at most where a is known, or 0.25
-    /// where those that explain less hardly have room (docs/tracking/detection.md).
+    /// where those that explain less hardly have room (docs/tracking/room.md).
     std::optional<double> evidence;
     /// So it was in the frame that this one starts from.
     bool doubtful_are_false = false;
