@@ -58,8 +58,9 @@ struct Locator::Frame {
     std::optional<ResidualBlocks> residual = {};
     std::uint64_t revision = 0;
     bool is_settled = true;
-    bool follows = false;      ///< warm, and the spheres have moved since
-    bool is_doubtful = false;  ///< two searches found different spheres in many places
+    bool follows = false;        ///< warm, and the spheres have moved since
+    bool knew_doubtful = false;  ///< the frame before showed that doubtful spheres are false
+    bool is_unsure = false;      ///< two searches found different spheres in many places
 
     void count(const SphereSearch::Summary& summary) {
         found.passes += summary.passes;
@@ -181,9 +182,14 @@ void Locator::start_discs(Frame& frame, const std::vector<Vec2>& start, double s
         if (moved) left = swept;
         if (!moved && step > 0) left = 2 * step;
         place_all(warm, left);
-    } else if (coarse_) {
+        return;
+    }
+    DetectionOptions detection = frame.detection;
+    detection.doubtful_are_false = false;
+    frame.search.begin_cold();
+    if (coarse_) {
         const StartingDiscs cold =
-            coarse_->search(fit_.darkness(), frame.detection, rough_sweeps_of(frame.refinement));
+            coarse_->search(fit_.darkness(), detection, rough_sweeps_of(frame.refinement));
         place_all(cold, swept);
         frame.count(coarse_->summary());
         frame.found.coarse_steps += coarse_->summary().steps;
@@ -276,7 +282,7 @@ bool Locator::take_better(Frame& frame) {
     std::vector<ArrangementDifference>& differences = other.differences;
     frame.found.arrangements += static_cast<int>(differences.size());
     const double most = kMostUnlike * static_cast<double>(fit_.positions().size());
-    frame.is_doubtful = static_cast<double>(other.unlike) > most;
+    frame.is_unsure = static_cast<double>(other.unlike) > most;
     if (differences.empty() || static_cast<double>(other.unlike_in_large) > most) return false;
     // Either disc is wrong in its own way: each arrangement is judged with both.
     std::vector<ArrangementDifference> as_other = differences;
@@ -338,14 +344,15 @@ void Locator::fit_overlaps(Frame& frame) {
     }
 }
 
-/// Doubtful spheres were judged anew when all had settled: their places are searched again.
-void Locator::search_again(Frame& frame) {
+/// Stage 7. Where it was seen now that doubtful spheres are false, all is searched again.
+void Locator::search_without_doubtful(Frame& frame) {
+    if (frame.knew_doubtful || !frame.search.summary().doubtful_are_false) return;
     if (!model_.is_product()) {
         const std::vector<Vec2> positions = fit_.positions();
         fit_.restart(original_);
         place_all({positions, {}}, kSweepTolerance * model_.disc.edge_width);
     }
-    frame.search.forget_judgement();
+    frame.search.start_over();
     frame.search.run(rough_sweeps_of(frame.refinement));
     settle_and_judge(frame);
     if (frame.search.look_again(sweeps_of(frame.refinement), *frame.residual)) {
@@ -355,13 +362,13 @@ void Locator::search_again(Frame& frame) {
     if (!model_.is_product()) fit_overlaps(frame);
 }
 
-/// Stage 7. Discs at the border have explained what is dark there; half unseen, they are not
+/// Stage 8. Discs at the border have explained what is dark there; half unseen, they are not
 /// reported.
 Located Locator::report(Frame& frame) {
     Located& found = frame.found;
     const SphereSearch::Summary& summary = frame.search.summary();
     frame.count(summary);
-    found.settled_detection = summary.settled_detection && !frame.is_doubtful;
+    found.settled_detection = summary.settled_detection && !frame.is_unsure;
     found.trials = summary.trials;
     found.evidence = summary.evidence;
     found.doubtful_are_false = summary.doubtful_are_false;
@@ -419,14 +426,13 @@ Located Locator::locate(const JointFit::WriteRow& darkness, const DetectionOptio
     Frame frame{detection, refinement,
                 SphereSearch(fit_, correlation_, detection, correction_ ? &*correction_ : nullptr)};
     start_discs(frame, start, step);
+    frame.knew_doubtful = frame.search.summary().doubtful_are_false;
     // A fit of the same frame, as that of the calibration, is made again as a cold one is.
     frame.follows = frame.found.warm && step > 0;
     search(frame);
     compare_with_cores(frame);
     if (!model_.is_product()) fit_overlaps(frame);
-    if (frame.search.summary().doubtful_are_false != detection.doubtful_are_false) {
-        search_again(frame);
-    }
+    search_without_doubtful(frame);
     return report(frame);
 }
 

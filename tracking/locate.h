@@ -34,17 +34,17 @@ struct Located {
     std::int64_t coarse_steps = 0, steps = 0;  ///< disc updates done on blocks, on pixels
     bool warm = false;                         ///< the start was used
     bool approached = false;                   ///< … after it was brought nearer on blocks
-    int maps_skipped = 0;           ///< maps of likelihood gain that the residual made needless
-    int maps_in_part = 0;           ///< computed only where the residual can hold a sphere
-    std::int64_t trials = 0;        ///< discs added on trial (second_look.h)
-    int arrangements = 0;           ///< places where a search for cores found other discs
-    int arrangements_taken = 0;     ///< … that explained the frame better
-    double evidence = 0;            ///< share of an isolated one's misfit that every disc explains
+    int maps_skipped = 0;        ///< maps of likelihood gain that the residual made needless
+    int maps_in_part = 0;        ///< computed only where the residual can hold a sphere
+    std::int64_t trials = 0;     ///< discs added on trial (second_look.h)
+    int arrangements = 0;        ///< places where a search for cores found other discs
+    int arrangements_taken = 0;  ///< … that explained the frame better
+    double evidence = 0;         ///< share of an isolated one's misfit that every disc explains
     bool doubtful_are_false = false;  ///< they hardly had room (SphereSearch::Summary)
-    std::vector<Vec2> fitted;       ///< every disc of the model, those at the border included
-    std::int64_t unsettled = 0;     ///< spheres still moving after the last sweep
-    std::int64_t rejected = 0;      ///< … by more than their standard error: not reported
-    bool settled_detection = true;  ///< the last pass changed nothing
+    std::vector<Vec2> fitted;         ///< every disc of the model, those at the border included
+    std::int64_t unsettled = 0;       ///< spheres still moving after the last sweep
+    std::int64_t rejected = 0;        ///< … by more than their standard error: not reported
+    bool settled_detection = true;    ///< the last pass changed nothing
     double detect_seconds = 0, refine_seconds = 0;
 };
 
@@ -64,7 +64,8 @@ struct Located {
 ///    (other_arrangement.h).
 /// 6. Overlaps: where the model is not the product of transmissions, 3. is repeated on the image
 ///    that the product should see there (product_image.h): twice, on warm frames once.
-/// 7. Report: positions, standard errors, residuals; doubtful and cut spheres are left out.
+/// 7. Doubtful spheres: where most hardly had room (sphere_room.h), 2. to 6. once more without.
+/// 8. Report: positions, standard errors, residuals; unsettled and cut spheres are left out.
 ///
 /// Pixels outside the image do not count.
 class Locator {
@@ -114,7 +115,7 @@ class Locator {
     bool take_better(Frame& frame);
     void sweep_to_rest(Frame& frame);
     void fit_overlaps(Frame& frame);
-    void search_again(Frame& frame);
+    void search_without_doubtful(Frame& frame);
     Located report(Frame& frame);
     double far(double noise) const;
     double least_drawn(double noise, const RefinementOptions& refinement) const;

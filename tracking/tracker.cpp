@@ -173,7 +173,10 @@ void Tracker::keep(Job& job) {
             : 0;
     previous_.position = job.position;
     previous_.counts = std::move(job.frame.image);
+    // Of two frames side by side the first one may have seen it alone.
+    const bool knows = job.found.warm && previous_.found.doubtful_are_false;
     previous_.found = std::move(job.found);
+    previous_.found.doubtful_are_false = previous_.found.doubtful_are_false || knows;
     if (job.synthesised) previous_.synthesised = std::move(job.synthesised);
 }
 

@@ -55,8 +55,8 @@ void transfer(NumberArchive& archive, LinkState& state) {
 void transfer(NumberArchive& archive, Located& found) {
     auto& [position, error, residual, explained, residual_rms, correlation, noise, passes, added,
            removed, coarse_steps, steps, warm, approached, maps_skipped, maps_in_part, trials,
-           arrangements, arrangements_taken, evidence, doubtful_are_false, fitted, unsettled, rejected,
-           settled_detection, detect_seconds, refine_seconds] = found;
+           arrangements, arrangements_taken, evidence, doubtful_are_false, fitted, unsettled,
+           rejected, settled_detection, detect_seconds, refine_seconds] = found;
     archive.members<Located>(position, error, residual, explained, residual_rms, correlation, noise,
                              passes, added, removed, coarse_steps, steps, warm, approached,
                              maps_skipped, maps_in_part, trials, arrangements, arrangements_taken,

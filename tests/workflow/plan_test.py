@@ -52,7 +52,7 @@ class TheScales(unittest.TestCase):
         self.assertEqual(option(options, "snapshot-every"), "8")
         self.assertEqual(int(option(options, "periods")) - int(option(options, "discard")), 8 * 2999)
         filmed = [gamma for gamma, film in decide.runs() if film == "slow1"]
-        self.assertEqual(filmed, ["3.5", "4.7"])
+        self.assertEqual(filmed, ["4", "5"])
         self.assertEqual(decide.film_frames("slow1"), 600)
         self.assertEqual([rule for _, rule, words in decide.jobs() if words.get("film") == "long" and
                           rule in ("film", "track")], [])

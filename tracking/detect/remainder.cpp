@@ -11,7 +11,7 @@ namespace {
 
 /// A larger deviation belongs to a missing sphere, of darkness 1 where nothing covers it, and not
 /// to the misfit of the model: rims and meeting edges leave less.
-constexpr float kMissing = 0.25F;  // [contrast]
+constexpr float kMissing = 0.25F;          // [contrast]
 constexpr std::size_t kLeastPixels = 100;  // that show the noise
 /// Flat pixels that vary by this share of what is left about the spheres, and neighbouring ones
 /// that differ by less than this share of it: what flat pixels show is not the noise of the layer.

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -27,6 +26,8 @@ class SphereRoom {
     /// `cell.diameter` > 0. `correction` may be null.
     SphereRoom(const JointFit& fit, const SphereCell& cell, const BiasCorrection* correction);
 
+    /// Whether positions of disc j and of all its neighbours are corrected.
+    bool is_corrected(std::size_t j) const;
     /// Of disc j beside those of `present` (all where it is empty).
     bool has(std::size_t j, GrantedRoom granted, const std::vector<char>& present = {}) const;
 
@@ -34,11 +35,13 @@ class SphereRoom {
     static constexpr double kMostCorrected = 0.15;
 
  private:
+    std::vector<Vec2> neighbours(std::size_t j, const std::vector<char>& present) const;
+    bool is_corrected(Vec2 place, const std::vector<Vec2>& neighbours) const;
     Vec2 corrected(Vec2 p) const;
 
     const JointFit& fit_;
     SphereCell cell_;
-    double reach_;  ///< a neighbour may come nearer by what it is corrected [px]
+    double reach_;  ///< a neighbour may come nearer by what both are corrected [px]
     PointGrid discs_;
     std::optional<BiasCorrector> corrector_;
 };

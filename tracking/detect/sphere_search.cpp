@@ -49,15 +49,15 @@ constexpr double kMisfits = 12;
 constexpr double kLeastEvidence = 0.04;
 constexpr double kMostEvidence = 0.15;
 constexpr double kMostBesideRoom = 0.08;
-/// In a crystal two discs can fit one sphere better than one does, and three two. Each explains 0.08
-/// to 0.3 of an isolated sphere. So do a few true spheres in a thick liquid.
+/// In a crystal two discs can fit one sphere better than one does, and three two. Each explains
+/// 0.08 to 0.3 of an isolated sphere. So do a few true spheres in a thick liquid.
 constexpr double kDoubtful = 0.25;  // share of what an isolated sphere explains
 /// Most doubtful spheres that are true have room with this granted, and one in ten of those that
 /// are false.
-constexpr GrantedRoom kClearly{.corrected = 0.03, .fitted = 0.03};
+constexpr double kClearly = 0.03;  // [a]
 /// Where more than this many times as many lack it as have it, and at least so many, all doubtful
-/// spheres are taken for false ones: in crystals nine times as many lack it, in liquids 1.2 times
-/// at most. So it is in this frame and those that start from it. Chosen between the two.
+/// spheres are taken for false ones: in crystals nine times as many lack it and more, in liquids
+/// one and a half times at most. So it is in this frame and those that start from it. Chosen.
 constexpr double kMostTight = 2;
 constexpr int kLeastTight = 5;
 /// Elsewhere this is granted, for what the bias of the model does to true spheres. False ones are
@@ -126,7 +126,7 @@ OptionTable describe(DetectionOptions& options) {
     table.number(
         "evidence", options.evidence, "-", {0, 1},
         "share of an isolated sphere's misfit that each sphere must explain; auto: 0.04 to 0.15, "
-        "as the image model fits");
+        "as the image model fits, 0.25 in crystals of mirrors");
     table.number("border", options.border, "D", {0, 10},
                  "centres nearer to the image border than this are not reported");
     return table;
@@ -215,13 +215,12 @@ std::int64_t SphereSearch::remove_unfounded() {
     if (threshold_ < 0.5 * rejected_at_) forget_rejections();
     std::optional<SphereRoom> room;
     if (asks_for_room_) room.emplace(fit_, cell(), correction_);
-    const std::vector<char> keep = discs_to_keep(
-        fit_, fit_.explained(),
-        {.threshold = threshold_,
-         .separation = separation_,
-         .doubtful = kDoubtful * isolated,
-         .room = room ? &*room : nullptr,
-         .granted = kGranted});
+    const std::vector<char> keep = discs_to_keep(fit_, fit_.explained(),
+                                                 {.threshold = threshold_,
+                                                  .separation = separation_,
+                                                  .doubtful = kDoubtful * isolated,
+                                                  .room = room ? &*room : nullptr,
+                                                  .granted = kGranted});
     std::int64_t removed = 0;
     for (std::size_t j = 0; j < keep.size(); ++j) {
         if (keep[j]) continue;
@@ -325,8 +324,9 @@ std::int64_t SphereSearch::add_missing() {
 
 void SphereSearch::run(const RefinementOptions& rough) {
     summary_.settled_detection = false;
-    const int most = options_.goal == SearchGoal::most_spheres ? 1 : options_.max_passes;
-    while (summary_.passes < most && !summary_.settled_detection) {
+    const int last =
+        summary_.passes + (options_.goal == SearchGoal::most_spheres ? 1 : options_.max_passes);
+    while (summary_.passes < last && !summary_.settled_detection) {
         ++summary_.passes;
         auto begin = Clock::now();
         summary_.steps += fit_.refine(rough, Drawing::roughly).steps;
@@ -370,20 +370,26 @@ bool SphereSearch::finds_doubtful_false() {
     if (!asks_for_room_ || correction_ == nullptr || options_.goal != SearchGoal::every_sphere) {
         return false;
     }
-    const SphereRoom room(fit_, cell(), correction_);
     const double doubtful = kDoubtful * correlation_.full_gain();
     const std::vector<double>& explained = fit_.explained();
+    const SphereRoom room(fit_, cell(), correction_);
     int clear = 0;
     int tight = 0;
     for (std::size_t j = 0; j < explained.size(); ++j) {
         if (explained[j] >= doubtful || !is_whole(fit_.positions()[j])) continue;
-        (room.has(j, kClearly) ? clear : tight) += 1;
+        if (!room.is_corrected(j)) continue;
+        (room.has(j, {.corrected = kClearly, .fitted = 0}) ? clear : tight) += 1;
     }
     if (tight < kLeastTight || tight <= kMostTight * clear) return false;
     summary_.doubtful_are_false = true;
     forget_judgement();
-    forget_rejections();
     return true;
+}
+
+void SphereSearch::start_over() {
+    forget_judgement();
+    remove_unfounded();
+    forget_rejections();
 }
 
 /// Whether a disc lies in the image with all of its edge, and no mask hides any of that.

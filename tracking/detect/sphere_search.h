@@ -8,7 +8,6 @@
 #include "core/option_table.h"
 #include "tracking/detect/disc_correlation.h"
 #include "tracking/detect/residual_blocks.h"
-#include "tracking/detect/sphere_room.h"
 #include "tracking/layers/sphere_cell.h"
 #include "tracking/point_grid.h"
 #include "tracking/refine/joint_fit.h"
@@ -90,6 +89,11 @@ class SphereSearch {
     /// Sweeps, and judges no sphere.
     void sweep(const RefinementOptions& refinement, Drawing drawing);
 
+    /// Takes out what is false now; all places may be tried again.
+    void start_over();
+    /// What the frame before showed of doubtful spheres does not hold.
+    void begin_cold() { summary_.doubtful_are_false = false; }
+
     /// The image or the positions are not those that were judged last.
     void forget_judgement() { judged_at_ = -1; }
 
@@ -102,9 +106,9 @@ class SphereSearch {
         std::int64_t trials = 0;        ///< discs added on trial
         bool settled_detection = true;  ///< the last pass changed nothing
         double evidence = 0;            ///< share of an isolated one's misfit that all explain
-        /// Most that explained less than 0.25 of an isolated one hardly had room: all were removed.
-    bool doubtful_are_false = false;
-        double noise = 0;               ///< robust RMS where the model is flat [contrast]
+        /// Most that explained less than 0.25 of an isolated one hardly had room: all are false.
+        bool doubtful_are_false = false;
+        double noise = 0;   ///< robust RMS where the model is flat [contrast]
         double misfit = 0;  ///< RMS where there are spheres, without what is missing [contrast]
         double detect_seconds = 0, refine_seconds = 0;
     };

@@ -21,9 +21,10 @@ Remainder of_liquid(double noise, std::size_t left_out, float bright = 1) {
     Image image = testing::tanh_frame(scene, kDisc.diameter, kDisc.edge_width, noise, 1);
     for (float& v : image.pixels()) v = bright * (200 - v) / 170;
     PaddedImage transmission = clear_transmission(kSize, kSize, kDisc);
-    place_discs(transmission, {scene.position.begin() + static_cast<std::ptrdiff_t>(left_out),
-                               scene.position.end()},
-                kDisc);
+    place_discs(
+        transmission,
+        {scene.position.begin() + static_cast<std::ptrdiff_t>(left_out), scene.position.end()},
+        kDisc);
     return remainder(padded_darkness(image, kDisc), transmission);
 }
 

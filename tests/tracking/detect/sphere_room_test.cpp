@@ -49,7 +49,10 @@ TEST(SphereRoom, GrantsWhatCorrectedPositionsNeedWhereTheCorrectionReaches) {
     const GrantedRoom granted{.corrected = 0.04, .fitted = 0.06};
     const JointFit fit = two(least - 0.05);
     EXPECT_FALSE(SphereRoom(fit, kCell, &correction).has(0, granted));
+    EXPECT_TRUE(SphereRoom(fit, kCell, &correction).is_corrected(0));
+    EXPECT_FALSE(SphereRoom(fit, kCell, nullptr).is_corrected(0));
     const JointFit at_border = two(least - 0.05, {2, 60});
+    EXPECT_FALSE(SphereRoom(at_border, kCell, &correction).is_corrected(0));
     EXPECT_TRUE(SphereRoom(at_border, kCell, &correction).has(0, granted));
 }
 
