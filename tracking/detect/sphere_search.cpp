@@ -57,7 +57,8 @@ constexpr double kDoubtful = 0.25;  // share of what an isolated sphere explains
 constexpr double kClearly = 0.03;  // [a]
 /// Where more than this many times as many lack it as have it, and at least so many, all doubtful
 /// spheres are taken for false ones: in crystals nine times as many lack it and more, in liquids
-/// one and a half times at most. So it is in this frame and those that start from it. Chosen.
+/// fewer as a rule (docs/tracking/room.md). So it is in this frame and those that start from it.
+/// Chosen.
 constexpr double kMostTight = 2;
 constexpr int kLeastTight = 5;
 /// Elsewhere this is granted, for what the bias of the model does to true spheres. False ones are
