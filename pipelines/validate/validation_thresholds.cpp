@@ -19,6 +19,8 @@ OptionTable describe(ValidationThresholds& t) {
     table.number("bound-ratio", t.bound_ratio, "-", {0, 1e9},
                  "largest RMS error over the Cramér–Rao bound");
     table.number("correct-links", t.correct_links, "-", {0, 1}, "least share of correct links");
+    table.number("layers-up-to-flip", t.layers_up_to_flip, "-", {0, 1},
+                 "least share of right layers, each cluster the right way up");
     table.number("alpha", t.alpha, "-", {-1e9, 1}, "least α of the tracks");
     table.number("q4-error", t.q4_error, "-", {0, 1}, "largest RMS error of |Q4|");
     return table;
@@ -47,6 +49,8 @@ std::vector<ThresholdCheck> check(const ValidationThresholds& t, const Validatio
     add("rmse-crystal", "px", t.rmse_crystal, crystal.rmse_per_axis(), false);
     add("bound-ratio", "-", t.bound_ratio, all.bound_ratio(), false);
     add("correct-links", "-", t.correct_links, outcome.tracks.correct_link_fraction(), true);
+    add("layers-up-to-flip", "-", t.layers_up_to_flip,
+        outcome.scores.layers().accuracy_up_to_flip(), true);
     add("alpha", "-", t.alpha, outcome.tracks.alpha, true);
     add("q4-error", "-", t.q4_error, outcome.scores.q4_rms(), false);
     return checks;

@@ -13,15 +13,16 @@ struct ValidationOutcome;
 /// What a scene has to reach; what is not set is not checked. A quantity that could not be measured
 /// misses its threshold.
 struct ValidationThresholds {
-    std::optional<double> recall;          ///< least, class all [-]
-    std::optional<double> recall_crystal;  ///< least [-]
-    std::optional<double> precision;       ///< least, class all [-]
-    std::optional<double> rmse;            ///< largest per axis, class all [px]
-    std::optional<double> rmse_crystal;    ///< largest per axis [px]
-    std::optional<double> bound_ratio;     ///< largest, class all [-]
-    std::optional<double> correct_links;   ///< least share [-]
-    std::optional<double> alpha;           ///< least [-]
-    std::optional<double> q4_error;        ///< largest RMS error of |Q4| [-]
+    std::optional<double> recall;             ///< least, class all [-]
+    std::optional<double> recall_crystal;     ///< least [-]
+    std::optional<double> precision;          ///< least, class all [-]
+    std::optional<double> rmse;               ///< largest per axis, class all [px]
+    std::optional<double> rmse_crystal;       ///< largest per axis [px]
+    std::optional<double> bound_ratio;        ///< largest, class all [-]
+    std::optional<double> correct_links;      ///< least share [-]
+    std::optional<double> layers_up_to_flip;  ///< least share [-]
+    std::optional<double> alpha;              ///< least [-]
+    std::optional<double> q4_error;           ///< largest RMS error of |Q4| [-]
 };
 
 OptionTable describe(ValidationThresholds& thresholds);

@@ -70,10 +70,12 @@ std::vector<std::vector<std::uint32_t>> impossible_sets(const OverlapGraph& grap
             const std::uint32_t j = link.sphere;
             if (j < i) continue;
             const double ij = graph.pairs()[link.pair].rise;
+            if (ij <= 0) continue;
             for (const auto far : graph.links(j)) {
                 const std::uint32_t k = far.sphere;
                 if (k < j || rise_to[k] <= 0) continue;
                 const double jk = graph.pairs()[far.pair].rise;
+                if (jk <= 0) continue;
                 const double largest = std::max({ij, jk, rise_to[k]});
                 if (largest <= slack && !three_fit(ij, jk, rise_to[k], slack)) {
                     sets.push_back({i, j, k});
@@ -155,7 +157,7 @@ void transfer(NumberArchive& archive, Bilayer::Summary& summary) {
 }
 
 std::string in_words(const Bilayer::Summary& summary) {
-    return fmt::format("{} bottom, {} top, {} unknown (no overlap forces them)",
+    return fmt::format("{} bottom, {} top, {} unknown (overlaps do not tell)",
                        summary.labelled - summary.top, summary.top,
                        summary.spheres - summary.labelled);
 }

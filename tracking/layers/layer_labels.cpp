@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <numeric>
+#include <tuple>
 #include <unordered_map>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "tracking/layers/joined_sides.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -15,6 +17,7 @@ namespace {
 constexpr double kTolerance = 1e-9;  // of a height [a]
 constexpr std::size_t kLargestSearch = 2000;
 constexpr int kMostRounds = 10;
+constexpr double kLeastLogOdds = 4.6;  // 100 to 1
 
 class SideInference {
  public:
@@ -59,9 +62,6 @@ class SideInference {
         return std::find(doubtful_.begin(), doubtful_.end(), 1) == doubtful_.end();
     }
 
-    LayerLabels labels();
-
- private:
     /// Root, and whether i lies on the other side of it. Unions by size keep the paths short.
     std::pair<std::uint32_t, bool> side(std::uint32_t i) const {
         bool other = false;
@@ -69,6 +69,10 @@ class SideInference {
         return {i, other};
     }
 
+    double low(std::uint32_t i) const { return low_[i]; }  ///< of w [a]
+    double high(std::uint32_t i) const { return high_[i]; }
+
+ private:
     void enqueue(std::uint32_t e) {
         const OverlapPair& pair = graph_.pairs()[e];
         if (queued_[e] != 0 || pair.sure_rise <= 0 || kept_[pair.first] == 0 ||
@@ -182,37 +186,102 @@ class SideInference {
     std::vector<std::uint32_t> queue_;
 };
 
-LayerLabels SideInference::labels() {
-    const std::size_t n = graph_.size();
-    const double slack = graph_.slack();
+/// Which side each sphere is on, up to turning all of a group.
+struct Sides {
+    std::vector<std::uint32_t> group;
+    std::vector<char> turned;
+};
+
+bool is_overlap(const OverlapPair& pair, const std::vector<char>& believed) {
+    return believed[pair.first] != 0 && believed[pair.second] != 0 && pair.distance < 1;
+}
+
+/// Groups that are forced, and those joined by the odds of the overlaps between them.
+Sides joined_groups(const OverlapGraph& graph, const SideInference& inference,
+                    const std::vector<char>& believed) {
+    const std::size_t n = graph.size();
+    std::vector<std::uint32_t> root(n);
+    std::vector<char> other(n);
+    for (std::uint32_t i = 0; i < n; ++i) std::tie(root[i], other[i]) = inference.side(i);
+    std::vector<SideLink> links;
+    for (const OverlapPair& pair : graph.pairs()) {
+        const std::uint32_t i = pair.first;
+        const std::uint32_t j = pair.second;
+        if (root[i] == root[j] || !is_overlap(pair, believed)) continue;
+        const double odds = opposite_log_odds(pair.distance, pair.distance_error, graph.slack());
+        links.push_back({root[i], root[j], other[i] == other[j] ? odds : -odds});
+    }
+    const JoinedSides joined = join_sides(n, links, kLeastLogOdds);
+    Sides sides{std::vector<std::uint32_t>(n), std::vector<char>(n)};
+    for (std::size_t i = 0; i < n; ++i) {
+        sides.group[i] = joined.group[root[i]];
+        sides.turned[i] = other[i] != joined.turned[root[i]] ? 1 : 0;
+    }
+    return sides;
+}
+
+/// The members of the groups that are named: of groups in contact only the largest one, as no
+/// overlap tells how the others are turned against it.
+std::vector<std::vector<std::uint32_t>> named_groups(const OverlapGraph& graph, const Sides& sides,
+                                                     const std::vector<char>& believed) {
+    const std::size_t n = graph.size();
+    std::vector<std::vector<std::uint32_t>> members(n);
+    for (std::uint32_t i = 0; i < n; ++i) {
+        if (believed[i] != 0) members[sides.group[i]].push_back(i);
+    }
+    std::vector<std::vector<std::uint32_t>> touching(n);  // groups
+    for (const OverlapPair& pair : graph.pairs()) {
+        const std::uint32_t one = sides.group[pair.first];
+        const std::uint32_t other = sides.group[pair.second];
+        if (one == other || !is_overlap(pair, believed)) continue;
+        touching[one].push_back(other);
+        touching[other].push_back(one);
+    }
+    std::vector<std::vector<std::uint32_t>> named;
+    std::vector<char> seen(n, 0);
+    for (std::uint32_t start = 0; start < n; ++start) {
+        if (members[start].empty() || seen[start] != 0) continue;
+        std::vector<std::uint32_t> reached{start};
+        seen[start] = 1;
+        std::uint32_t largest = start;
+        for (std::size_t k = 0; k < reached.size(); ++k) {
+            if (members[reached[k]].size() > members[largest].size()) largest = reached[k];
+            for (const std::uint32_t next : touching[reached[k]]) {
+                if (seen[next] != 0) continue;
+                seen[next] = 1;
+                reached.push_back(next);
+            }
+        }
+        if (members[largest].size() > 1) named.push_back(std::move(members[largest]));
+    }
+    return named;
+}
+
+LayerLabels labels_of(const OverlapGraph& graph, const SideInference& inference,
+                      const std::vector<char>& believed) {
+    const std::size_t n = graph.size();
+    const double slack = graph.slack();
     LayerLabels result;
     result.slack = slack;
     result.layer.assign(n, Layer::unknown);
     result.cluster.assign(n, -1);
     result.lowest.assign(n, 0);
     result.highest.assign(n, slack);
-    std::vector<std::int32_t> number(n, -1);  // of a root's cluster
-    std::vector<char> bottom_is_other(n, 0);
-    for (std::uint32_t i = 0; i < n; ++i) {
-        const auto [root, other] = side(i);
-        if (members_[root].empty()) continue;
-        if (doubtful_[i] != 0) {
-            ++result.contradictory;
-            continue;
+    const Sides sides = joined_groups(graph, inference, believed);
+    for (const auto& members : named_groups(graph, sides, believed)) {
+        const auto turned = static_cast<std::size_t>(
+            std::ranges::count_if(members, [&](std::uint32_t i) { return sides.turned[i] != 0; }));
+        const bool bottom_is_turned = 2 * turned == members.size()
+                                          ? sides.turned[members.front()] != 0
+                                          : 2 * turned > members.size();
+        for (const std::uint32_t i : members) {
+            const bool bottom = (sides.turned[i] != 0) == bottom_is_turned;
+            result.cluster[i] = result.clusters;
+            result.layer[i] = bottom ? Layer::bottom : Layer::top;
+            result.lowest[i] = bottom ? slack - inference.high(i) : inference.low(i);
+            result.highest[i] = bottom ? slack - inference.low(i) : inference.high(i);
         }
-        if (number[root] < 0) {
-            number[root] = result.clusters++;
-            const auto others =
-                static_cast<std::size_t>(std::count_if(members_[root].begin(), members_[root].end(),
-                                                       [this](auto m) { return side(m).second; }));
-            const std::size_t size = members_[root].size() + 1;
-            bottom_is_other[root] = 2 * others == size ? other : 2 * others > size;
-        }
-        const bool bottom = other == (bottom_is_other[root] != 0);
-        result.cluster[i] = number[root];
-        result.layer[i] = bottom ? Layer::bottom : Layer::top;
-        result.lowest[i] = bottom ? slack - high_[i] : low_[i];
-        result.highest[i] = bottom ? slack - low_[i] : high_[i];
+        ++result.clusters;
     }
     return result;
 }
@@ -231,15 +300,15 @@ LayerLabels label_layers(const OverlapGraph& graph, const std::vector<char>& kep
     for (int round = 1;; ++round) {
         SideInference inference(graph, believed);
         inference.run();
-        if (inference.is_consistent() || round == kMostRounds) {
-            LayerLabels labels = inference.labels();
-            labels.contradictory += contradictory;
-            return labels;
-        }
         for (std::size_t i = 0; i < believed.size(); ++i) {
             if (inference.doubtful()[i] == 0) continue;
             believed[i] = 0;
             ++contradictory;
+        }
+        if (inference.is_consistent() || round == kMostRounds) {
+            LayerLabels labels = labels_of(graph, inference, believed);
+            labels.contradictory = contradictory;
+            return labels;
         }
     }
 }

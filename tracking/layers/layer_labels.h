@@ -10,7 +10,7 @@ namespace grainfield::tracking {
 
 /// Which spheres lie below and which above the mid-plane, up to turning a cluster upside down.
 struct LayerLabels {
-    std::vector<Layer> layer;             ///< unknown: alone, left out, or doubtful
+    std::vector<Layer> layer;             ///< unknown: not told by overlaps, left out, or doubtful
     std::vector<std::int32_t> cluster;    ///< spheres whose layers are fixed together; −1: none
     std::vector<double> lowest, highest;  ///< bounds of the centre's height, 0 … H [a]
     std::int32_t clusters = 0;
@@ -18,7 +18,7 @@ struct LayerLabels {
     double slack = 0;                ///< H [a]
 };
 
-/// Labels the kept spheres by what their overlaps force.
+/// Labels the kept spheres by what their overlaps force, and by what they make likely.
 ///
 /// With w the height over the far plate (z for a sphere above the mid-plane, H − z below), a sphere
 /// lies at H/2 ≤ w ≤ H whichever side it is on. Two overlapping spheres are
@@ -30,9 +30,14 @@ struct LayerLabels {
 /// and then bound each other, w_i ≥ H + δ − u_j (opposite) or w_i ≥ w_j + δ (alike, if j cannot be
 /// the higher). [l, u] are the bounds so far; this is repeated until nothing changes, the largest δ
 /// first. What is labelled is certain if the positions are within the significance granted to
-/// labels and no false sphere is among them. What is not forced stays unknown. Where overlaps
-/// contradict each other, one sphere of every ring of them that does is not where it seems: the
-/// spheres of the shortest such rings stay unknown, and the rest is inferred anew without them.
+/// labels and no false sphere is among them. Where overlaps contradict each other, one sphere of
+/// every ring of them that does is not where it seems: the spheres of the shortest such rings stay
+/// unknown, and the rest is inferred anew without them.
+///
+/// What is forced falls into groups. All overlaps between two groups together may tell how one is
+/// turned against the other: they are joined where the odds are 100 to 1 (opposite_log_odds,
+/// join_sides). Of groups that overlap and stay apart only the largest is named, so that what is
+/// named among spheres in contact is right up to one exchange.
 ///
 /// A silhouette does not say which side is up. Convention: in each cluster the side with more
 /// spheres is called bottom; if both have as many, that of the sphere with the lowest index.

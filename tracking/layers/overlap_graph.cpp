@@ -56,7 +56,41 @@ double distance_error(Vec2 step, double distance, Vec2 one, Vec2 other) {
     return std::sqrt(variance.x * along.x * along.x + variance.y * along.y * along.y);
 }
 
+constexpr double kWrong = 1e-3;    // of the positions, altogether
+constexpr int kFarthestError = 4;  // [σ]
+constexpr int kStepsPerError = 2;
+
+/// P(|z_i − z_j| ≥ rise) of two heights that are uniform within the same half of 0 … slack.
+double alike_share(double rise, double slack) {
+    const double part = std::max(0.0, 1 - 2 * rise / slack);
+    return part * part;
+}
+
+/// The same of heights in opposite halves.
+double opposite_share(double rise, double slack) {
+    const double part = rise / slack;
+    if (part >= 1) return 0;
+    return part <= 0.5 ? 1 - 2 * part * part : 2 * (1 - part) * (1 - part);
+}
+
 }  // namespace
+
+double opposite_log_odds(double distance, double error, double slack) {
+    if (!(slack > 0)) return 0;
+    double opposite = 0;
+    double alike = 0;
+    double sum = 0;
+    const int steps = error > 0 ? kFarthestError * kStepsPerError : 0;
+    for (int k = -steps; k <= steps; ++k) {
+        const double errors = static_cast<double>(k) / kStepsPerError;
+        const double weight = std::exp(-0.5 * errors * errors);
+        const double rise = rise_at(std::max(0.0, distance + errors * error));
+        opposite += weight * opposite_share(rise, slack);
+        alike += weight * alike_share(rise, slack);
+        sum += weight;
+    }
+    return std::log((kWrong + opposite / sum) / (kWrong + alike / sum));
+}
 
 OverlapGraph::OverlapGraph(const SphereCell& cell, const std::vector<Vec2>& positions,
                            const std::vector<Vec2>& errors, const OverlapOptions& options)
@@ -74,10 +108,14 @@ OverlapGraph::OverlapGraph(const SphereCell& cell, const std::vector<Vec2>& posi
                         cell.diameter;
                 if (!std::isfinite(error)) return;
             }
-            const double most = distance + cell.parallax(0.5 * (positions[i] + positions[j]));
-            const double rise = rise_at(most + options.significance * error);
-            if (rise <= 0) return;
-            pairs_.push_back({i, j, rise, rise_at(most + options.label_significance * error)});
+            if (rise_at(distance) <= 0) return;
+            const double parallax = cell.parallax(0.5 * (positions[i] + positions[j]));
+            const double most = distance + parallax;
+            // Perspective shifts a distance by anything between −parallax and +parallax.
+            const double spread = std::hypot(error, parallax / std::sqrt(3.0));
+            pairs_.push_back({i, j, rise_at(most + options.significance * error),
+                              rise_at(most + options.label_significance * error), distance,
+                              spread});
         };
         PointGrid(positions, cell.diameter).each_pair(cell.diameter, add);
     }

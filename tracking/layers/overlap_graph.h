@@ -9,11 +9,13 @@
 
 namespace grainfield::tracking {
 
-/// Two spheres that overlap in projection and therefore lie at different heights.
+/// Two spheres that seem to overlap in projection, and therefore lie at different heights.
 struct OverlapPair {
     std::uint32_t first = 0, second = 0;  ///< indices, first < second
-    double rise = 0;                      ///< least |z_first − z_second| [a]
+    double rise = 0;                      ///< least |z_first − z_second|; 0: none is sure [a]
     double sure_rise = 0;  ///< the same, granting the larger errors allowed to labels; 0: none [a]
+    double distance = 1;   ///< in projection [a]
+    double distance_error = 0;  ///< its standard error, that by parallax included [a]
 };
 
 struct OverlapOptions {
@@ -21,14 +23,25 @@ struct OverlapOptions {
     double label_significance = 4;  ///< errors granted before a layer is named [σ]
 };
 
+/// Logarithm of the odds that two spheres `distance` apart in projection lie on opposite sides of
+/// the mid-plane of the cell, to their lying on the same side.
+///
+///     ln (ε + ⟨P_opposite⟩) / (ε + ⟨P_alike⟩),   P = P(|z_i − z_j| ≥ √(1 − d²))
+///
+/// Averages run over d with its standard error. Heights are taken as uniform within either half of
+/// 0 … H: P_alike = (1 − 2δ/H)² up to δ = H/2 and 0 beyond, P_opposite = 1 − 2δ²/H² up to H/2 and
+/// 2(1 − δ/H)² from there to H. ε = 1e−3 is the share of positions that are wrong altogether, so
+/// that no pair says more than 1000 to 1. Not negative. All lengths in a.
+double opposite_log_odds(double distance, double error, double slack);
+
 /// Which spheres overlap in projection, and what difference of height each overlap asks for.
 ///
 ///     |z_i − z_j| ≥ δ_ij = sqrt(a² − (d_ij + n σ_ij + p_ij)²),   0 ≤ z ≤ H
 ///
 /// d_ij distance in projection, σ_ij its standard error (the two position errors along the line of
 /// centres), n the significance granted, p_ij the parallax of a camera that is not telecentric.
-/// Pairs at or beyond contact (d + nσ + p ≥ (1 − 1e−6) a) ask for nothing and are left out. Equal
-/// spheres.
+/// Pairs at or beyond contact (d ≥ (1 − 1e−6) a) are left out; those that may be there within their
+/// error (d + nσ + p) ask for nothing. Equal spheres.
 class OverlapGraph {
  public:
     /// One end of a pair.

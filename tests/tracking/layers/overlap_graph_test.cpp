@@ -39,17 +39,45 @@ TEST(OverlapGraph, HoldsEveryOverlapAndItsLeastDifferenceOfHeight) {
                           (std::pow(errors[i].y, 2) + std::pow(errors[j].y, 2)) * step.y * step.y) /
                 d;
             const double near = (d + 3 * sigma) / 10;
-            if (near >= 1 - 1e-6) continue;
+            if (d / 10 >= 1 - 1e-6) continue;
             ++expected;
             ASSERT_TRUE(found.contains({i, j}));
             const OverlapPair& pair = found[{i, j}];
-            EXPECT_NEAR(pair.rise, std::sqrt(1 - near * near), 1e-9);
+            EXPECT_NEAR(pair.distance, d / 10, 1e-12);
+            EXPECT_NEAR(pair.distance_error, sigma / 10, 1e-12);
+            EXPECT_NEAR(pair.rise, near < 1 - 1e-6 ? std::sqrt(1 - near * near) : 0, 1e-6);
             const double sure = (d + 4 * sigma) / 10;
             EXPECT_NEAR(pair.sure_rise, sure < 1 - 1e-6 ? std::sqrt(1 - sure * sure) : 0, 1e-6);
         }
     }
     EXPECT_EQ(found.size(), expected);
     EXPECT_GT(expected, 200u);
+}
+
+// Pairs drawn with heights uniform within the halves of the cell, kept where they do not overlap in
+// space: among those at one distance, how many lie on opposite sides.
+TEST(OverlapGraph, TheOddsForOppositeSidesAreThoseOfSpheresAtRandomHeights) {
+    RandomStream random(3, "heights");
+    constexpr double kSlack = 0.94;
+    for (const double distance : {0.6, 0.89, 0.93, 0.97, 0.995}) {
+        for (const double error : {0.0, 0.02}) {
+            double opposite = 0;
+            double alike = 0;
+            for (int k = 0; k < 400000; ++k) {
+                const double one = random.uniform(0, kSlack);
+                const double other = random.uniform(0, kSlack);
+                const double d = distance + error * random.normal();
+                if (d < 1 && std::abs(one - other) < std::sqrt(1 - d * d)) continue;
+                ((one > kSlack / 2) != (other > kSlack / 2) ? opposite : alike) += 1;
+            }
+            const double share = 1 / 200000.0;
+            EXPECT_NEAR(opposite_log_odds(distance, error, kSlack),
+                        std::log((1e-3 + share * opposite) / (1e-3 + share * alike)), 0.15)
+                << distance << " " << error;
+        }
+    }
+    EXPECT_EQ(opposite_log_odds(0.8, 0, 0), 0);
+    EXPECT_LT(opposite_log_odds(0.5, 0, kSlack), std::log(1001));
 }
 
 TEST(OverlapGraph, LinksAreThePairsSeenFromEitherEnd) {
