@@ -8,6 +8,7 @@
 
 #include "tracking/detect/distance_transform.h"
 #include "tracking/model/product_image.h"
+#include "tracking/refine/edge_residuals.h"
 #include "tracking/refine/misfit_correlation.h"
 
 namespace grainfield::tracking {
@@ -383,8 +384,10 @@ Located Locator::report(Frame& frame) {
     }
     const double border = frame.detection.border * model_.disc.diameter;
     const double tolerance = frame.refinement.tolerance;
-    const std::vector<double> residuals = fit_.residuals(frame.gain);
-    found.correlation = misfit_correlation(fit_, found.noise, frame.gain);
+    const JointFit::Residuals left = fit_.residuals(frame.gain);
+    const std::vector<double>& residuals = left.within_reach;
+    const std::vector<double> at_edge = edge_residuals(left, found.noise);
+    found.correlation = misfit_correlation(fit_, found.noise, left);
     const std::vector<double>& explained = fit_.explained();
     const std::vector<PositionCovariance> covariances = solver_.covariance(threads_);
     for (std::size_t j = 0; j < residuals.size(); ++j) {
@@ -405,6 +408,7 @@ Located Locator::report(Frame& frame) {
         found.position.push_back(p);
         found.error.push_back(error);
         found.residual.push_back(residuals[j]);
+        found.edge_residual.push_back(at_edge[j]);
         found.explained.push_back(explained[j]);
     }
     found.fitted = fit_.positions();

@@ -24,7 +24,8 @@ struct Located {
     std::vector<Vec2> position;
     std::vector<Vec2>
         error;  ///< standard error per unit noise, all others unknown [px]; NaN: hidden
-    std::vector<double> residual;   ///< local RMS of image − model [contrast]
+    std::vector<double> residual;       ///< local RMS of image − model [contrast]
+    std::vector<double> edge_residual;  ///< the same, of the pixels that a position is read from
     std::vector<double> explained;  ///< misfit that each one explains (JointFit) [contrast² px]
     double residual_rms = 0;
     double correlation = 1;  ///< κ of the misfit (misfit_correlation.h) [-]

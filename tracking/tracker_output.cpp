@@ -75,8 +75,8 @@ void Tracker::report(const Job& job, Snapshot& snapshot, TrackSummary& summary) 
     // Misfit of discs that the camera sees larger or smaller does not displace them.
     snapshot.position_error =
         options_.camera && !bias_
-            ? standard_errors(found, size_misfit(*options_.camera, found.position, found.residual,
-                                                 model().disc.diameter))
+            ? standard_errors(found, size_misfit(*options_.camera, found.position,
+                                                 found.edge_residual, model().disc.diameter))
             : standard_errors(found);
     if (!options_.camera) {
         if (bilayer_) bilayer_->admit(snapshot, found.explained);

@@ -29,13 +29,15 @@ T restored(const std::vector<double>& numbers) {
 TEST(TrackerCheckpoint, EveryMemberOfWhatWasLocatedSurvives) {
     Located before;
     {
-        auto& [position, error, residual, explained, residual_rms, correlation, noise, passes,
-               added, removed, coarse_steps, steps, warm, approached, maps_skipped, maps_in_part,
-               trials, arrangements, arrangements_taken, evidence, doubtful_are_false, fitted,
-               unsettled, rejected, settled_detection, detect_seconds, refine_seconds] = before;
+        auto& [position, error, residual, edge_residual, explained, residual_rms, correlation,
+               noise, passes, added, removed, coarse_steps, steps, warm, approached, maps_skipped,
+               maps_in_part, trials, arrangements, arrangements_taken, evidence, doubtful_are_false,
+               fitted, unsettled, rejected, settled_detection, detect_seconds, refine_seconds] =
+            before;
         position = {{1, 2}};
         error = {{3, 4}};
         residual = {5};
+        edge_residual = {25};
         explained = {6, 7};
         std::tie(residual_rms, noise, evidence, detect_seconds, refine_seconds) =
             std::tuple{0.1, 0.2, 0.3, 0.4, 0.5};
@@ -56,6 +58,7 @@ TEST(TrackerCheckpoint, EveryMemberOfWhatWasLocatedSurvives) {
     EXPECT_EQ(after.evidence, 0.3);
     EXPECT_TRUE(after.doubtful_are_false);
     EXPECT_EQ(after.correlation, 24);
+    EXPECT_EQ(after.edge_residual, before.edge_residual);
     EXPECT_EQ(after.fitted, before.fitted);
     EXPECT_FALSE(after.settled_detection);
     EXPECT_EQ(after.refine_seconds, 0.5);

@@ -41,21 +41,34 @@ void local_misfit_stencil(const StencilPieces& s, const DiscTerms& disc, float x
                           double* sums) {
     Vector misfit = hn::Zero(kTag);
     Vector pixels = misfit;
+    Vector at_edge = misfit;
+    Vector edge = misfit;
+    Vector edge2 = misfit;
     const Vector one = hn::Set(kTag, 1.0F);
     const Vector reach2 = hn::Set(kTag, disc.reach2);
     for_each_vector(
-        s, x, y, [&](Vector dx, Vector dy, std::ptrdiff_t offset, std::size_t) HWY_ATTR {
+        s, x, y, [&](Vector dx, Vector dy, std::ptrdiff_t offset, std::size_t at) HWY_ATTR {
             const Vector transmission = hn::LoadU(kTag, s.transmission + offset);
             // Where nothing is looked at, it is 0 and there is no residual.
             const auto is_visible = hn::Gt(transmission, hn::Zero(kTag));
             const auto is_near = hn::Le(hn::MulAdd(dx, dx, hn::Mul(dy, dy)), reach2);
             const Vector residual = hn::IfThenElseZero(
                 is_near, residual_of(hn::LoadU(kTag, s.darkness + offset), transmission));
-            misfit = hn::MulAdd(residual, residual, misfit);
+            const Vector square = hn::Mul(residual, residual);
+            // ∂t/∂r is as t (1 − t) at the usual edge, and T/t what the other discs leave.
+            const Vector slope = hn::Mul(transmission, hn::Sub(one, load_half(s.kept + at)));
+            const Vector weight = hn::IfThenElseZero(is_near, hn::Mul(slope, slope));
+            misfit = hn::Add(misfit, square);
+            at_edge = hn::MulAdd(weight, square, at_edge);
+            edge = hn::Add(edge, weight);
+            edge2 = hn::MulAdd(weight, weight, edge2);
             pixels = hn::Add(pixels, hn::IfThenElseZero(hn::And(is_near, is_visible), one));
         });
     sums[0] = sum(misfit);
     sums[1] = sum(pixels);
+    sums[2] = sum(at_edge);
+    sums[3] = sum(edge);
+    sums[4] = sum(edge2);
 }
 
 }  // namespace grainfield::tracking::HWY_NAMESPACE
@@ -100,10 +113,10 @@ NormalEquations linearise(const ConstStencilView& view, Vec2 centre) {
 
 LocalMisfit local_misfit(const ConstStencilView& view, Vec2 centre) {
     const FromAnchor at(centre, view);
-    double sums[2] = {};
+    double sums[5] = {};
     HWY_DYNAMIC_DISPATCH(local_misfit_stencil)
     ({view, view.stencil.pieces()}, view.stencil.terms(), at.x, at.y, sums);
-    return {sums[0], sums[1]};
+    return {sums[0], sums[1], sums[2], sums[3], sums[4]};
 }
 
 CrossBlock coupling(const ConstStencilView& a, Vec2 centre_a, const ConstStencilView& b,

@@ -18,10 +18,14 @@ double explained(const ConstStencilView& view);
 /// Summed over the edge. `centre` is where t was kept.
 NormalEquations linearise(const ConstStencilView& view, Vec2 centre);
 
-/// Σ (I − M)² over the visible pixels within reach, and their number.
+/// Σ (I − M)² over the visible pixels within reach, and their number; and with the weights
+/// w = (T (1 − t))², which are as |∂T/∂r|² of the disc.
 struct LocalMisfit {
     double sum = 0;  ///< [contrast²]
     double pixels = 0;
+    double at_edge = 0;  ///< Σ w (I − M)² [contrast²]
+    double edge = 0;     ///< Σ w
+    double edge2 = 0;    ///< Σ w²
 };
 LocalMisfit local_misfit(const ConstStencilView& view, Vec2 centre);
 

@@ -182,14 +182,20 @@ std::vector<char> JointFit::collect_disturbed() {
     return disturbed;
 }
 
-std::vector<double> JointFit::residuals(const std::vector<double>& gain) const {
-    std::vector<double> rms(discs_.size(), std::numeric_limits<double>::quiet_NaN());
-    parallel_for(static_cast<std::int64_t>(rms.size()), discs_.threads, [&](std::int64_t i) {
+JointFit::Residuals JointFit::residuals(const std::vector<double>& gain) const {
+    const std::vector<double> none(discs_.size(), std::numeric_limits<double>::quiet_NaN());
+    Residuals rms{none, none, std::vector<double>(discs_.size(), 0)};
+    parallel_for(static_cast<std::int64_t>(none.size()), discs_.threads, [&](std::int64_t i) {
         const auto j = static_cast<std::size_t>(i);
         const LocalMisfit misfit = scene().misfit_about(j);
         if (!(misfit.pixels > 0)) return;
-        const double sum = misfit.sum - (gain.empty() ? 0 : gain[j]);
-        rms[j] = std::sqrt(std::max(0.0, sum) / misfit.pixels);
+        const double pending = gain.empty() ? 0 : gain[j];
+        rms.within_reach[j] = std::sqrt(std::max(0.0, misfit.sum - pending) / misfit.pixels);
+        if (!(misfit.edge > 0)) return;
+        rms.edge_pixels[j] = misfit.edge * misfit.edge / misfit.edge2;
+        // These are what a pending step changes.
+        const double at_edge = misfit.at_edge / misfit.edge - pending / rms.edge_pixels[j];
+        rms.at_edge[j] = std::sqrt(std::max(0.0, at_edge));
     });
     return rms;
 }

@@ -112,9 +112,14 @@ class JointFit {
     /// nothing has moved by more than 0.2 px since the last call keep their value.
     const std::vector<double>& explained();
 
-    /// RMS of I − M within reach of each disc [contrast]; NaN without pixels. `gain`: by how much
-    /// pending steps lower the misfit about each disc [contrast²].
-    std::vector<double> residuals(const std::vector<double>& gain = {}) const;
+    /// RMS of I − M about each disc [contrast]; NaN without pixels.
+    struct Residuals {
+        std::vector<double> within_reach;
+        std::vector<double> at_edge;  ///< weighted with |∂M/∂r|², as a position is read from it
+        std::vector<double> edge_pixels;  ///< how many such a mean is of, (Σw)²/Σw²; 0: none
+    };
+    /// `gain`: by how much pending steps lower the misfit about each disc [contrast²].
+    Residuals residuals(const std::vector<double>& gain = {}) const;
     /// RMS of I − M over the visible pixels of the frame, likewise [contrast].
     double residual_rms(const std::vector<double>& gain = {}) const;
 

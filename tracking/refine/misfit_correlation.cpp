@@ -13,8 +13,6 @@ namespace {
 constexpr double kMostPlaces = 600;
 constexpr double kLeastPlaces = 100;
 constexpr double kMostProducts = 2e7;
-constexpr std::size_t kMostDiscs = 400;
-constexpr int kSlopesPerPixel = 8;
 constexpr double kMostExplained = 0.7;  // beyond it the first order says nothing
 constexpr double kLeastMisfit = 0.05;   // of the residual's variance
 
@@ -75,70 +73,28 @@ struct Derivative {
     }
 };
 
-bool is_hidden(const DiscScene& scene, int x, int y) {
-    return !(scene.transmission().row(y)[x] > 0.0F);
-}
-
-float residual(const DiscScene& scene, int x, int y) {
-    return scene.darkness().row(y)[x] - 1.0F + scene.transmission().row(y)[x];
-}
-
-/// Variances of the residual within reach of discs.
-struct Misfit {
-    double usual = 0;     ///< V
-    double at_edges = 0;  ///< V_e
-};
-
-/// Of 400 to 800 discs spread over the list, or of all.
-Misfit misfit_about(const JointFit& fit, const std::vector<double>& gain) {
-    const DiscScene& scene = fit.scene();
-    const DiscProfile& disc = scene.disc();
-    const int reach = static_cast<int>(std::ceil(disc.reach()));
-    const std::vector<Vec2>& discs = fit.positions();
-    const std::size_t stride = std::max<std::size_t>(1, discs.size() / kMostDiscs);
-    std::vector<double> slopes;  // squared, in the middle of each step of r
-    for (int k = 0; k <= kSlopesPerPixel * (reach + 1); ++k) {
-        const double slope = disc.slope((static_cast<double>(k) + 0.5) / kSlopesPerPixel);
-        slopes.push_back(slope * slope);
+/// Of the finite ones; 0 without any.
+double mean_square(const std::vector<double>& values) {
+    double sum = 0;
+    double n = 0;
+    for (const double v : values) {
+        if (!std::isfinite(v)) continue;
+        sum += v * v;
+        n += 1;
     }
-    double at_edges = 0;
-    double weights = 0;
-    double squares = 0;
-    double pixels = 0;
-    for (std::size_t i = 0; i < discs.size(); i += stride) {
-        if (!is_finite(discs[i])) continue;
-        const int cx = static_cast<int>(std::lround(discs[i].x));
-        const int cy = static_cast<int>(std::lround(discs[i].y));
-        for (int y = std::max(0, cy - reach);
-             y <= std::min(scene.darkness().height() - 1, cy + reach); ++y) {
-            for (int x = std::max(0, cx - reach);
-                 x <= std::min(scene.darkness().width() - 1, cx + reach); ++x) {
-                const double r = std::sqrt(squared_norm(Vec2{x - discs[i].x, y - discs[i].y}));
-                if (r > disc.reach() || is_hidden(scene, x, y)) continue;
-                const auto left = static_cast<double>(residual(scene, x, y));
-                const double slope = slopes[static_cast<std::size_t>(kSlopesPerPixel * r)];
-                at_edges += slope * left * left;
-                weights += slope;
-                squares += left * left;
-                pixels += 1;
-            }
-        }
-        if (!gain.empty()) squares -= gain[i];
-    }
-    if (!(pixels > 0 && weights > 0)) return {};
-    return {.usual = std::max(0.0, squares / pixels), .at_edges = at_edges / weights};
+    return n > 0 ? sum / n : 0;
 }
 
 }  // namespace
 
-double misfit_correlation(const JointFit& fit, double noise, const std::vector<double>& gain) {
+double misfit_correlation(const JointFit& fit, double noise, const JointFit::Residuals& left) {
     const DiscScene& scene = fit.scene();
     const int width = scene.darkness().width();
     const int height = scene.darkness().height();
     const std::vector<Vec2>& discs = fit.positions();
     const double white = noise * noise;
-    const Misfit about = misfit_about(fit, gain);
-    if (!(about.usual - white > kLeastMisfit * about.usual)) return 1;
+    const double about = mean_square(left.within_reach);
+    if (!(about - white > kLeastMisfit * about)) return 1;
 
     const Derivative derivative(scene.disc());
     const int reach = derivative.reach;
@@ -178,10 +134,10 @@ double misfit_correlation(const JointFit& fit, double noise, const std::vector<d
             float row = 0;
 #pragma omp simd reduction(+ : row_x, row_y, row, hidden)
             for (int u = 0; u < derivative.side; ++u) {
-                const float left = dark[u] - 1.0F + through[u];
-                row_x += jx[u] * left;
-                row_y += jy[u] * left;
-                row += left * left;
+                const float r = dark[u] - 1.0F + through[u];
+                row_x += jx[u] * r;
+                row_y += jy[u] * r;
+                row += r * r;
                 hidden += through[u] > 0.0F ? 0 : 1;
             }
             across += static_cast<double>(row_x);
@@ -200,8 +156,7 @@ double misfit_correlation(const JointFit& fit, double noise, const std::vector<d
                              derivative.correlated_pixels();
     const double whole =
         scores / (places * derivative.squares) / (1 - std::min(explained, kMostExplained));
-    const double edges = (about.at_edges - white) / (about.usual - white);
-    return std::max(1.0, edges * (whole - white) / (mean - white));
+    return std::max(1.0, (whole - white) / (mean - white));
 }
 
 }  // namespace grainfield::tracking

@@ -7,24 +7,24 @@
 namespace grainfield::tracking {
 
 /// κ: the variance of a position that the misfit of the image model makes, over what it would make
-/// if it were independent from pixel to pixel and equally large everywhere. `noise`: σ, RMS of the
-/// camera [contrast]. `gain`: what pending steps still take from the misfit of each disc, or empty.
+/// if it were independent from pixel to pixel. `noise`: σ, RMS of the camera [contrast]. `left`:
+/// what is left about each disc.
 ///
 /// Least squares moves a disc by A⁻¹ s, with the score s = Σ_p J_p r_p over its pixels, the
 /// derivatives J = ∂P/∂(x, y) and the residual r = I − M. Scores are taken at places about the
 /// discs, up to D/2 beside them per axis:
 ///
-///   S = ⟨|s|²⟩ / Σ |J|²,   κ = h (S/(1 − x) − σ²)/(⟨r²⟩ − σ²),   h = (V_e − σ²)/(V − σ²).
+///   S = ⟨|s|²⟩ / Σ |J|²,   κ = (S/(1 − x) − σ²)/(⟨r²⟩ − σ²).
 ///
-/// ⟨r²⟩ is the mean over the same windows. V is the mean of r² within reach of the discs, V_e that
-/// weighted with (∂P/∂r)²: a position is read at the edge. The fit has taken from the residual what
-/// the discs could explain. With n discs a pixel, to first order, that lowers S by the share
+/// ⟨r²⟩ is the mean over the same windows. The fit has taken from the residual what the discs could
+/// explain. With n discs a pixel, to first order, that lowers S by the share
 ///
 ///   x = 2 n Σ_Δ a(Δ)² / a(0)²,   a(Δ) = Σ_p J_p · J_{p+Δ},
 ///
-/// at most 0.7. κ is 1 where less than a twentieth of V is misfit, where fewer than 100 windows lie
-/// inside the frame without a hidden pixel, and where it would be less, which is chance. Places are
-/// drawn from a fixed stream. Independent of the number of threads. Some milliseconds.
-double misfit_correlation(const JointFit& fit, double noise, const std::vector<double>& gain = {});
+/// at most 0.7. κ is 1 where less than a twentieth of the residual about the discs is misfit, where
+/// fewer than 100 windows lie inside the frame without a hidden pixel, and where it would be less,
+/// which is chance. Places are drawn from a fixed stream. Independent of the number of threads.
+/// Some milliseconds.
+double misfit_correlation(const JointFit& fit, double noise, const JointFit::Residuals& left);
 
 }  // namespace grainfield::tracking

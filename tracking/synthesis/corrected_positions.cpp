@@ -19,7 +19,7 @@ double noise_of(const Located& found, std::size_t sphere, double harmless = 0) {
     // and it is alike in neighbouring pixels.
     const double noise = found.noise * found.noise;
     const double misfit =
-        std::max(0.0, found.residual[sphere] * found.residual[sphere] - noise - harmless);
+        std::max(0.0, found.edge_residual[sphere] * found.edge_residual[sphere] - noise - harmless);
     return std::sqrt(noise + found.correlation * misfit);
 }
 

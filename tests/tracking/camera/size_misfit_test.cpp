@@ -138,7 +138,8 @@ double TiltedLayer::pull() const {
     const Located found =
         locator.locate(tracker.model().darkness(picture), options.detection, options.refinement);
     const std::vector<Vec2> errors = standard_errors(
-        found, size_misfit(map, found.position, found.residual, tracker.model().disc.diameter));
+        found,
+        size_misfit(map, found.position, found.edge_residual, tracker.model().disc.diameter));
     double square = 0;
     double reported = 0;
     int count = 0;

@@ -408,22 +408,34 @@ TEST(JointFit, LocalResidualsAreThoseWithinReach) {
         fit.set_visible(visible);
         fit.restart(darkness);
         fit.add_all(truth);
-        const std::vector<double> residuals = fit.residuals();
+        const JointFit::Residuals residuals = fit.residuals();
         for (std::size_t j = 0; j < truth.size(); ++j) {
             double sum = 0;
             double n = 0;
+            double at_edge = 0;
+            double edge = 0;
+            double edge2 = 0;
             for (int y = 0; y < 90; ++y) {
                 for (int x = 0; x < 90; ++x) {
                     const Vec2 p = fit.positions()[j];
-                    if (std::hypot(x - p.x, y - p.y) > disc.reach()) continue;
+                    const double from_centre = std::hypot(x - p.x, y - p.y);
+                    if (from_centre > disc.reach()) continue;
                     if (!visible(x, y)) continue;
-                    const double r =
-                        static_cast<double>(fit.darkness()(x, y) - 1 + fit.transmission()(x, y));
+                    const auto t = static_cast<double>(fit.transmission()(x, y));
+                    const double r = static_cast<double>(fit.darkness()(x, y)) - 1 + t;
                     sum += r * r;
                     n += 1;
+                    // |∂T/∂r|², of a disc whose t is the tanh edge.
+                    const double slope =
+                        t / (1 - disc.darkness(from_centre)) * disc.slope(from_centre);
+                    at_edge += slope * slope * r * r;
+                    edge += slope * slope;
+                    edge2 += std::pow(slope, 4);
                 }
             }
-            EXPECT_NEAR(residuals[j], std::sqrt(sum / n), 1e-5) << j;
+            EXPECT_NEAR(residuals.within_reach[j], std::sqrt(sum / n), 1e-5) << j;
+            EXPECT_NEAR(residuals.at_edge[j], std::sqrt(at_edge / edge), 0.01) << j;
+            EXPECT_NEAR(residuals.edge_pixels[j] / (edge * edge / edge2), 1, 0.05) << j;
         }
     }
 }
@@ -445,7 +457,9 @@ TEST(JointStep, StepsThatAreNotDrawnAreKnownInResiduals) {
         const auto exact = drawn.residuals();
         const auto known = waiting.residuals(gain);
         for (std::size_t j = 0; j < truth.size(); ++j) {
-            EXPECT_NEAR(known[j] / exact[j], 1, 0.04) << j << ", noise " << noise;
+            EXPECT_NEAR(known.within_reach[j] / exact.within_reach[j], 1, 0.04)
+                << j << ", noise " << noise;
+            EXPECT_NEAR(known.at_edge[j] / exact.at_edge[j], 1, 0.15) << j << ", noise " << noise;
         }
         EXPECT_NEAR(waiting.residual_rms(gain) / drawn.residual_rms(), 1, 0.002);
         // Steps of second order are left, whichever discs are drawn.

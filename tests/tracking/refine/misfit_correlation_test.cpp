@@ -64,7 +64,7 @@ double correlation_of(const Image& residual, double white, VisiblePixels visible
     fit.set_visible(std::move(visible));
     fit.restart(image);
     fit.add_all(centres);
-    return misfit_correlation(fit, white);
+    return misfit_correlation(fit, white, fit.residuals());
 }
 
 /// The oracle: the variance of the scores of 1,600 discs over what independent pixels would give.
@@ -132,20 +132,21 @@ TEST(MisfitCorrelation, HiddenPixelsDoNotCount) {
 
 TEST(MisfitCorrelation, OfDiscsOfTheRightProfileIsOne) {
     const JointFit fit = fitted(kDisc, 0.02);
-    EXPECT_NEAR(misfit_correlation(fit, 0), 1, 0.06);
-    EXPECT_EQ(misfit_correlation(fit, 0.02), 1);
+    EXPECT_NEAR(misfit_correlation(fit, 0, fit.residuals()), 1, 0.06);
+    EXPECT_EQ(misfit_correlation(fit, 0.02, fit.residuals()), 1);
 }
 
 TEST(MisfitCorrelation, OfDiscsOfAWrongSizeIsLarge) {
-    EXPECT_GT(misfit_correlation(fitted({.diameter = 13, .edge_width = 2}, 0.005), 0.005), 3);
+    const JointFit fit = fitted({.diameter = 13, .edge_width = 2}, 0.005);
+    EXPECT_GT(misfit_correlation(fit, 0.005, fit.residuals()), 3);
 }
 
 TEST(MisfitCorrelation, OfAFrameTooSmallToTellIsOne) {
     const Image image = noise(28, 4, 3);
     JointFit fit(image, kDisc, 1);
     fit.add({14, 14});
-    EXPECT_EQ(misfit_correlation(fit, 0), 1);
-    EXPECT_EQ(misfit_correlation(JointFit(image, kDisc, 1), 0), 1);
+    EXPECT_EQ(misfit_correlation(fit, 0, fit.residuals()), 1);
+    EXPECT_EQ(misfit_correlation(JointFit(image, kDisc, 1), 0, {}), 1);
 }
 
 }  // namespace

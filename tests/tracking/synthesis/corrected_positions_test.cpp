@@ -37,6 +37,7 @@ Located located() {
     found.position = {{40, 40}, {47, 40}, {5, 40}, {60, 60}};
     found.error.assign(4, {0.3, 0.4});
     found.residual = {0.005, 0.025, 0.025, 0.05};
+    found.edge_residual = {0.006, 0.03, 0.03, 0.04};
     found.noise = 0.01;
     found.correlation = 4;
     found.fitted = found.position;
@@ -85,6 +86,7 @@ TEST(CorrectedPositions, HasTheSameBitsForAnyNumberOfThreads) {
             l->fitted.push_back(p);
             l->error.push_back({1, 1});
             l->residual.push_back(0.02);
+            l->edge_residual.push_back(0.02);
         }
     }
     correct_bias(correction(1), noise(1), noise(2), kDiameter, one, 1);
@@ -97,7 +99,8 @@ TEST(StandardErrors, HoldNoiseAndCorrelatedMisfit) {
     const std::vector<Vec2> errors = standard_errors(located());
     // Below the noise there is no misfit.
     EXPECT_NEAR(errors[0].x, 0.3 * 0.01, 1e-12);
-    EXPECT_NEAR(errors[1].y, 0.4 * std::sqrt(1e-4 + 4 * (6.25e-4 - 1e-4)), 1e-12);
+    // What is left at the edge counts: .03.
+    EXPECT_NEAR(errors[1].y, 0.4 * std::sqrt(1e-4 + 4 * (9e-4 - 1e-4)), 1e-12);
 }
 
 }  // namespace
