@@ -399,7 +399,7 @@ Located Locator::report(Frame& frame) {
         }
         const Vec2 error{std::sqrt(covariances[j].xx), std::sqrt(covariances[j].yy)};
         // Where the last step is less than the uncertainty, the position is as good as any.
-        const double noise = std::max(found.noise, residuals[j]);
+        const double noise = effective_noise(found.noise, found.correlation, at_edge[j]);
         if (!std::isfinite(p.x + p.y) ||
             fit_.step_left(j) > std::max(tolerance, noise * norm(error))) {
             ++found.rejected;

@@ -8,6 +8,7 @@
 
 #include "core/support/parallel.h"
 #include "tracking/point_grid.h"
+#include "tracking/synthesis/corrected_positions.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -48,8 +49,8 @@ Survey Surveyor::look(const Frame& frame) {
     survey.residual = locator_.residual();
     const double isolated = isolated_evidence(model_.disc);
     const Located& found = survey.found;
+    survey.error = standard_errors(found);
     for (std::size_t j = 0; j < found.position.size(); ++j) {
-        survey.error.push_back(found.error[j] * std::max(found.noise, found.residual[j]));
         survey.evidence.push_back(found.explained[j] / isolated);
     }
     survey.profile = exposed_profile(darkness, found.fitted, model_.disc, visible_);

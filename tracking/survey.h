@@ -14,7 +14,7 @@ namespace grainfield::tracking {
 struct Survey {
     std::int64_t frame = 0;        ///< index in the source
     Located found;                 ///< from a cold start
-    std::vector<Vec2> error;       ///< standard errors as they are reported [px]
+    std::vector<Vec2> error;       ///< standard errors of the discs, not corrected [px]
     Image residual;                ///< image − model, 0 where nothing is looked at [contrast]
     std::vector<double> evidence;  ///< what each sphere explains, of what an isolated one does [-]
     std::vector<RadialBin> profile;  ///< darkness about spheres where nothing else is near

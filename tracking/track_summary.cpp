@@ -83,8 +83,9 @@ void warn_of(const TrackSummary& summary, RunPlan& plan) {
     }
     if (layers.contradictory > 0) {
         plan.warn(fmt::format(
-            "overlaps of {} positions contradict each other: their layers are unknown ({} of {} "
-            "are in all); is layers.height or track.sphere-diameter too small, or a sphere false?",
+            "overlaps of {} positions contradict each other: their layers are unknown. Of all, {} "
+            "of {} are unknown. Is layers.height or track.sphere-diameter too small, or a sphere "
+            "false?",
             layers.contradictory, layers.spheres - layers.labelled, layers.spheres));
     }
     warn_of(summary.synthesis, plan);

@@ -184,6 +184,7 @@ class Tracker {
     void keep(Job& job);
     Snapshot snapshot_of(const Job& job, Run& run);
     void report(const Job& job, Snapshot& snapshot, TrackSummary& summary);
+    void check_room(const Snapshot& snapshot) const;
     void link(const Job& job, Run& run, Snapshot& snapshot);
     void correct(Job& job, Lane& lane) const;
 

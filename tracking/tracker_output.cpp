@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "tracking/camera/size_misfit.h"
 #include "tracking/run_clock.h"
 #include "tracking/synthesis/corrected_positions.h"
@@ -11,6 +13,8 @@
 
 namespace grainfield::tracking {
 namespace {
+
+constexpr double kMostWithoutRoom = 0.006;  // of the spheres (share_without_room)
 
 /// Leaves out the spheres beside the box; `evidence` has one entry each, too.
 void keep_within(const Box& box, Snapshot& snapshot, std::vector<double>& evidence) {
@@ -79,6 +83,7 @@ void Tracker::report(const Job& job, Snapshot& snapshot, TrackSummary& summary) 
                                                  found.edge_residual, model().disc.diameter))
             : standard_errors(found);
     if (!options_.camera) {
+        if (summary.frames == 0) check_room(snapshot);
         if (bilayer_) bilayer_->admit(snapshot, found.explained);
         return;
     }
@@ -86,6 +91,23 @@ void Tracker::report(const Job& job, Snapshot& snapshot, TrackSummary& summary) 
     std::vector<double> explained = found.explained;
     keep_within(box_, snapshot, explained);
     if (bilayer_) bilayer_->admit(snapshot, explained);
+}
+
+/// Hard spheres lie in one another if their diameter is given too large, or the cell too low.
+void Tracker::check_room(const Snapshot& snapshot) const {
+    const DetectionOptions& options = options_.detection;
+    if (!options.sphere_diameter || snapshot.size() == 0) return;
+    const SphereCell cell{.diameter = *options.sphere_diameter,
+                          .height = options.cell_height,
+                          .camera_distance = options_.layers.camera_distance.value_or(0)};
+    const OverlapGraph graph(cell, snapshot.position, snapshot.position_error);
+    const double share = share_without_room(graph);
+    if (share <= kMostWithoutRoom) return;
+    plan_.warn(fmt::format(
+        "{:.1f} % of the spheres of frame {} have no room between plates {:g} a apart, and hardly "
+        "any "
+        "should: is track.sphere-diameter ({:g} px) too large, or layers.height too small?",
+        100 * share, snapshot.frame, cell.height, cell.diameter));
 }
 
 void Tracker::link(const Job& job, Run& run, Snapshot& snapshot) {

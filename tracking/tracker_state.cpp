@@ -54,15 +54,14 @@ void transfer(NumberArchive& archive, LinkState& state) {
 
 void transfer(NumberArchive& archive, Located& found) {
     auto& [position, error, residual, edge_residual, explained, residual_rms, correlation, noise,
-           passes, added, removed, coarse_steps, steps, warm, approached,
-           maps_skipped, maps_in_part, trials, arrangements, arrangements_taken, evidence,
-           doubtful_are_false, fitted, unsettled, rejected, settled_detection, detect_seconds,
-           refine_seconds] = found;
-    archive.members<Located>(
-        position, error, residual, edge_residual, explained, residual_rms, correlation, noise,
-        passes, added, removed, coarse_steps, steps, warm, approached, maps_skipped,
-        maps_in_part, trials, arrangements, arrangements_taken, evidence, doubtful_are_false,
-        fitted, unsettled, rejected, settled_detection, detect_seconds, refine_seconds);
+           passes, added, removed, coarse_steps, steps, warm, approached, maps_skipped,
+           maps_in_part, trials, arrangements, arrangements_taken, evidence, doubtful_are_false,
+           fitted, unsettled, rejected, settled_detection, detect_seconds, refine_seconds] = found;
+    archive.members<Located>(position, error, residual, edge_residual, explained, residual_rms,
+                             correlation, noise, passes, added, removed, coarse_steps, steps, warm,
+                             approached, maps_skipped, maps_in_part, trials, arrangements,
+                             arrangements_taken, evidence, doubtful_are_false, fitted, unsettled,
+                             rejected, settled_detection, detect_seconds, refine_seconds);
 }
 
 void transfer(NumberArchive& archive, FrameTimes& times) {

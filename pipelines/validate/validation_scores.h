@@ -22,9 +22,8 @@ struct ScoredView {
     double sphere_diameter = 0;  ///< true a [px]
     tracking::DiscProfile disc;  ///< as the tracker calibrated it
     double noise = 0;            ///< RMS noise of the camera [contrast]; 0: no bounds
-    /// Spheres nearer than this in projection are of one cluster [a]: SphereCell::least_of_three of
-    /// a cell of 1.94 a.
-    double contact = 0.883;
+    /// Spheres nearer than this in projection overlap and are of one cluster [a].
+    double contact = 1;
     Vec2 span;  ///< of a crossing (simulate::Continuity) [px]; 0: the frame
     int threads = 1;
 };

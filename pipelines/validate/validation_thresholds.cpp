@@ -19,6 +19,8 @@ OptionTable describe(ValidationThresholds& t) {
     table.number("bound-ratio", t.bound_ratio, "-", {0, 1e9},
                  "largest RMS error over the Cramér–Rao bound");
     table.number("correct-links", t.correct_links, "-", {0, 1}, "least share of correct links");
+    table.number("layers-named", t.layers_named, "-", {0, 1},
+                 "least share of spheres whose layer is named");
     table.number("layers-up-to-flip", t.layers_up_to_flip, "-", {0, 1},
                  "least share of right layers, each cluster the right way up");
     table.number("alpha", t.alpha, "-", {-1e9, 1}, "least α of the tracks");
@@ -49,6 +51,7 @@ std::vector<ThresholdCheck> check(const ValidationThresholds& t, const Validatio
     add("rmse-crystal", "px", t.rmse_crystal, crystal.rmse_per_axis(), false);
     add("bound-ratio", "-", t.bound_ratio, all.bound_ratio(), false);
     add("correct-links", "-", t.correct_links, outcome.tracks.correct_link_fraction(), true);
+    add("layers-named", "-", t.layers_named, outcome.scores.layers().named(), true);
     add("layers-up-to-flip", "-", t.layers_up_to_flip,
         outcome.scores.layers().accuracy_up_to_flip(), true);
     add("alpha", "-", t.alpha, outcome.tracks.alpha, true);

@@ -20,6 +20,7 @@ struct ValidationThresholds {
     std::optional<double> rmse_crystal;       ///< largest per axis [px]
     std::optional<double> bound_ratio;        ///< largest, class all [-]
     std::optional<double> correct_links;      ///< least share [-]
+    std::optional<double> layers_named;       ///< least share of all found [-]
     std::optional<double> layers_up_to_flip;  ///< least share [-]
     std::optional<double> alpha;              ///< least [-]
     std::optional<double> q4_error;           ///< largest RMS error of |Q4| [-]

@@ -77,7 +77,7 @@ TEST(TrackSummary, CountsContradictionsBesideAllThatHaveNoLayer) {
     RunPlan plan;
     warn_of(summary, plan);
     EXPECT_TRUE(says(plan, "overlaps of 3 positions contradict"));
-    EXPECT_TRUE(says(plan, "60 of 100 are in all"));
+    EXPECT_TRUE(says(plan, "Of all, 60 of 100 are unknown"));
 }
 
 TEST(TrackSummary, WarnsOfLightThatVariesByMoreThanATwentieth) {

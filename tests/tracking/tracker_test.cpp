@@ -13,6 +13,7 @@
 #include "tests/support/collect.h"
 #include "tests/support/layer_frames.h"
 #include "tests/support/position_score.h"
+#include "tests/support/slit_spheres.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -78,6 +79,29 @@ TEST(Tracker, FollowsEverySphereThroughAMovie) {
     }
     EXPECT_GT(checked, 1000);
     EXPECT_LE(static_cast<double>(wrong), 0.005 * static_cast<double>(checked));
+}
+
+TEST(Tracker, WarnsOfADiameterInWhichHardSpheresWouldHaveNoRoom) {
+    const auto bilayer = testing::shaken_bilayer(30, 1.94, 0.9243, 0.15, 400, 2);
+    constexpr double a = 16;
+    testing::LayerScene scene{static_cast<int>(30 * a), static_cast<int>(30 * a), a, {}, {}, 0};
+    for (const Vec2 p : bilayer.position) scene.position.push_back(a * p);
+    Frame frame;
+    frame.image = testing::tanh_frame(scene, 14, 2, 0.01, 1);
+    for (const double diameter : {16.0, 17.6}) {
+        MemoryFrames source(numbered({frame}));
+        Collect sink;
+        RunPlan plan;
+        TrackOptions options;
+        options.sphere_diameter = diameter;
+        run(source, sink, plan, options);
+        ASSERT_GT(sink.snapshots[0].size(), 800u);
+        const bool warned = std::ranges::any_of(plan.warnings(), [](const Warning& warning) {
+            return warning.text.find("have no room between plates 1.94 a apart") !=
+                   std::string::npos;
+        });
+        EXPECT_EQ(warned, diameter > a) << diameter;
+    }
 }
 
 /// Everything that a file keeps of them.

@@ -17,8 +17,8 @@ namespace grainfield::tracking {
 /// side it is: zero for them. Zero for all where fewer than 100 are alone, or r² does not grow to
 /// both sides of an s₀ within the frame.
 ///
-/// `position`: in the picture [px]; `residual`: RMS at the edge of each disc [contrast]; `diameter`: D [px];
-/// 0: not known, then nobody is alone.
+/// `position`: in the picture [px]; `residual`: RMS at the edge of each disc [contrast];
+/// `diameter`: D [px]; 0: not known, then nobody is alone.
 std::vector<double> size_misfit(const CameraMap& map, const std::vector<Vec2>& position,
                                 const std::vector<double>& residual, double diameter = 0);
 

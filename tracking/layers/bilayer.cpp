@@ -87,6 +87,15 @@ std::vector<std::vector<std::uint32_t>> impossible_sets(const OverlapGraph& grap
     return sets;
 }
 
+double share_without_room(const OverlapGraph& graph) {
+    std::vector<char> tight(graph.size(), 0);
+    for (const auto& set : impossible_sets(graph)) {
+        for (const auto i : set) tight[i] = 1;
+    }
+    const auto n = static_cast<double>(std::max<std::size_t>(1, graph.size()));
+    return static_cast<double>(std::ranges::count(tight, 1)) / n;
+}
+
 Admissible admissible_spheres(const OverlapGraph& graph, const std::vector<double>& evidence) {
     const std::vector<double> weight = weights_of(evidence, graph.size());
     Admissible result;

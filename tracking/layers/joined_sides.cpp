@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numeric>
 #include <queue>
+#include <set>
 #include <unordered_map>
 #include <utility>
 
@@ -81,29 +82,70 @@ class SideJoining {
     std::priority_queue<Candidate> candidates_;
 };
 
+/// Cuts members out of their groups, the weakest first, until the links to the rest of its group
+/// support every other one by `least`.
+void cut_unsupported(const std::vector<SideLink>& links, double least, JoinedSides& joined) {
+    const std::size_t count = joined.group.size();
+    struct Support {
+        std::uint32_t other;
+        double weight;
+    };
+    std::vector<std::vector<Support>> around(count);
+    std::vector<double> support(count, 0);
+    for (const SideLink& link : links) {
+        if (link.first == link.second) continue;
+        if (joined.group[link.first] != joined.group[link.second]) continue;
+        const bool opposite = joined.turned[link.first] != joined.turned[link.second];
+        const double weight = opposite ? link.opposite : -link.opposite;
+        around[link.first].push_back({link.second, weight});
+        around[link.second].push_back({link.first, weight});
+        support[link.first] += weight;
+        support[link.second] += weight;
+    }
+    std::set<std::pair<double, std::uint32_t>> weak;
+    std::vector<char> stays(count, 1);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        if (support[i] < least) weak.emplace(support[i], i);
+    }
+    while (!weak.empty()) {
+        const std::uint32_t i = weak.begin()->second;
+        weak.erase(weak.begin());
+        stays[i] = 0;
+        for (const auto& [other, weight] : around[i]) {
+            if (stays[other] == 0) continue;
+            if (support[other] < least) weak.erase({support[other], other});
+            support[other] -= weight;
+            if (support[other] < least) weak.emplace(support[other], other);
+        }
+    }
+    // What is left of a group may have fallen into parts.
+    const JoinedSides before = joined;
+    std::vector<char> seen(count, 0);
+    for (std::uint32_t first = 0; first < count; ++first) {
+        if (seen[first] != 0) continue;
+        std::vector<std::uint32_t> part{first};
+        seen[first] = 1;
+        for (std::size_t k = 0; k < part.size(); ++k) {
+            const std::uint32_t i = part[k];
+            joined.group[i] = first;
+            joined.turned[i] = before.turned[i] != before.turned[first] ? 1 : 0;
+            if (stays[i] == 0) continue;
+            for (const auto& [other, weight] : around[i]) {
+                if (stays[other] == 0 || seen[other] != 0) continue;
+                seen[other] = 1;
+                part.push_back(other);
+            }
+        }
+    }
+}
+
 }  // namespace
 
 JoinedSides join_sides(std::size_t count, const std::vector<SideLink>& links, double least) {
     SideJoining joining(count, links);
     joining.run(least);
     JoinedSides joined = std::move(joining).result();
-    std::vector<double> support(count, 0);
-    for (const SideLink& link : links) {
-        if (joined.group[link.first] != joined.group[link.second]) continue;
-        const bool opposite = joined.turned[link.first] != joined.turned[link.second];
-        const double agrees = opposite ? link.opposite : -link.opposite;
-        support[link.first] += agrees;
-        support[link.second] += agrees;
-    }
-    const JoinedSides all = joined;
-    std::vector<std::uint32_t> lead(count, static_cast<std::uint32_t>(count));
-    for (std::uint32_t i = 0; i < count; ++i) {
-        std::uint32_t& first = lead[all.group[i]];
-        const bool stays = support[i] >= least;
-        if (stays && first == count) first = i;
-        joined.group[i] = stays ? first : i;
-        joined.turned[i] = stays && all.turned[i] != all.turned[first] ? 1 : 0;
-    }
+    cut_unsupported(links, least, joined);
     return joined;
 }
 

@@ -1,6 +1,7 @@
 #include "tracking/layers/layer_labels.h"
 
 #include <algorithm>
+#include <functional>
 #include <numeric>
 #include <tuple>
 #include <unordered_map>
@@ -220,8 +221,8 @@ Sides joined_groups(const OverlapGraph& graph, const SideInference& inference,
     return sides;
 }
 
-/// The members of the groups that are named: of groups in contact only the largest one, as no
-/// overlap tells how the others are turned against it.
+/// The members of the groups that are named: the largest first, each that overlaps no group named
+/// before it, as no overlap tells how it is turned against that one.
 std::vector<std::vector<std::uint32_t>> named_groups(const OverlapGraph& graph, const Sides& sides,
                                                      const std::vector<char>& believed) {
     const std::size_t n = graph.size();
@@ -237,22 +238,20 @@ std::vector<std::vector<std::uint32_t>> named_groups(const OverlapGraph& graph, 
         touching[one].push_back(other);
         touching[other].push_back(one);
     }
+    std::vector<std::uint32_t> by_size;
+    for (std::uint32_t g = 0; g < n; ++g) {
+        if (members[g].size() > 1) by_size.push_back(g);
+    }
+    std::ranges::stable_sort(by_size, std::greater{},
+                             [&](std::uint32_t g) { return members[g].size(); });
     std::vector<std::vector<std::uint32_t>> named;
-    std::vector<char> seen(n, 0);
-    for (std::uint32_t start = 0; start < n; ++start) {
-        if (members[start].empty() || seen[start] != 0) continue;
-        std::vector<std::uint32_t> reached{start};
-        seen[start] = 1;
-        std::uint32_t largest = start;
-        for (std::size_t k = 0; k < reached.size(); ++k) {
-            if (members[reached[k]].size() > members[largest].size()) largest = reached[k];
-            for (const std::uint32_t next : touching[reached[k]]) {
-                if (seen[next] != 0) continue;
-                seen[next] = 1;
-                reached.push_back(next);
-            }
-        }
-        if (members[largest].size() > 1) named.push_back(std::move(members[largest]));
+    std::vector<char> is_named(n, 0);
+    for (const std::uint32_t g : by_size) {
+        const bool touches = std::ranges::any_of(
+            touching[g], [&](std::uint32_t other) { return is_named[other] != 0; });
+        if (touches) continue;
+        is_named[g] = 1;
+        named.push_back(std::move(members[g]));
     }
     return named;
 }

@@ -29,15 +29,15 @@ struct LayerLabels {
 ///
 /// and then bound each other, w_i ≥ H + δ − u_j (opposite) or w_i ≥ w_j + δ (alike, if j cannot be
 /// the higher). [l, u] are the bounds so far; this is repeated until nothing changes, the largest δ
-/// first. What is labelled is certain if the positions are within the significance granted to
+/// first. What is forced is certain if the positions are within the significance granted to
 /// labels and no false sphere is among them. Where overlaps contradict each other, one sphere of
 /// every ring of them that does is not where it seems: the spheres of the shortest such rings stay
 /// unknown, and the rest is inferred anew without them.
 ///
 /// What is forced falls into groups. All overlaps between two groups together may tell how one is
 /// turned against the other: they are joined where the odds are 100 to 1 (opposite_log_odds,
-/// join_sides). Of groups that overlap and stay apart only the largest is named, so that what is
-/// named among spheres in contact is right up to one exchange.
+/// join_sides). Groups are named from the largest on, but none that overlaps a named one. So two
+/// spheres that are named and overlap are of one group.
 ///
 /// A silhouette does not say which side is up. Convention: in each cluster the side with more
 /// spheres is called bottom; if both have as many, that of the sphere with the lowest index.

@@ -9,7 +9,7 @@
 
 namespace grainfield::tracking {
 
-/// Two spheres that seem to overlap in projection, and therefore lie at different heights.
+/// Two spheres that seem to overlap in projection. If they do, they lie at different heights.
 struct OverlapPair {
     std::uint32_t first = 0, second = 0;  ///< indices, first < second
     double rise = 0;                      ///< least |z_first − z_second|; 0: none is sure [a]

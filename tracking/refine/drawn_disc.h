@@ -19,7 +19,7 @@ double explained(const ConstStencilView& view);
 NormalEquations linearise(const ConstStencilView& view, Vec2 centre);
 
 /// Σ (I − M)² over the visible pixels within reach, and their number; and with the weights
-/// w = (T (1 − t))², which are as |∂T/∂r|² of the disc.
+/// w = (T (1 − t))². For tanh edges they are as |∂T/∂r|² of the disc, for others nearly.
 struct LocalMisfit {
     double sum = 0;  ///< [contrast²]
     double pixels = 0;

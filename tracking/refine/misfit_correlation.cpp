@@ -93,7 +93,7 @@ double misfit_correlation(const JointFit& fit, double noise, const JointFit::Res
     const int height = scene.darkness().height();
     const std::vector<Vec2>& discs = fit.positions();
     const double white = noise * noise;
-    const double about = mean_square(left.within_reach);
+    const double about = std::max(mean_square(left.within_reach), mean_square(left.at_edge));
     if (!(about - white > kLeastMisfit * about)) return 1;
 
     const Derivative derivative(scene.disc());

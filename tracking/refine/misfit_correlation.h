@@ -21,10 +21,10 @@ namespace grainfield::tracking {
 ///
 ///   x = 2 n Σ_Δ a(Δ)² / a(0)²,   a(Δ) = Σ_p J_p · J_{p+Δ},
 ///
-/// at most 0.7. κ is 1 where less than a twentieth of the residual about the discs is misfit, where
-/// fewer than 100 windows lie inside the frame without a hidden pixel, and where it would be less,
-/// which is chance. Places are drawn from a fixed stream. Independent of the number of threads.
-/// Some milliseconds.
+/// at most 0.7. κ is 1 where less than a twentieth of the residual is misfit, about the discs and
+/// at their edges, where fewer than 100 windows lie inside the frame without a hidden pixel, and
+/// where it would be less, which is chance. Places are drawn from a fixed stream. Independent of
+/// the number of threads. Some milliseconds.
 double misfit_correlation(const JointFit& fit, double noise, const JointFit::Residuals& left);
 
 }  // namespace grainfield::tracking

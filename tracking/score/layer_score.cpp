@@ -34,6 +34,10 @@ std::vector<std::uint32_t> clusters(const std::vector<Vec2>& points, double cont
 
 }  // namespace
 
+double LayerScore::named() const {
+    return share(labelled, matched);
+}
+
 double LayerScore::accuracy() const {
     return share(right, labelled);
 }
@@ -46,19 +50,25 @@ void LayerScore::add(const std::vector<Vec2>& truth, const std::vector<Layer>& t
                      const std::vector<Layer>& found_layer, const std::vector<int>& partner,
                      double contact) {
     if (true_layer.empty()) return;
-    const std::vector<std::uint32_t> cluster = clusters(truth, contact);
-    std::vector<std::int64_t> right_in(truth.size(), 0);
-    std::vector<std::int64_t> labelled_in(truth.size(), 0);
+    std::vector<Vec2> place;  // of those with a label
+    std::vector<char> is_right;
     for (std::size_t i = 0; i < truth.size(); ++i) {
         if (partner[i] < 0 || true_layer[i] == Layer::unknown) continue;
         ++matched;
         if (found_layer.empty()) continue;
         const Layer label = found_layer[static_cast<std::size_t>(partner[i])];
         if (label == Layer::unknown) continue;
-        ++labelled_in[cluster[i]];
-        right_in[cluster[i]] += label == true_layer[i];
+        place.push_back(truth[i]);
+        is_right.push_back(label == true_layer[i] ? 1 : 0);
     }
-    for (std::size_t c = 0; c < truth.size(); ++c) {
+    const std::vector<std::uint32_t> cluster = clusters(place, contact);
+    std::vector<std::int64_t> right_in(place.size(), 0);
+    std::vector<std::int64_t> labelled_in(place.size(), 0);
+    for (std::size_t i = 0; i < place.size(); ++i) {
+        ++labelled_in[cluster[i]];
+        right_in[cluster[i]] += is_right[i];
+    }
+    for (std::size_t c = 0; c < place.size(); ++c) {
         if (labelled_in[c] == 0) continue;
         labelled += labelled_in[c];
         right += right_in[c];

@@ -7,20 +7,15 @@
 #include <functional>
 
 #include "core/support/parallel.h"
+#include "tracking/refine/edge_residuals.h"
 
 namespace grainfield::tracking {
 namespace {
 
 constexpr std::int64_t kTogether = 64;  // spheres that a thread takes at a time
 
-/// What the camera's noise and the misfit of the model make of an error of one per unit noise.
 double noise_of(const Located& found, std::size_t sphere, double harmless = 0) {
-    // Where the image model is wrong, its misfit limits the position beside the camera's noise,
-    // and it is alike in neighbouring pixels.
-    const double noise = found.noise * found.noise;
-    const double misfit =
-        std::max(0.0, found.edge_residual[sphere] * found.edge_residual[sphere] - noise - harmless);
-    return std::sqrt(noise + found.correlation * misfit);
+    return effective_noise(found.noise, found.correlation, found.edge_residual[sphere], harmless);
 }
 
 void for_all(std::size_t count, int threads, const std::function<void(std::size_t)>& each) {

@@ -198,6 +198,19 @@ TEST(Bilayer, LayersOfSpheresWithErrorsAreRightUpToOneExchangeOfSpheresInContact
     }
 }
 
+TEST(Bilayer, SpheresWithoutRoomTellADiameterThatIsTooLarge) {
+    const auto scene = testing::shaken_bilayer(40, 1.94, 0.9243, 0.15, 600, 2);
+    const Snapshot s = seen(scene, 0.1);
+    const auto share = [&](double diameter, double height) {
+        return share_without_room(
+            OverlapGraph({diameter * kPixels, height}, s.position, s.position_error));
+    };
+    EXPECT_EQ(share(1, 1.94), 0);
+    EXPECT_GT(share(1.1, 1.94), 0.02);
+    EXPECT_GT(share(1, 1.6), 0.02);
+    EXPECT_EQ(share_without_room(OverlapGraph({kPixels, 1.94}, {}, {})), 0);
+}
+
 TEST(Bilayer, EvidenceMustBeThereForEverySphere) {
     Snapshot s = seen(testing::shaken_bilayer(5, 1.94, 0.8, 0.02, 1, 3), 0);
     Bilayer bilayer({kPixels, 1.94});

@@ -34,12 +34,32 @@ TEST(JoinedSides, TheWeakestLinkOfARingThatContradictsItselfIsOverruled) {
     EXPECT_FALSE(opposite(sides, 0, 2));
 }
 
-TEST(JoinedSides, AMemberWhoseLinksContradictEachOtherStandsAlone) {
-    // Sphere 2 is on the other side than 0, and on the other side than 1, which are opposite.
-    const JoinedSides sides = join_sides(3, {{0, 1, 9}, {1, 2, 6}, {0, 2, 5}}, 4.6);
+// 1 joins 0 first. Then 4 and 5 join, and what they say of 1 contradicts what 0 says: it is cut
+// out. 3 hangs on it alone.
+TEST(JoinedSides, AMemberWhoseLinksContradictEachOtherIsCutOutWithWhatHangsOnItAlone) {
+    std::vector<SideLink> links{{0, 1, 6.8}, {1, 3, 6.7}, {0, 2, -6.5}};
+    for (const std::uint32_t k : {4U, 5U}) {
+        links.push_back({0, k, 5});
+        links.push_back({2, k, 6});
+        links.push_back({1, k, 6});
+    }
+    const JoinedSides sides = join_sides(6, links, 4.6);
+    EXPECT_FALSE(opposite(sides, 0, 2));
+    EXPECT_TRUE(opposite(sides, 0, 4));
+    EXPECT_TRUE(opposite(sides, 0, 5));
+    EXPECT_NE(sides.group[1], sides.group[0]);
+    EXPECT_NE(sides.group[3], sides.group[0]);
+    EXPECT_EQ(sides.turned[1], 0);
+}
+
+TEST(JoinedSides, WhatACutLeavesApartIsTwoGroups) {
+    // Two sure pairs, and one between them whose links say hardly more than nothing together.
+    const JoinedSides sides =
+        join_sides(5, {{0, 1, 6}, {2, 3, 6}, {1, 4, 5}, {4, 2, 5}, {0, 4, 4}, {3, 4, 3}}, 4.6);
     EXPECT_TRUE(opposite(sides, 0, 1));
-    EXPECT_NE(sides.group[2], sides.group[0]);
-    EXPECT_EQ(sides.turned[2], 0);
+    EXPECT_TRUE(opposite(sides, 2, 3));
+    EXPECT_NE(sides.group[0], sides.group[2]);
+    for (const std::size_t i : {0UL, 1UL, 2UL, 3UL}) EXPECT_NE(sides.group[i], sides.group[4]);
 }
 
 TEST(JoinedSides, SidesThatAreThereAreFoundThroughLinksOfWhichSomeAreWrong) {

@@ -71,16 +71,18 @@ TEST(LayerLabels, OfACrystalAreAllKnownAndRight) {
     }
 }
 
-// φ = .919, disordered: many overlaps, few that tell. What is said is right all the same.
-TEST(LayerLabels, OfALiquidAreNeverWrong) {
+// φ = .919, disordered: many overlaps, few that force. What is named by odds of 100 to 1 may be
+// wrong now and then.
+TEST(LayerLabels, OfALiquidAreHardlyEverWrong) {
     for (const double height : {1.94, 1.84}) {
         const auto scene = testing::shaken_bilayer(60, height, 0.9243, 0.15, 600, 2);
         const auto labels = labels_of(graph_of(scene));
         const Verdict verdict = judged(labels, scene);
-        EXPECT_EQ(verdict.wrong, 0) << height;
-        EXPECT_EQ(verdict.out_of_bounds, 0) << height;
+        const auto labelled = static_cast<double>(verdict.labelled);
+        EXPECT_LT(static_cast<double>(verdict.wrong), 0.005 * labelled) << height;
+        EXPECT_LE(verdict.out_of_bounds, verdict.wrong) << height;
         EXPECT_EQ(labels.contradictory, 0) << height;
-        EXPECT_GT(verdict.labelled, 100) << height;
+        EXPECT_GT(labelled, 0.1 * static_cast<double>(scene.z.size())) << height;
     }
 }
 
@@ -118,6 +120,41 @@ TEST(LayerLabels, NothingIsSaidOfSpheresThatDoNotOverlapEnough) {
     const testing::SlitScene apart{10, 1.94, {{2, 2}, {2.95, 2}, {6, 6}}, {}};
     const auto labels = labels_of(graph_of(apart));
     for (const Layer layer : labels.layer) EXPECT_EQ(layer, Layer::unknown);
+}
+
+/// A row of spheres, each between two others of the other side, `at` apart.
+void add_row(std::vector<OverlapPair>& pairs, std::uint32_t first, std::uint32_t count) {
+    for (std::uint32_t i = first; i + 1 < first + count; ++i)
+        pairs.push_back({i, i + 1, 0.6, 0.6, 0.8, 0});
+}
+
+TEST(LayerLabels, OfGroupsThatOverlapAndCouldBeTurnedEitherWayTheLargestIsNamed) {
+    // Rows of 5, 3 and 4 spheres. The second touches both others with an overlap that tells little.
+    std::vector<OverlapPair> pairs;
+    add_row(pairs, 0, 5);
+    add_row(pairs, 5, 3);
+    add_row(pairs, 8, 4);
+    pairs.push_back({4, 5, 0, 0, 0.99, 0});
+    pairs.push_back({7, 8, 0, 0, 0.99, 0});
+    const LayerLabels labels = labels_of(OverlapGraph(0.94, 12, pairs));
+    EXPECT_EQ(labels.clusters, 2);
+    for (std::size_t i = 0; i < 12; ++i) {
+        EXPECT_EQ(labels.layer[i] == Layer::unknown, i >= 5 && i < 8) << i;
+    }
+}
+
+TEST(LayerLabels, OverlapsThatTellLittleJoinGroupsTogether) {
+    // At .93 a opposite sides are likelier by 24 to 1: two such overlaps are enough.
+    std::vector<OverlapPair> pairs;
+    add_row(pairs, 0, 4);
+    add_row(pairs, 4, 3);
+    pairs.push_back({0, 4, 0, 0, 0.93, 0});
+    EXPECT_EQ(std::ranges::count(labels_of(OverlapGraph(0.94, 7, pairs)).layer, Layer::unknown), 3);
+    pairs.push_back({1, 5, 0, 0, 0.93, 0});
+    const LayerLabels labels = labels_of(OverlapGraph(0.94, 7, pairs));
+    EXPECT_EQ(labels.clusters, 1);
+    EXPECT_NE(labels.layer[0], labels.layer[4]);
+    EXPECT_NE(labels.layer[1], labels.layer[5]);
 }
 
 TEST(LayerLabels, ASphereLeftOutSaysNothing) {

@@ -77,7 +77,8 @@ TEST(OverlapGraph, TheOddsForOppositeSidesAreThoseOfSpheresAtRandomHeights) {
         }
     }
     EXPECT_EQ(opposite_log_odds(0.8, 0, 0), 0);
-    EXPECT_LT(opposite_log_odds(0.5, 0, kSlack), std::log(1001));
+    // δ = .866 a of .94 a: 2 (1 − δ/H)² = .0124 beside .001.
+    EXPECT_NEAR(opposite_log_odds(0.5, 0, kSlack), 2.59, 0.01);
 }
 
 TEST(OverlapGraph, LinksAreThePairsSeenFromEitherEnd) {

@@ -38,7 +38,7 @@ Edges edges(std::size_t count, double noise, double mean, double spread) {
     return e;
 }
 
-/// RMS error of the misfit that values say, over the mean of the misfits.
+/// RMS error of the misfit that values say [contrast²].
 double error(const std::vector<double>& values, const Edges& e, double noise) {
     double sum = 0;
     for (std::size_t j = 0; j < values.size(); ++j) {
@@ -68,6 +68,7 @@ TEST(EdgeResiduals, OfTheRightModelAreTheNoise) {
     for (const double rms : edge_residuals(e.left, 0.02)) EXPECT_NEAR(rms, 0.02, 0.001);
 }
 
+// All edges have as many pixels.
 TEST(EdgeResiduals, KeepTheirMean) {
     const Edges e = edges(2000, 0.03, 0.0009, 0.3);
     const std::vector<double> steadied = edge_residuals(e.left, 0.03);
@@ -76,6 +77,17 @@ TEST(EdgeResiduals, KeepTheirMean) {
                static_cast<double>(v.size());
     };
     EXPECT_NEAR(mean_square(steadied) / mean_square(e.left.at_edge), 1, 1e-9);
+}
+
+TEST(EdgeResiduals, OneSpeckOfDustDoesNotRaiseTheOthers) {
+    Edges e = edges(400, 0.03, 0.0009, 0.3);
+    const std::vector<double> before = edge_residuals(e.left, 0.03);
+    e.left.at_edge[7] = 0.6;
+    const std::vector<double> after = edge_residuals(e.left, 0.03);
+    for (std::size_t j = 0; j < after.size(); ++j) {
+        if (j == 7) continue;
+        EXPECT_NEAR(after[j] / before[j], 1, 0.01) << j;
+    }
 }
 
 TEST(EdgeResiduals, WithoutPixelsAreWhatIsLeftWithinReachOrTheNoise) {

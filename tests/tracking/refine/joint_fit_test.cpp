@@ -434,7 +434,7 @@ TEST(JointFit, LocalResidualsAreThoseWithinReach) {
                 }
             }
             EXPECT_NEAR(residuals.within_reach[j], std::sqrt(sum / n), 1e-5) << j;
-            EXPECT_NEAR(residuals.at_edge[j], std::sqrt(at_edge / edge), 0.01) << j;
+            EXPECT_NEAR(residuals.at_edge[j], std::sqrt(at_edge / edge), 0.002) << j;
             EXPECT_NEAR(residuals.edge_pixels[j] / (edge * edge / edge2), 1, 0.05) << j;
         }
     }
