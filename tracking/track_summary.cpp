@@ -84,7 +84,7 @@ void warn_of(const TrackSummary& summary, RunPlan& plan) {
     if (layers.contradictory > 0) {
         plan.warn(fmt::format(
             "overlaps of {} positions contradict each other: their layers are unknown. Of all, {} "
-            "of {} are unknown. Is layers.height or track.sphere-diameter too small, or a sphere "
+            "of {} are unknown. Is layers.height or track.sphere-diameter wrong, or a sphere "
             "false?",
             layers.contradictory, layers.spheres - layers.labelled, layers.spheres));
     }

@@ -104,10 +104,12 @@ void Tracker::check_room(const Snapshot& snapshot) const {
     const double share = share_without_room(graph);
     if (share <= kMostWithoutRoom) return;
     plan_.warn(fmt::format(
-        "{:.1f} % of the spheres of frame {} have no room between plates {:g} a apart, and hardly "
-        "any "
-        "should: is track.sphere-diameter ({:g} px) too large, or layers.height too small?",
-        100 * share, snapshot.frame, cell.height, cell.diameter));
+        "{:.1f} % of the spheres of frame {} have no room between plates {:g} a apart{}, and "
+        "hardly "
+        "any should: is track.sphere-diameter ({:g} px) too large, or layers.height too small? "
+        "Standard errors and layers then mean little.",
+        100 * share, snapshot.frame, cell.height, options_.layers.height ? "" : " (not given)",
+        cell.diameter));
 }
 
 void Tracker::link(const Job& job, Run& run, Snapshot& snapshot) {
