@@ -1,5 +1,6 @@
 #include "tracking/layers/joined_sides.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <queue>
