@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace grainfield::simulate {
 
@@ -27,7 +28,13 @@ CellGrid::CellGrid(const MdSystem& system) {
         int& longest = *std::max_element(count.begin(), count.end());
         longest = (longest + 1) / 2;
     }
-    for (std::size_t axis = 0; axis < 3; ++axis) width[axis] = length[axis] / count[axis];
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        width[axis] = length[axis] / count[axis];
+        for (int c = 0; c <= count[axis]; ++c) edge[axis].push_back(c * width[axis]);
+        edge[axis].front() = periodic[axis] ? 0 : -infinity;
+        edge[axis].back() = periodic[axis] ? length[axis] : infinity;
+    }
     cell.assign(static_cast<std::size_t>(count[0]) * static_cast<std::size_t>(count[1]) *
                     static_cast<std::size_t>(count[2]),
                 {});

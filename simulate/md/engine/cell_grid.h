@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "core/support/huge_pages.h"
 #include "simulate/md/mechanics/flight.h"
@@ -28,6 +29,9 @@ struct CellGrid {
     std::array<double, 3> width{1, 1, 1};  ///< [a]
     std::array<bool, 3> periodic{};
     std::array<double, 3> length{};
+    /// [a], of each axis: the lower edges of its cells and the end of the box, which is the length
+    /// itself, without rounding. No grain leaves through a wall: it is infinitely far here.
+    std::array<std::vector<double>, 3> edge;
     HugeVector<Cell> cell;  ///< x fastest
 
     static constexpr double most_cells = 1.6e7;  // 256 MB

@@ -15,8 +15,8 @@
 #include "simulate/md/engine/engine.h"
 #include "simulate/md/engine/event_calendar.h"
 #include "simulate/md/mechanics/collision_rule.h"
+#include "simulate/md/mechanics/first_contact.h"
 #include "simulate/md/mechanics/flight.h"
-#include "simulate/md/mechanics/pair_filter.h"
 #include "simulate/md/mechanics/plate_time.h"
 
 namespace grainfield::simulate {
@@ -147,8 +147,7 @@ class EventEngine final : public Engine {
     void collide_wall(Tile& tile, std::int32_t i);
     void cross_cell(Tile& tile, std::int32_t i);
     void predict(std::int32_t i, double now);
-    struct Nearby;
-    void consider(const Grain& grain, Plan& plan, Nearby& nearby, const Vec3& shift) const;
+    class Nearby;
     void consider_around(const Grain& grain, Plan& plan, const std::array<int, 3>& low,
                          const std::array<int, 3>& high) const;
     template <class F>
@@ -193,7 +192,7 @@ class EventEngine final : public Engine {
     MdSystem system_;
     EngineOptions options_;
     PlateSolver plate_solver_;
-    PairFilter touching_ = pair_filter<has_gravity>();
+    FirstContact first_contact_ = first_contact<has_gravity>();
     CellGrid cells_;
     HugeVector<Grain> grain_;
     HugeVector<Plan> plan_;

@@ -6,31 +6,92 @@
 
 namespace grainfield::simulate {
 
-/// Grains to be tested. First their numbers are read, then their contact times are computed. So all
-/// their cache lines are fetched at once, and no branch depends on the number of grains of a cell.
+/// Collects candidates cell by cell. First their numbers are read, then their contact times are
+/// computed. So all their cache lines are fetched at once, and no branch depends on the number of
+/// grains of a cell.
 template <Tangential tangential, bool has_gravity, Plates plates>
-struct EventEngine<tangential, has_gravity, plates>::Nearby {
-    static constexpr std::size_t three_cells = 3 * CellGrid::most_in_cell;
-    static constexpr std::size_t room = 2 * three_cells;
-    std::array<std::int32_t, room + pair_filter_room> id;
-    std::size_t count = 0;
+class EventEngine<tangential, has_gravity, plates>::Nearby {
+ public:
+    Nearby(const EventEngine& engine, const Grain& grain, Plan& plan)
+        : engine_(engine), grain_(grain), plan_(plan) {}
 
-    bool is_full() const { return count + three_cells > room; }
-    /// Adds the grains of a cell. Where plates throw a whole column of grains above the highest
-    /// cells, one may hold any number: `test` tests and forgets what is there when there is no
-    /// room.
-    template <class Test>
-    void add(const CellGrid& cells, std::size_t cell, const HugeVector<Grain>& grains,
-             Test&& test) {
-        if (cells.cell[cell].count <= CellGrid::most_in_cell) {
-            count += cells.copy(cell, grains, &id[count]);
-            return;
-        }
-        cells.for_each(cell, grains, [&](std::int32_t j) {
-            if (is_full()) test();
-            id[count++] = j;
+    /// The grains of a cell.
+    void add(std::size_t cell) {
+        fill(cell, [](std::size_t, std::size_t) {});
+    }
+
+    /// Their images at a distance.
+    void add(std::size_t cell, const Vec3& shift) {
+        if (is_full()) test();
+        near_.is_shifted = true;
+        fill(cell, [this, &shift](std::size_t from, std::size_t count) {
+            for (std::size_t k = from; k < from + count; ++k) {
+                near_.shift_x[k] = shift.x;
+                near_.shift_y[k] = shift.y;
+                near_.shift_z[k] = shift.z;
+            }
         });
     }
+
+    /// A block of cells inside the grid, the first of them at `corner`.
+    void add_block(std::size_t corner, int nx, int ny, int nz) {
+        const auto row = static_cast<std::size_t>(engine_.cells_.count[0]);
+        const std::size_t plane = row * static_cast<std::size_t>(engine_.cells_.count[1]);
+        for (int z = 0; z < nz; ++z, corner += plane) {
+            std::size_t first = corner;
+            for (int y = 0; y < ny; ++y, first += row) {
+                for (int x = 0; x < nx; ++x) add(first + static_cast<std::size_t>(x));
+                if (is_full()) test();
+            }
+        }
+    }
+
+    /// Plans the first contact with what was collected, if it comes before what is planned; forgets
+    /// what was collected.
+    void test() {
+        const HugeVector<Grain>& grains = engine_.grain_;
+        const Contact contact = engine_.first_contact_(
+            grain_, grains.data(), engine_.system_.gravity, plan_.collision, near_);
+        if (contact.partner >= 0) {
+            plan_.collision = contact.time;
+            plan_.partner = contact.partner;
+            plan_.partner_events = grains[static_cast<std::size_t>(contact.partner)].events;
+        }
+        near_.count = 0;
+    }
+
+ private:
+    static constexpr std::size_t three_cells = 3 * CellGrid::most_in_cell;
+    static_assert(2 * three_cells <= Candidates::room);
+
+    bool is_full() const { return near_.count + three_cells > Candidates::room; }
+
+    // Adds the grains of a cell, of whose images mark(first, count) tells. Where plates throw a
+    // whole column of grains above the highest cells, one may hold any number: those that are there
+    // are tested when there is no room.
+    template <class Mark>
+    void fill(std::size_t cell, Mark&& mark) {
+        const CellGrid& cells = engine_.cells_;
+        const auto count = static_cast<std::size_t>(cells.cell[cell].count);
+        constexpr auto places = static_cast<std::size_t>(Cell::places);
+        if (count <= static_cast<std::size_t>(CellGrid::most_in_cell)) {
+            cells.copy(cell, engine_.grain_, &near_.id[near_.count]);
+            mark(near_.count, places);  // of a fixed number first: no branch depends on the cell
+            if (count > places) mark(near_.count + places, count - places);
+            near_.count += count;
+            return;
+        }
+        cells.for_each(cell, engine_.grain_, [&](std::int32_t j) {
+            if (is_full()) test();
+            mark(near_.count, 1);
+            near_.id[near_.count++] = j;
+        });
+    }
+
+    const EventEngine& engine_;
+    const Grain& grain_;
+    Plan& plan_;
+    Candidates near_;
 };
 
 // `now`, not the time of the grain's own last event, gives the direction in which it crosses its
@@ -45,21 +106,13 @@ void EventEngine<tangential, has_gravity, plates>::predict(std::int32_t i, doubl
     const int y = plan.cell[1];
     const int z = plan.cell[2];
     if (cells_.is_inside(x, y, z)) {
-        const std::size_t centre = cells_.index(x, y, z);
-        const auto row = static_cast<std::size_t>(cells_.count[0]);
-        const std::size_t plane = row * static_cast<std::size_t>(cells_.count[1]);
-        const bool deep = cells_.count[2] > 1;
-        const std::size_t low = deep ? centre - plane : centre;
-        const std::size_t high = deep ? centre + plane : centre;
-        Nearby nearby;
-        const auto test = [&] { consider(grain, plan, nearby, {}); };
-        for (std::size_t p = low; p <= high; p += plane) {
-            for (std::size_t q = p - row; q <= p + row; q += row) {
-                for (std::size_t c = q - 1; c <= q + 1; ++c) nearby.add(cells_, c, grain_, test);
-                if (nearby.is_full()) test();
-            }
+        Nearby nearby(*this, grain, plan);
+        if (cells_.count[2] > 1) {
+            nearby.add_block(cells_.index(x - 1, y - 1, z - 1), 3, 3, 3);
+        } else {
+            nearby.add_block(cells_.index(x - 1, y - 1, z), 3, 3, 1);
         }
-        test();
+        nearby.test();
     } else {
         consider_around(grain, plan, {x - 1, y - 1, z - 1}, {x + 1, y + 1, z + 1});
         consider_side_walls(grain, plan);
@@ -75,44 +128,33 @@ void EventEngine<tangential, has_gravity, plates>::predict(std::int32_t i, doubl
     plan_crossing(grain, plan, now);
 }
 
-// Tests the grains collected so far, and forgets them.
-template <Tangential tangential, bool has_gravity, Plates plates>
-inline void EventEngine<tangential, has_gravity, plates>::consider(const Grain& grain, Plan& plan,
-                                                                   Nearby& nearby,
-                                                                   const Vec3& shift) const {
-    std::int32_t* const id = nearby.id.data();
-    const double g = system_.gravity;
-    const std::size_t count =
-        touching_(grain, grain_.data(), shift, g, plan.collision, id, nearby.count);
-    for (std::size_t k = 0; k < count; ++k) {
-        const Grain& other = grain_[static_cast<std::size_t>(id[k])];
-        const double t = pair_time<has_gravity>(grain, other, shift, g, plan.collision);
-        if (t < plan.collision) {
-            plan.collision = t;
-            plan.partner = id[k];
-            plan.partner_events = other.events;
-        }
-    }
-    nearby.count = 0;
-}
-
 template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::consider_around(
     const Grain& grain, Plan& plan, const std::array<int, 3>& low,
     const std::array<int, 3>& high) const {
-    Nearby nearby;
-    Vec3 shift;
-    const auto test = [&] { consider(grain, plan, nearby, shift); };
-    for_each_cell(low, high, [&](std::size_t cell, const Vec3& of_cell) {
-        if (nearby.is_full() || !(of_cell == shift)) test();
-        shift = of_cell;
-        nearby.add(cells_, cell, grain_, test);
-    });
-    test();
+    Nearby nearby(*this, grain, plan);
+    std::array<int, 3> first = low;
+    std::array<int, 3> last = high;
+    bool is_inside = true;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        if (!cells_.periodic[axis]) {
+            first[axis] = std::max(first[axis], 0);
+            last[axis] = std::min(last[axis], cells_.count[axis] - 1);
+        }
+        is_inside = is_inside && first[axis] >= 0 && last[axis] < cells_.count[axis];
+    }
+    if (is_inside) {
+        nearby.add_block(cells_.index(first[0], first[1], first[2]), last[0] - first[0] + 1,
+                         last[1] - first[1] + 1, last[2] - first[2] + 1);
+    } else {
+        for_each_cell(low, high,
+                      [&](std::size_t cell, const Vec3& shift) { nearby.add(cell, shift); });
+    }
+    nearby.test();
 }
 
 // f(cell, shift) for the cells low … high, wrapped around periodic axes with the shift of the
-// image, cut at walls. Cells of one shift come together: their grains are tested in one go.
+// image, cut at walls.
 template <Tangential tangential, bool has_gravity, Plates plates>
 template <class F>
 void EventEngine<tangential, has_gravity, plates>::for_each_cell(const std::array<int, 3>& low,
@@ -197,42 +239,30 @@ void EventEngine<tangential, has_gravity, plates>::consider_side_walls(const Gra
 template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::plan_crossing(const Grain& grain, Plan& plan,
                                                                  double now) const {
-    double best = never;
-    const auto consider = [&](std::int8_t axis, double x, double v) {
-        const auto a = static_cast<std::size_t>(axis);
-        if (v == 0) return;
-        const bool up = v > 0;
-        if (!cells_.periodic[a] && (up ? plan.cell[a] + 1 == cells_.count[a] : plan.cell[a] == 0)) {
-            return;
-        }
-        // The last edge is the box's own, without rounding.
-        const double edge = up && plan.cell[a] + 1 == cells_.count[a]
-                                ? cells_.length[a]
-                                : (plan.cell[a] + (up ? 1 : 0)) * cells_.width[a];
-        const double tau = (edge - x) / v;
-        if (tau < best) {
-            best = tau;
-            plan.axis = axis;
-            plan.direction = up ? 1 : -1;
-        }
+    // Table entries in place of branches: where a grain goes next cannot be foreseen.
+    const std::array<double, 3> speed{grain.v.x, grain.v.y, grain.v.z};
+    std::array<double, 3> tau{never, never, never};
+    const auto time_to_edge = [&](std::size_t axis, double x) {
+        const double v = speed[axis];
+        const auto next = static_cast<std::size_t>(plan.cell[axis] + (v > 0));
+        if (v != 0) tau[axis] = (cells_.edge[axis][next] - x) / v;
     };
-    consider(0, grain.r.x, grain.v.x);
-    consider(1, grain.r.y, grain.v.y);
-    if (cells_.count[2] > 1) {
-        if constexpr (has_gravity) {
-            std::int8_t direction = 0;
-            const double tau = vertical_crossing(grain, plan, now, direction);
-            if (tau < best) {
-                best = tau;
-                plan.axis = 2;
-                plan.direction = direction;
-            }
-        } else {
-            consider(2, grain.r.z, grain.v.z);
-        }
-    } else if (cells_.periodic[2]) {
-        consider(2, grain.r.z, grain.v.z);
+    time_to_edge(0, grain.r.x);
+    time_to_edge(1, grain.r.y);
+    std::array<std::int8_t, 3> direction{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        direction[axis] = static_cast<std::int8_t>(2 * (speed[axis] > 0) - 1);
     }
+    if (has_gravity && cells_.count[2] > 1) {
+        tau[2] = vertical_crossing(grain, plan, now, direction[2]);
+    } else if (!has_gravity && (cells_.count[2] > 1 || cells_.periodic[2])) {
+        time_to_edge(2, grain.r.z);
+    }
+    std::size_t axis = tau[1] < tau[0];
+    axis = std::max<std::size_t>(axis, 2 * (tau[2] < tau[axis]));
+    plan.axis = static_cast<std::int8_t>(axis);
+    plan.direction = direction[axis];
+    const double best = tau[axis];
     plan.crossing = std::max(grain.t + best, now);
 }
 
