@@ -35,10 +35,23 @@ ordered_json facts(const ClassScore& s) {
     facts["bound_px"] = number(s.bound());
     facts["bound_ratio"] = number(s.bound_ratio());
     facts["pull_rms"] = number(s.pull_rms());
+    facts["within_2_sigma"] = number(s.within_two_sigma());
     facts["matched"] = s.matched;
     facts["missed"] = s.missed;
     facts["spurious"] = s.spurious;
     return facts;
+}
+
+/// Nothing where the tracker named no layers.
+std::string layer_text(const tracking::LayerScore& layers) {
+    if (layers.labelled == 0) return {};
+    std::string text =
+        fmt::format("  layers    {:.1f} % of the spheres named", 100 * layers.named());
+    if (layers.tested > 0) {
+        text += fmt::format(", {} right up to one exchange in each cluster",
+                            number_text(layers.accuracy_up_to_flip(), "{:.4f}"));
+    }
+    return text + "\n";
 }
 
 }  // namespace
@@ -67,6 +80,7 @@ ordered_json summary_facts(const ValidationOutcome& outcome, const tracking::Tra
                               {"wrong_links", t.wrong_links}};
     const auto locking = [&](int axis) { return number(detection.pixel_locking(axis).amplitude); };
     facts_of_run["pixel_locking_px"] = {locking(0), locking(1)};
+    facts_of_run["layers_named"] = number(outcome.scores.layers().named());
     facts_of_run["layer_accuracy"] = number(outcome.scores.layers().accuracy());
     facts_of_run["layer_accuracy_up_to_flip"] =
         number(outcome.scores.layers().accuracy_up_to_flip());
@@ -97,16 +111,18 @@ std::string summary_text(const std::string& output, const ValidationOutcome& out
                          const std::vector<ThresholdCheck>& checks) {
     const auto& detection = outcome.scores.detection();
     const std::string caveat = pipelines::bound_caveat(outcome);
-    std::string text = fmt::format("{}: {}\n  {:<10}{:>10}{:>9}{:>10}{:>10}", output,
+    std::string text = fmt::format("{}: {}\n  {:<10}{:>10}{:>9}{:>11}{:>10}{:>7}{:>8}", output,
                                    counted(detection.frames(), "frame"), "", "true", "recall",
-                                   "precision", "RMSE/px");
+                                   "precision", "RMSE/px", "pull", "in 2σ");
     text += caveat.empty() ? fmt::format("{:>8}\n", "/bound") : "\n";
     for (std::size_t c = 0; c < kTruthClasses; ++c) {
         const ClassScore& s = detection.classes()[c];
         if (s.matched + s.missed == 0) continue;
-        text += fmt::format("  {:<10}{:>10}{:>9}{:>10}{:>10}", s.name, s.matched + s.missed,
-                            number_text(s.recall(), "{:.5f}"), number_text(s.precision(), "{:.5f}"),
-                            number_text(s.rmse_per_axis(), "{:.4f}"));
+        text += fmt::format(
+            "  {:<10}{:>10}{:>9}{:>11}{:>10}{:>7}{:>7}", s.name, s.matched + s.missed,
+            number_text(s.recall(), "{:.5f}"), number_text(s.precision(), "{:.5f}"),
+            number_text(s.rmse_per_axis(), "{:.4f}"), number_text(s.pull_rms(), "{:.2f}"),
+            number_text(s.within_two_sigma(), "{:.3f}"));
         text +=
             caveat.empty() ? fmt::format("{:>8}\n", number_text(s.bound_ratio(), "{:.2f}")) : "\n";
     }
@@ -119,6 +135,7 @@ std::string summary_text(const std::string& output, const ValidationOutcome& out
                             number_text(t.jaccard_tracks, "{:.4f}"),
                             number_text(t.correct_link_fraction(), "{:.5f}"));
     }
+    text += layer_text(outcome.scores.layers());
     for (const ThresholdCheck& c : checks) {
         text += fmt::format("  {:<10}{}\n", c.met() ? "met" : "MISSED", c.text());
     }

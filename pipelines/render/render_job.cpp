@@ -195,7 +195,9 @@ std::vector<std::int64_t> snapshots_at_rate(std::int64_t count, double interval,
         throw OptionError({.problem = "exposure.frame-rate: there are too few snapshots",
                            .actual = fmt::format("{:.6g} frames/s", rate),
                            .expected = fmt::format("at most {:.6g}, one a snapshot", 1 / interval),
-                           .suggestion = "simulate again with a smaller run.snapshot-every"});
+                           .suggestion =
+                               "leave out exposure.frame-rate for one frame a snapshot, or "
+                               "simulate again with a smaller run.snapshot-every"});
     }
     for (std::int64_t i = 0;; ++i) {
         const auto at = static_cast<std::int64_t>(std::llround(static_cast<double>(i) * step));

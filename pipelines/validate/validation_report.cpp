@@ -62,18 +62,20 @@ Table class_table(const ValidationOutcome& outcome) {
         "joint "
         "Cramér–Rao bound, both over particles whose bound is below a third of the gate "
         "(resolved). "
-        "Pull: error over the reported standard error, RMS.",
+        "Pull: error over the reported standard error, RMS; within 2σ should be 0.954.",
         counted(scores.frames(), "frame"), scores.gate(), analysis::solid_order);
     if (std::string caveat = bound_caveat(outcome); !caveat.empty()) {
         caveat.front() = 'T';
         table.note += " " + caveat + ".";
     }
-    table.columns = {
-        {"particles", "True", ""},    {"missed", "Missed", ""},       {"spurious", "False", ""},
-        {"recall", "Recall", ""},     {"precision", "Precision", ""}, {"jaccard", "Jaccard", ""},
-        {"bias_x", "Bias x", "px"},   {"bias_y", "Bias y", "px"},     {"rmse_x", "RMSE x", "px"},
-        {"rmse_y", "RMSE y", "px"},   {"resolved", "Resolved", ""},   {"bound", "Bound", "px"},
-        {"bound_ratio", "Ratio", ""}, {"pull_rms", "Pull", ""}};
+    table.columns = {{"particles", "True", ""},          {"missed", "Missed", ""},
+                     {"spurious", "False", ""},          {"recall", "Recall", ""},
+                     {"precision", "Precision", ""},     {"jaccard", "Jaccard", ""},
+                     {"bias_x", "Bias x", "px"},         {"bias_y", "Bias y", "px"},
+                     {"rmse_x", "RMSE x", "px"},         {"rmse_y", "RMSE y", "px"},
+                     {"resolved", "Resolved", ""},       {"bound", "Bound", "px"},
+                     {"bound_ratio", "Ratio", ""},       {"pull_rms", "Pull", ""},
+                     {"within_2_sigma", "Within 2σ", ""}};
     for (std::size_t c = 0; c < kTruthClasses; ++c) {
         const ClassScore& s = scores.classes()[c];
         const std::int64_t particles = s.matched + s.missed;
@@ -84,7 +86,7 @@ Table class_table(const ValidationOutcome& outcome) {
               number(s.rmse().x, "{:.4f}"), number(s.rmse().y, "{:.4f}"),
               number(static_cast<double>(s.resolved) / static_cast<double>(s.matched)),
               number(s.bound(), "{:.4f}"), number(s.bound_ratio(), "{:.2f}"),
-              number(s.pull_rms(), "{:.2f}")}});
+              number(s.pull_rms(), "{:.2f}"), number(s.within_two_sigma(), "{:.3f}")}});
     }
     return table;
 }

@@ -35,9 +35,37 @@ TEST(ValidationSummary, ADashStandsForWhatCouldNotBeMeasured) {
         {"precision", "-", 0.9, scores.detection().find("all").precision(), true}};
     const std::string text = summary_text("page.html", outcome, checks);
     EXPECT_THAT(text, Not(HasSubstr("nan")));
-    EXPECT_THAT(text, HasSubstr("all                4  0.00000         –         –       –\n"));
+    EXPECT_THAT(
+        text,
+        HasSubstr("all                4  0.00000          –         –      –      –       –\n"));
     EXPECT_EQ(missed_thresholds(checks),
               "thresholds missed: precision not measured, at least 0.9 asked for.");
+}
+
+TEST(ValidationSummary, SaysHowManyLayersAreNamedAndHowManyOfThemAreRight) {
+    pipelines::ScoredView view;
+    view.width = view.height = 200;
+    view.sphere_diameter = view.disc.diameter = 12;
+    pipelines::ValidationScores scores(view);
+    Snapshot truth;
+    truth.position = {{60, 60}, {66, 60}, {72, 60}, {120, 120}};
+    truth.box.length = {200, 200};
+    truth.layer = {Layer::bottom, Layer::top, Layer::bottom, Layer::top};
+    truth.id = {0, 1, 2, 3};
+    Snapshot found = truth;
+    found.layer = {Layer::bottom, Layer::top, Layer::top, Layer::unknown};
+    scores.add(truth, found);
+    const pipelines::ValidationOutcome outcome{.scores = scores,
+                                               .tracks = scores.tracks(),
+                                               .runs = {},
+                                               .free_fits = {},
+                                               .effects = {},
+                                               .msd_offset = std::nan(""),
+                                               .predicted_msd_offset = std::nan("")};
+    // Three in a row, one of them wrong: max(2, 1) − 1 of 3 − 1.
+    EXPECT_THAT(summary_text("page.html", outcome, {}),
+                HasSubstr("  layers    75.0 % of the spheres named, 0.5000 right up to one "
+                          "exchange in each cluster\n"));
 }
 
 TEST(RandomSummary, ADashStandsForWhatNoSceneGave) {

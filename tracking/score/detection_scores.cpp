@@ -90,6 +90,10 @@ double ClassScore::pull_rms() const {
     return std::sqrt(share(pull_squares, static_cast<double>(pulls)));
 }
 
+double ClassScore::within_two_sigma() const {
+    return share(static_cast<double>(pulls_within_two), static_cast<double>(pulls));
+}
+
 DetectionScores::DetectionScores(std::vector<std::string> classes, double gate) : gate_(gate) {
     if (classes.empty() || classes.size() > 64 || !(gate > 0) || !std::isfinite(gate)) {
         throw OptionError({.problem = "scores need 1 … 64 classes and a positive gate",
@@ -129,6 +133,7 @@ void DetectionScores::add_match(ClassScore& score, Vec2 error, Vec2 bound, Vec2 
         if (!(sigma > 0) || !std::isfinite(sigma)) continue;
         ++score.pulls;
         score.pull_squares += e * e / (sigma * sigma);
+        score.pulls_within_two += std::abs(e) <= 2 * sigma;
     }
 }
 

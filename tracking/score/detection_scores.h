@@ -41,9 +41,13 @@ struct ClassScore {
     /// RMS of error/reported standard error over the resolved particles, or all where no bound is
     /// known: 1 if the tracker's error bars are right.
     double pull_rms() const;
+    /// Share of those errors that lie within two reported standard errors: 0.954 if the error bars
+    /// are right and the errors Gaussian; NaN without any.
+    double within_two_sigma() const;
 
     std::int64_t resolved = 0;
-    std::int64_t pulls = 0;  ///< errors (two a particle) with a reported standard error
+    std::int64_t pulls = 0;             ///< errors (two a particle) with a reported standard error
+    std::int64_t pulls_within_two = 0;  ///< of those, within twice that
     Vec2 error_sum, square_sum;
     double resolved_squares = 0, bound_squares = 0, pull_squares = 0;
 };

@@ -129,6 +129,8 @@ TEST(DetectionScores, RecoverTheRatioToTheBoundAndThePulls) {
     // 5σ of an RMS of 20,000 (mostly the 20,000 errors with the wide bound): 1.3 · 5/√40,000.
     EXPECT_NEAR(all.bound_ratio(), 1.3, 0.033);
     EXPECT_NEAR(all.pull_rms(), 1.3, 0.024);
+    // erf(2/1.3/√2), 5σ of a share of 40,000.
+    EXPECT_NEAR(all.within_two_sigma(), 0.8760, 0.0083);
     std::int64_t counted = scores.pulls_beyond();
     for (const std::int64_t n : scores.pull_histogram()) counted += n;
     EXPECT_EQ(counted, 40000);
@@ -166,6 +168,15 @@ TEST(DetectionScores, ParticlesThatTheGateWouldCutDoNotEnterTheRatio) {
     EXPECT_NEAR(all.bound_ratio(), 1, 1e-9);
     EXPECT_EQ(all.pulls, 2);
     EXPECT_NEAR(all.pull_rms(), 0.5, 1e-9);
+    EXPECT_EQ(all.within_two_sigma(), 1);
+}
+
+TEST(DetectionScores, WithoutReportedErrorsKnowNoShareWithinThem) {
+    DetectionScores scores({"all"}, 3);
+    const double none = std::nan("");
+    scores.add({{{10, 10}}, {1}, {{none, none}}}, {{10, 10}}, {{none, none}});
+    EXPECT_EQ(scores.find("all").matched, 1);
+    EXPECT_TRUE(std::isnan(scores.find("all").within_two_sigma()));
 }
 
 TEST(DetectionScores, RefuseWhatDoesNotFit) {
