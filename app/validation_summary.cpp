@@ -46,10 +46,11 @@ ordered_json facts(const ClassScore& s) {
 std::string layer_text(const tracking::LayerScore& layers) {
     if (layers.labelled == 0) return {};
     std::string text =
-        fmt::format("  layers    {:.1f} % of the spheres named", 100 * layers.named());
+        fmt::format("  layers    {:.1f} % of the spheres found are named", 100 * layers.named());
     if (layers.tested > 0) {
-        text += fmt::format(", {} right up to one exchange in each cluster",
-                            number_text(layers.accuracy_up_to_flip(), "{:.4f}"));
+        text +=
+            fmt::format("; {:.2f} % of the labels are right, up to one exchange in each cluster",
+                        100 * layers.accuracy_up_to_flip());
     }
     return text + "\n";
 }
@@ -111,7 +112,7 @@ std::string summary_text(const std::string& output, const ValidationOutcome& out
                          const std::vector<ThresholdCheck>& checks) {
     const auto& detection = outcome.scores.detection();
     const std::string caveat = pipelines::bound_caveat(outcome);
-    std::string text = fmt::format("{}: {}\n  {:<10}{:>10}{:>9}{:>11}{:>10}{:>7}{:>8}", output,
+    std::string text = fmt::format("{}: {}\n  {:<10}{:>10}{:>9}{:>11}{:>10}{:>7}{:>7}", output,
                                    counted(detection.frames(), "frame"), "", "true", "recall",
                                    "precision", "RMSE/px", "pull", "in 2σ");
     text += caveat.empty() ? fmt::format("{:>8}\n", "/bound") : "\n";

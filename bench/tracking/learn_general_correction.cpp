@@ -173,13 +173,13 @@ Eigen::VectorXd weights_of(const Sums& sums, double ridge) {
     return scale.asDiagonal() * solved;
 }
 
-Eigen::VectorXd left_by(const Eigen::VectorXd& weights, const Lesson& lesson) {
+Eigen::VectorXd shift_by(const Eigen::VectorXd& weights, const Lesson& lesson) {
     const auto film = GeneralCorrection::film_terms(lesson.width, lesson.diameter);
     Eigen::VectorXd here = Eigen::VectorXd::Zero(kTerms);
     for (std::size_t p = 0; p < film.size(); ++p) {
         here += film[p] * weights.segment(static_cast<Eigen::Index>(p) * kTerms, kTerms);
     }
-    return lesson.lacks - lesson.terms.cast<double>() * here;
+    return lesson.terms.cast<double>() * here;
 }
 
 double rms(const Eigen::VectorXd& values) {
@@ -194,22 +194,79 @@ double quantile(std::vector<double> values, double share) {
     return *place;
 }
 
-/// Factors with which 95.4 % of the errors lie within two standard errors. Every sphere counts
-/// alike.
-std::vector<double> shares_of(const std::vector<Lesson>& lessons,
-                              const std::vector<Eigen::VectorXd>& left) {
-    std::vector<std::vector<double>> pulls(kOverlapClasses);
-    for (std::size_t k = 0; k < lessons.size(); ++k) {
-        const Lesson& lesson = lessons[k];
-        const std::size_t n = lesson.overlap.size();
-        for (std::size_t i = 0; i < 2 * n; ++i) {
-            const auto row = static_cast<Eigen::Index>(i);
-            pulls[lesson.overlap[i % n]].push_back(std::abs(left[k](row) / lesson.error(row)));
+/// A corrected position of a camera left out, along one axis [a].
+struct Corrected {
+    double left = 0;   ///< its error, without sign
+    double error = 0;  ///< standard error of the disc
+    double shift = 0;  ///< by the correction, without sign
+    std::size_t overlap = 0;
+
+    double sigma(const GeneralCorrection& general) const {
+        return std::hypot(general.shares[overlap] * error, general.doubt * shift);
+    }
+};
+
+double share_within(const std::vector<const Corrected*>& positions,
+                    const GeneralCorrection& general) {
+    std::size_t within = 0;
+    for (const Corrected* c : positions) within += c->left <= 2 * c->sigma(general);
+    return static_cast<double>(within) / static_cast<double>(positions.size());
+}
+
+constexpr double kWithin = 0.954;
+
+/// `shares` with which, for a given doubt, 95.4 % of each class of overlap lie within two standard
+/// errors. Every sphere counts alike.
+void find_shares(const std::vector<std::vector<const Corrected*>>& by_overlap,
+                 GeneralCorrection& general) {
+    general.shares.assign(kOverlapClasses, 0);
+    for (std::size_t overlap = 0; overlap < by_overlap.size(); ++overlap) {
+        if (by_overlap[overlap].empty()) continue;
+        double low = 0;
+        double high = 1;
+        for (int halving = 0; halving < 14; ++halving) {
+            double& share = general.shares[overlap];
+            share = 0.5 * (low + high);
+            (share_within(by_overlap[overlap], general) < kWithin ? low : high) = share;
         }
     }
-    std::vector<double> shares;
-    for (const auto& p : pulls) shares.push_back(std::min(1.0, 0.5 * quantile(p, 0.954)));
-    return shares;
+}
+
+/// The doubt with which the tenths of all positions by shift/error have the most even share within
+/// two standard errors, and its shares.
+void find_errors(const std::vector<Corrected>& positions, GeneralCorrection& general) {
+    constexpr std::size_t kTenths = 10;
+    std::vector<std::vector<const Corrected*>> by_overlap(kOverlapClasses);
+    std::vector<const Corrected*> sorted;
+    for (const Corrected& c : positions) {
+        by_overlap[c.overlap].push_back(&c);
+        sorted.push_back(&c);
+    }
+    std::sort(sorted.begin(), sorted.end(), [](const Corrected* a, const Corrected* b) {
+        return a->shift * b->error < b->shift * a->error;
+    });
+    std::vector<std::vector<const Corrected*>> tenths(kTenths);
+    for (std::size_t i = 0; i < sorted.size(); ++i) {
+        tenths[i * kTenths / sorted.size()].push_back(sorted[i]);
+    }
+    GeneralCorrection tried;
+    double least = 0;
+    for (int step = 0; step <= 20; ++step) {
+        tried.doubt = 0.05 * step;
+        find_shares(by_overlap, tried);
+        double uneven = 0;
+        std::string line;
+        for (const auto& tenth : tenths) {
+            const double within = share_within(tenth, tried);
+            uneven += (within - kWithin) * (within - kWithin);
+            line += fmt::format(" {:.3f}", within);
+        }
+        fmt::print(stderr, "doubt {:.2f}: within 2σ{}\n", tried.doubt, line);
+        if (step > 0 && uneven >= least) continue;
+        least = uneven;
+        general.doubt = tried.doubt;
+        general.shares = tried.shares;
+    }
 }
 
 /// Mean of the patterns and inverse of their covariance. A twentieth of each variance is added to
@@ -270,16 +327,19 @@ void learn(const std::string& output, const std::vector<std::string>& folders) {
     }
     double least = 0;
     double chosen = 0;
-    std::vector<Eigen::VectorXd> best;
+    std::vector<Eigen::VectorXd> best;  // what positions of cameras left out still lack
+    std::vector<Eigen::VectorXd> shifts;
     for (const double ridge : kRidges) {
         std::vector<Eigen::VectorXd> left(lessons.size());
+        std::vector<Eigen::VectorXd> shift(lessons.size());
         double sum = 0;
         for (std::size_t fold = 0; fold < kFolds; ++fold) {
             const Sums others{all.squares - sums[fold].squares, all.product - sums[fold].product,
                               all.rows - sums[fold].rows};
             const Eigen::VectorXd weights = weights_of(others, ridge);
             for (std::size_t k = fold; k < lessons.size(); k += kFolds) {
-                left[k] = left_by(weights, lessons[k]);
+                shift[k] = shift_by(weights, lessons[k]);
+                left[k] = lessons[k].lacks - shift[k];
                 sum += std::log(rms(left[k]));  // every camera counts alike
             }
         }
@@ -289,9 +349,24 @@ void learn(const std::string& output, const std::vector<std::string>& folders) {
         least = sum;
         chosen = ridge;
         best = std::move(left);
+        shifts = std::move(shift);
     }
     GeneralCorrection general;
-    general.shares = shares_of(lessons, best);
+    std::vector<std::vector<Corrected>> corrected;
+    std::vector<Corrected> of_all;
+    for (std::size_t k = 0; k < lessons.size(); ++k) {
+        const std::size_t n = lessons[k].overlap.size();
+        auto& of_camera = corrected.emplace_back();
+        for (std::size_t i = 0; i < 2 * n; ++i) {
+            const auto row = static_cast<Eigen::Index>(i);
+            of_camera.push_back({.left = std::abs(best[k](row)),
+                                 .error = lessons[k].error(row),
+                                 .shift = std::abs(shifts[k](row)),
+                                 .overlap = lessons[k].overlap[i % n]});
+        }
+        of_all.insert(of_all.end(), of_camera.begin(), of_camera.end());
+    }
+    find_errors(of_all, general);
     std::vector<double> before;
     std::vector<double> after;
     std::vector<double> widths;
@@ -301,11 +376,7 @@ void learn(const std::string& output, const std::vector<std::string>& folders) {
         const Lesson& lesson = lessons[k];
         const std::size_t n = lesson.overlap.size();
         int within = 0;
-        for (std::size_t i = 0; i < 2 * n; ++i) {
-            const auto row = static_cast<Eigen::Index>(i);
-            within += std::abs(best[k](row)) <
-                      2 * general.shares[lesson.overlap[i % n]] * lesson.error(row);
-        }
+        for (const Corrected& c : corrected[k]) within += c.left <= 2 * c.sigma(general);
         before.push_back(rms(lesson.lacks));
         after.push_back(rms(best[k]));
         widths.push_back(lesson.width);

@@ -63,9 +63,10 @@ TEST(ValidationSummary, SaysHowManyLayersAreNamedAndHowManyOfThemAreRight) {
                                                .msd_offset = std::nan(""),
                                                .predicted_msd_offset = std::nan("")};
     // Three in a row, one of them wrong: max(2, 1) − 1 of 3 − 1.
-    EXPECT_THAT(summary_text("page.html", outcome, {}),
-                HasSubstr("  layers    75.0 % of the spheres named, 0.5000 right up to one "
-                          "exchange in each cluster\n"));
+    EXPECT_THAT(
+        summary_text("page.html", outcome, {}),
+        HasSubstr("  layers    75.0 % of the spheres found are named; 50.00 % of the labels "
+                  "are right, up to one exchange in each cluster\n"));
 }
 
 TEST(RandomSummary, ADashStandsForWhatNoSceneGave) {

@@ -20,6 +20,7 @@ struct BiasCorrection {
     std::vector<double> quality;    ///< bounds of the classes by local residual [contrast]
     std::vector<double> remaining;  ///< RMS error per axis, by overlap, then by residual [a]
     std::vector<double> shares;     ///< of a standard error that remain, by overlap; general only
+    double doubt = 0;               ///< standard error of a correction, as a share of it; likewise
     double before = 0, after = 0;   ///< RMS error per axis on held-out frames [a]
 
     /// Of many cameras: it is not kept with a calibration.

@@ -43,16 +43,20 @@ void correct_bias(const BiasCorrection& correction, const Image& darkness, const
         if (!corrector.reaches(place)) return;
         const double nearest = corrector.terms().nearest(place);
         const double noise = noise_of(found, i);
+        const Vec2 corrected = corrector.corrected(place);
         if (correction.is_general()) {
             // Less than the camera's noise alone makes never remains.
-            found.error[i] *=
+            const double share =
                 std::max(correction.shares[overlap_class(nearest)], found.noise / noise);
+            const Vec2 shift = (correction.doubt / noise) * (corrected - place);
+            Vec2& error = found.error[i];
+            error = {std::hypot(share * error.x, shift.x), std::hypot(share * error.y, shift.y)};
         } else {
             const std::size_t kind = class_of(correction, nearest, found.residual[i]);
             const double error = correction.remaining[kind] * diameter / noise;
             found.error[i] = {error, error};
         }
-        found.position[i] = corrector.corrected(place);
+        found.position[i] = corrected;
     });
 }
 

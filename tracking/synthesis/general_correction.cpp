@@ -128,6 +128,7 @@ BiasCorrection GeneralCorrection::of(const DiscProfile& disc, double diameter) c
     BiasCorrection correction;
     correction.diameter = diameter;
     correction.shares = shares;
+    correction.doubt = doubt;
     correction.before = before;
     correction.after = after;
     for (const auto& weight : weights) {
@@ -159,6 +160,7 @@ GeneralCorrection read_general_correction(std::string_view text) {
     general.least_diameter = diameters[0];
     general.most_diameter = diameters[1];
     general.shares = numbers_after(lines, "shares", kOverlapClasses);
+    general.doubt = numbers_after(lines, "doubt", 1)[0];
     general.pattern = numbers_after(lines, "pattern", ResidualPattern::kNumbers);
     general.pattern_weights = numbers_after(lines, "pattern-weights",
                                             ResidualPattern::kNumbers * ResidualPattern::kNumbers);
@@ -182,6 +184,8 @@ std::string write_general_correction(const GeneralCorrection& general) {
     text += fmt::format("diameters {:.4f} {:.4f}\n", general.least_diameter, general.most_diameter);
     text += "# of a standard error that remain, by class of overlap\nshares";
     for (const double share : general.shares) text += fmt::format(" {:.4f}", share);
+    text += "\n# standard error of a correction, as a share of it\n";
+    text += fmt::format("doubt {:.4f}", general.doubt);
     text += "\n# of the residual: mean over cameras, and inverse covariance\npattern";
     for (const double number : general.pattern) text += fmt::format(" {:.5g}", number);
     text += "\npattern-weights";

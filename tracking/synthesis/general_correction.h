@@ -46,7 +46,13 @@ struct GeneralCorrection {
 
     /// Of BiasTerms; the sum over all is what a position lacks [a].
     std::vector<std::array<double, kFilmTerms>> weights;
-    std::vector<double> shares;  ///< of a standard error that remain, by class of overlap
+    /// A corrected position has, along each axis, the standard error σ' with
+    ///
+    ///   σ'² = (share σ)² + (doubt · shift)²,
+    ///
+    /// σ that of the disc and `shift` the correction. `shares`, one a class of overlap.
+    std::vector<double> shares;
+    double doubt = 0;
     double least_width = 0, most_width = 0;        ///< of edges, that it was learned from [a]
     double least_diameter = 0, most_diameter = 0;  ///< apparent, likewise [a]
     /// Mean over cameras, and inverse covariance, row by row; some of its diagonal is added to it.

@@ -29,8 +29,8 @@ struct CellGrid {
     std::array<double, 3> width{1, 1, 1};  ///< [a]
     std::array<bool, 3> periodic{};
     std::array<double, 3> length{};
-    /// [a], of each axis: the lower edges of its cells and the end of the box, which is the length
-    /// itself, without rounding. No grain leaves through a wall: it is infinitely far here.
+    /// [a], of each axis: the lower edges of its cells, then the end of the box. At a wall or plate
+    /// it is -inf or inf, since no grain leaves there. Not used in z under gravity.
     std::array<std::vector<double>, 3> edge;
     HugeVector<Cell> cell;  ///< x fastest
 

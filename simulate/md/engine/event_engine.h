@@ -192,7 +192,7 @@ class EventEngine final : public Engine {
     MdSystem system_;
     EngineOptions options_;
     PlateSolver plate_solver_;
-    FirstContact first_contact_ = first_contact<has_gravity>();
+    ContactSearch search_ = contact_search<has_gravity>();
     CellGrid cells_;
     HugeVector<Grain> grain_;
     HugeVector<Plan> plan_;

@@ -1,30 +1,32 @@
 // How EventEngine finds the next event of a grain.
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "simulate/md/engine/event_engine.h"
 
 namespace grainfield::simulate {
 
-/// Collects candidates cell by cell. First their numbers are read, then their contact times are
-/// computed. So all their cache lines are fetched at once, and no branch depends on the number of
-/// grains of a cell.
+/// Collects candidates cell by cell. First their indices are read, then their contact times are
+/// computed. So all their cache lines are fetched at once. Of cells with three grains or less,
+/// which are nearly all, no branch depends on their number.
 template <Tangential tangential, bool has_gravity, Plates plates>
 class EventEngine<tangential, has_gravity, plates>::Nearby {
  public:
     Nearby(const EventEngine& engine, const Grain& grain, Plan& plan)
         : engine_(engine), grain_(grain), plan_(plan) {}
 
-    /// The grains of a cell.
+    /// The grains of a cell. Not mixed with images before plan_first().
     void add(std::size_t cell) {
-        fill(cell, [](std::size_t, std::size_t) {});
+        assert(!near_.is_shifted);
+        add_members(cell, [](std::size_t, std::size_t) {});
     }
 
-    /// Their images at a distance.
+    /// The periodic images of the grains of a cell, `shift` away from the grains.
     void add(std::size_t cell, const Vec3& shift) {
-        if (is_full()) test();
-        near_.is_shifted = true;
-        fill(cell, [this, &shift](std::size_t from, std::size_t count) {
+        if (is_full()) plan_first();
+        add_members(cell, [this, &shift](std::size_t from, std::size_t count) {
+            near_.is_shifted = true;
             for (std::size_t k = from; k < from + count; ++k) {
                 near_.shift_x[k] = shift.x;
                 near_.shift_y[k] = shift.y;
@@ -33,56 +35,59 @@ class EventEngine<tangential, has_gravity, plates>::Nearby {
         });
     }
 
-    /// A block of cells inside the grid, the first of them at `corner`.
+    /// A block of cells inside the grid, at most three in x, the first of them at `corner`.
     void add_block(std::size_t corner, int nx, int ny, int nz) {
+        assert(nx <= 3);
         const auto row = static_cast<std::size_t>(engine_.cells_.count[0]);
         const std::size_t plane = row * static_cast<std::size_t>(engine_.cells_.count[1]);
         for (int z = 0; z < nz; ++z, corner += plane) {
             std::size_t first = corner;
             for (int y = 0; y < ny; ++y, first += row) {
                 for (int x = 0; x < nx; ++x) add(first + static_cast<std::size_t>(x));
-                if (is_full()) test();
+                if (is_full()) plan_first();
             }
         }
     }
 
     /// Plans the first contact with what was collected, if it comes before what is planned; forgets
     /// what was collected.
-    void test() {
+    void plan_first() {
         const HugeVector<Grain>& grains = engine_.grain_;
-        const Contact contact = engine_.first_contact_(
-            grain_, grains.data(), engine_.system_.gravity, plan_.collision, near_);
+        const Contact contact =
+            engine_.search_(grain_, grains.data(), engine_.system_.gravity, plan_.collision, near_);
         if (contact.partner >= 0) {
             plan_.collision = contact.time;
             plan_.partner = contact.partner;
             plan_.partner_events = grains[static_cast<std::size_t>(contact.partner)].events;
         }
         near_.count = 0;
+        near_.is_shifted = false;
     }
 
  private:
     static constexpr std::size_t three_cells = 3 * CellGrid::most_in_cell;
     static_assert(2 * three_cells <= Candidates::room);
+    static_assert(Cell::places <= Candidates::spare);
 
     bool is_full() const { return near_.count + three_cells > Candidates::room; }
 
-    // Adds the grains of a cell, of whose images mark(first, count) tells. Where plates throw a
-    // whole column of grains above the highest cells, one may hold any number: those that are there
-    // are tested when there is no room.
+    // Adds the grains of a cell. mark(first, count) writes the shifts of `count` candidates from
+    // the first one on. Where plates throw a whole column of grains above the highest cells, a cell
+    // may hold any number. When there is no room, those that are there are planned for.
     template <class Mark>
-    void fill(std::size_t cell, Mark&& mark) {
+    void add_members(std::size_t cell, Mark&& mark) {
         const CellGrid& cells = engine_.cells_;
         const auto count = static_cast<std::size_t>(cells.cell[cell].count);
         constexpr auto places = static_cast<std::size_t>(Cell::places);
         if (count <= static_cast<std::size_t>(CellGrid::most_in_cell)) {
             cells.copy(cell, engine_.grain_, &near_.id[near_.count]);
-            mark(near_.count, places);  // of a fixed number first: no branch depends on the cell
+            mark(near_.count, places);  // a fixed number, whether there are as many or not
             if (count > places) mark(near_.count + places, count - places);
             near_.count += count;
             return;
         }
         cells.for_each(cell, engine_.grain_, [&](std::int32_t j) {
-            if (is_full()) test();
+            if (is_full()) plan_first();
             mark(near_.count, 1);
             near_.id[near_.count++] = j;
         });
@@ -112,7 +117,7 @@ void EventEngine<tangential, has_gravity, plates>::predict(std::int32_t i, doubl
         } else {
             nearby.add_block(cells_.index(x - 1, y - 1, z), 3, 3, 1);
         }
-        nearby.test();
+        nearby.plan_first();
     } else {
         consider_around(grain, plan, {x - 1, y - 1, z - 1}, {x + 1, y + 1, z + 1});
         consider_side_walls(grain, plan);
@@ -135,22 +140,22 @@ void EventEngine<tangential, has_gravity, plates>::consider_around(
     Nearby nearby(*this, grain, plan);
     std::array<int, 3> first = low;
     std::array<int, 3> last = high;
-    bool is_inside = true;
+    bool wraps = false;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         if (!cells_.periodic[axis]) {
             first[axis] = std::max(first[axis], 0);
             last[axis] = std::min(last[axis], cells_.count[axis] - 1);
         }
-        is_inside = is_inside && first[axis] >= 0 && last[axis] < cells_.count[axis];
+        wraps = wraps || first[axis] < 0 || last[axis] >= cells_.count[axis];
     }
-    if (is_inside) {
-        nearby.add_block(cells_.index(first[0], first[1], first[2]), last[0] - first[0] + 1,
-                         last[1] - first[1] + 1, last[2] - first[2] + 1);
-    } else {
+    if (wraps) {
         for_each_cell(low, high,
                       [&](std::size_t cell, const Vec3& shift) { nearby.add(cell, shift); });
+    } else {
+        nearby.add_block(cells_.index(first[0], first[1], first[2]), last[0] - first[0] + 1,
+                         last[1] - first[1] + 1, last[2] - first[2] + 1);
     }
-    nearby.test();
+    nearby.plan_first();
 }
 
 // f(cell, shift) for the cells low … high, wrapped around periodic axes with the shift of the
@@ -239,7 +244,7 @@ void EventEngine<tangential, has_gravity, plates>::consider_side_walls(const Gra
 template <Tangential tangential, bool has_gravity, Plates plates>
 void EventEngine<tangential, has_gravity, plates>::plan_crossing(const Grain& grain, Plan& plan,
                                                                  double now) const {
-    // Table entries in place of branches: where a grain goes next cannot be foreseen.
+    // Table entries and sums in place of branches: where a grain goes next cannot be foreseen.
     const std::array<double, 3> speed{grain.v.x, grain.v.y, grain.v.z};
     std::array<double, 3> tau{never, never, never};
     const auto time_to_edge = [&](std::size_t axis, double x) {
@@ -249,19 +254,19 @@ void EventEngine<tangential, has_gravity, plates>::plan_crossing(const Grain& gr
     };
     time_to_edge(0, grain.r.x);
     time_to_edge(1, grain.r.y);
-    std::array<std::int8_t, 3> direction{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        direction[axis] = static_cast<std::int8_t>(2 * (speed[axis] > 0) - 1);
-    }
-    if (has_gravity && cells_.count[2] > 1) {
-        tau[2] = vertical_crossing(grain, plan, now, direction[2]);
-    } else if (!has_gravity && (cells_.count[2] > 1 || cells_.periodic[2])) {
-        time_to_edge(2, grain.r.z);
+    std::int8_t vertical = 0;  // direction under gravity
+    if constexpr (has_gravity) {
+        if (cells_.count[2] > 1) tau[2] = vertical_crossing(grain, plan, now, vertical);
+    } else {
+        if (cells_.count[2] > 1 || cells_.periodic[2]) time_to_edge(2, grain.r.z);
     }
     std::size_t axis = tau[1] < tau[0];
-    axis = std::max<std::size_t>(axis, 2 * (tau[2] < tau[axis]));
+    axis += (2 - axis) * static_cast<std::size_t>(tau[2] < tau[axis]);
     plan.axis = static_cast<std::int8_t>(axis);
-    plan.direction = direction[axis];
+    plan.direction = static_cast<std::int8_t>(2 * (speed[axis] > 0) - 1);
+    if constexpr (has_gravity) {
+        if (axis == 2) plan.direction = vertical;
+    }
     const double best = tau[axis];
     plan.crossing = std::max(grain.t + best, now);
 }

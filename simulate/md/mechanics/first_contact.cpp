@@ -1,7 +1,5 @@
 #include "simulate/md/mechanics/first_contact.h"
 
-#include <array>
-
 // The order of these matters.
 // clang-format off
 #undef HWY_TARGET_INCLUDE
@@ -17,6 +15,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Tag = hn::CappedTag<double, 4>;
 using V = hn::Vec<Tag>;
 constexpr std::size_t lanes = hn::MaxLanes(Tag());
+static_assert(lanes - 1 <= Candidates::spare);
 
 struct Flights {
     V x, y, z, u, v, w, t;
@@ -25,7 +24,7 @@ struct Flights {
 // What the grains of `near` hold, one a lane.
 HWY_INLINE Flights load(const Grain* grains, const std::int32_t* near) {
     const Tag d;
-#if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
     // Two 4 × 4 transposes: x y z u and v w t.
     const auto at = [&](std::size_t k, std::size_t half) {
         const Grain& g = grains[static_cast<std::size_t>(near[k])];
@@ -111,18 +110,14 @@ HWY_INLINE Contact search(const Grain& grain, const Grain* grains, double gravit
         place_of_best = hn::IfThenElse(is_first, place, place_of_best);
         place = hn::Add(place, all(lanes));
     }
-    HWY_ALIGN std::array<double, lanes> times;
-    HWY_ALIGN std::array<double, lanes> places;
-    hn::Store(best, d, times.data());
-    hn::Store(place_of_best, d, places.data());
-    double time = limit;
-    double first = -1;
-    for (std::size_t lane = 0; lane < lanes; ++lane) {
-        const bool is_first = times[lane] < time || (times[lane] == time && places[lane] < first);
-        time = is_first ? times[lane] : time;
-        first = is_first ? places[lane] : first;
-    }
-    if (first < 0) return {};
+    // The first place of those that hold the least time.
+    const V least = hn::MinOfLanes(d, best);
+    const auto holds = hn::And(hn::Eq(best, least), hn::Ge(place_of_best, zero));
+    const V no_place = all(static_cast<double>(Candidates::room));
+    const double first =
+        hn::GetLane(hn::MinOfLanes(d, hn::IfThenElse(holds, place_of_best, no_place)));
+    if (first >= static_cast<double>(Candidates::room)) return {};
+    const double time = hn::GetLane(least);
     return {time, near.id[static_cast<std::size_t>(first)]};
 }
 
@@ -163,13 +158,13 @@ HWY_EXPORT(first_contact_plain);
 HWY_EXPORT(first_contact_gravity);
 
 template <>
-FirstContact first_contact<false>() {
+ContactSearch contact_search<false>() {
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
     return HWY_DYNAMIC_DISPATCH(first_contact_plain);
 }
 
 template <>
-FirstContact first_contact<true>() {
+ContactSearch contact_search<true>() {
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
     return HWY_DYNAMIC_DISPATCH(first_contact_gravity);
 }

@@ -31,12 +31,13 @@ struct Candidates {
 ///   min of pair_time over all candidates; the first in their order where times are equal.
 ///
 /// The operations are those of pair_time, without fused ones, for several candidates at a time: the
-/// same bits. Nothing branches on the data. Writes to the entries of `candidates` beyond `count`.
-using FirstContact = Contact (*)(const Grain& grain, const Grain* grains, double gravity,
-                                 double limit, Candidates& candidates);
+/// same bits on every processor. The choice among the candidates does not branch. Writes to the
+/// entries of `candidates` beyond `count`.
+using ContactSearch = Contact (*)(const Grain& grain, const Grain* grains, double gravity,
+                                  double limit, Candidates& candidates);
 
 /// The search for this processor.
 template <bool has_gravity>
-FirstContact first_contact();
+ContactSearch contact_search();
 
 }  // namespace grainfield::simulate

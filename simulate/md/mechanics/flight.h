@@ -37,7 +37,8 @@ inline void fly(Vec3& r, Vec3& v, double tau, double gravity) {
 /// means now, receding means never, so that rounding neither misses a contact nor finds it twice.
 /// Gravity falls out of r and v. The result is the same, bit by bit, with the grains exchanged and
 /// at whatever time it is computed, which makes the trajectory independent of the order of the
-/// work.
+/// work. The engine computes it for several grains at a time (first_contact.h); this plain form is
+/// what its bits are compared with.
 template <bool has_gravity>
 inline double pair_time(const Grain& g1, const Grain& g2, const Vec3& shift, double gravity,
                         double limit) {
@@ -56,7 +57,6 @@ inline double pair_time(const Grain& g1, const Grain& g2, const Vec3& shift, dou
     }
     const double b = dot(r, v);
     const double f = squared_norm(r) - 1;
-    // Asked first because it holds for nearly all candidates, approaching or not.
     if (f + 2 * b * (limit - start) > 0 || !(b < 0)) return never;
     if (f <= 0) return start;
     const double discriminant = b * b - squared_norm(v) * f;

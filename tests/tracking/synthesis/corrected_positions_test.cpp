@@ -68,6 +68,21 @@ TEST(CorrectedPositions, OfManyCamerasLeavesAShareOfEachErrorAndNeverLessThanThe
     EXPECT_EQ(after[2], before[2]);                     // at the border
 }
 
+TEST(CorrectedPositions, OfManyCamerasDoubtsEachAxisInProportionToItsShift) {
+    Located found = located();
+    const std::vector<Vec2> before = standard_errors(found);
+    BiasCorrection general = correction(1);
+    general.shares = {0.8, 0.5, 0.6, 0.7};
+    general.doubt = 0.4;
+    correct_bias(general, noise(1), noise(2), kDiameter, found, 1);
+    const std::vector<Vec2> after = standard_errors(found);
+    const Vec2 shift = found.position[1] - located().position[1];
+    ASSERT_GT(std::abs(shift.x), 0.01 * before[1].x);
+    EXPECT_NEAR(after[1].x, std::hypot(0.5 * before[1].x, 0.4 * shift.x), 1e-12);
+    EXPECT_NEAR(after[1].y, std::hypot(0.5 * before[1].y, 0.4 * shift.y), 1e-12);
+    EXPECT_EQ(after[2], before[2]);  // at the border
+}
+
 TEST(CorrectedPositions, LeavesSpheresAtTheBorderAsTheyAre) {
     Located found = located();
     correct_bias(correction(1), noise(1), noise(2), kDiameter, found, 1);

@@ -30,6 +30,8 @@ TEST(GeneralCorrection, OfTheProgramSaysThatItIsOfManyCamerasAndHalvesTheirError
         EXPECT_GT(share, 0.3);
         EXPECT_LE(share, 1);
     }
+    EXPECT_GT(general.doubt, 0.1);
+    EXPECT_LT(general.doubt, 0.9);
 }
 
 TEST(GeneralCorrection, IsReadAsItIsWritten) {
@@ -38,6 +40,7 @@ TEST(GeneralCorrection, IsReadAsItIsWritten) {
     EXPECT_EQ(write_general_correction(again), text);
     EXPECT_EQ(again.weights, general_correction().weights);
     EXPECT_EQ(again.shares, general_correction().shares);
+    EXPECT_EQ(again.doubt, general_correction().doubt);
 }
 
 TEST(GeneralCorrection, RefusesATextThatIsCutOffOrHoldsNoNumbers) {
@@ -56,6 +59,8 @@ TEST(GeneralCorrection, WeightsAreThoseOfTheDiscsThatTheyAreFor) {
         EXPECT_NEAR(sharp.weights[k], w[0] * film[0] + w[1] * film[1] + w[2] * film[2], 1e-12);
     }
     EXPECT_TRUE(sharp.is_general());
+    EXPECT_EQ(sharp.shares, general.shares);
+    EXPECT_EQ(sharp.doubt, general.doubt);
 }
 
 TEST(GeneralCorrection, DoesNotHoldForDiscsUnlikeThoseLearnedFrom) {

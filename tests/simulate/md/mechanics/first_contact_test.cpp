@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 namespace grainfield::simulate {
 namespace {
@@ -43,7 +44,7 @@ template <bool has_gravity>
 void finds_what_pair_time_finds(double gravity, bool is_shifted) {
     std::mt19937_64 random(7);
     std::uniform_real_distribution<double> limit_of(0.5, 1.5);
-    const FirstContact search = first_contact<has_gravity>();
+    const ContactSearch search = contact_search<has_gravity>();
     int met = 0;
     for (int trial = 0; trial < 20000; ++trial) {
         const std::vector<Grain> grains = neighbourhood(random);
@@ -66,41 +67,57 @@ void finds_what_pair_time_finds(double gravity, bool is_shifted) {
     EXPECT_GT(met, 10000);  // the comparison was of something
 }
 
-TEST(FirstContact, IsThatOfPairTimeOneByOne) {
+// Each test runs with all instruction sets of the processor, down to one lane.
+class FirstContactTest : public ::testing::TestWithParam<std::int64_t> {
+ protected:
+    void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
+    void TearDown() override {
+        hwy::SetSupportedTargetsForTest(0);
+        hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    }
+};
+
+INSTANTIATE_TEST_SUITE_P(Targets, FirstContactTest,
+                         ::testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
+                         [](const auto& target) { return hwy::TargetName(target.param); });
+
+TEST_P(FirstContactTest, IsThatOfPairTimeOneByOne) {
     finds_what_pair_time_finds<false>(0, false);
 }
 
-TEST(FirstContact, IsThatOfPairTimeOneByOneUnderGravity) {
+TEST_P(FirstContactTest, IsThatOfPairTimeOneByOneUnderGravity) {
     finds_what_pair_time_finds<true>(1, false);
 }
 
-TEST(FirstContact, OfImagesIsThatOfPairTimeWithTheirShifts) {
+TEST_P(FirstContactTest, OfImagesIsThatOfPairTimeWithTheirShifts) {
     finds_what_pair_time_finds<false>(0, true);
     finds_what_pair_time_finds<true>(1, true);
 }
 
-TEST(FirstContact, OfNobodyIsNone) {
+TEST_P(FirstContactTest, OfNobodyIsNone) {
     const Grain grain{};
     Candidates near;
-    const Contact contact = first_contact<false>()(grain, &grain, 0, 1, near);
+    const Contact contact = contact_search<false>()(grain, &grain, 0, 1, near);
     EXPECT_EQ(contact.partner, -1);
     EXPECT_EQ(contact.time, never);
 }
 
-// Two grains, mirror images, touch a third at the same time.
-TEST(FirstContact, OfTwoAtOneTimeIsTheFirstInTheirOrder) {
-    std::vector<Grain> grains(8);
-    for (std::size_t k = 1; k < grains.size(); ++k) {
-        grains[k].r = {k % 2 == 0 ? 1.5 : -1.5, 0, 0};
-        grains[k].v = {k % 2 == 0 ? -1.0 : 1.0, 0, 0};
-    }
-    for (std::size_t from = 1; from < grains.size(); ++from) {
+// Seven grains, four on one side and three on the other, touch another one at the same time. Those
+// that come before them recede. So the first of the seven is in any lane, and others before its
+// lane.
+TEST_P(FirstContactTest, OfSeveralAtOneTimeIsTheFirstInTheirOrder) {
+    constexpr std::size_t meeting = 7;
+    for (std::size_t receding = 0; receding < 9; ++receding) {
+        std::vector<Grain> grains(1 + receding + meeting);
         Candidates near;
-        for (std::size_t k = from; k < grains.size(); ++k) {
+        for (std::size_t k = 1; k < grains.size(); ++k) {
+            const double side = k % 2 == 0 ? 1 : -1;
+            grains[k].r = {1.5 * side, 0, 0};
+            grains[k].v = {k <= receding ? side : -side, 0, 0};
             near.id[near.count++] = static_cast<std::int32_t>(k);
         }
-        const Contact contact = first_contact<false>()(grains[0], grains.data(), 0, 1, near);
-        EXPECT_EQ(contact.partner, static_cast<std::int32_t>(from));
+        const Contact contact = contact_search<false>()(grains[0], grains.data(), 0, 1, near);
+        EXPECT_EQ(contact.partner, static_cast<std::int32_t>(receding + 1));
         EXPECT_EQ(contact.time, 0.5);
     }
 }
