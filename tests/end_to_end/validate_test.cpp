@@ -67,11 +67,15 @@ TEST_F(GivenFrames, AreScoredWithTheKeysThatScriptsRelyOn) {
     EXPECT_LT(summary["bound_ratio"], 1.15);
     for (const char* name : {"all", "isolated", "liquid", "crystal", "top", "bottom", "border"}) {
         const json& scores = summary["classes"][name];
-        for (const char* key : {"recall", "precision", "rmse_px", "bound_ratio"}) {
+        for (const char* key :
+             {"recall", "precision", "rmse_px", "bound_ratio", "pull_rms", "within_2_sigma"}) {
             EXPECT_TRUE(scores.contains(key)) << name << " " << key;
         }
     }
     EXPECT_TRUE(summary["classes"]["top"]["recall"].is_null()) << "no layers are known";
+    // 5 sigma of a share of 960 coordinates.
+    EXPECT_NEAR(summary["classes"]["all"]["within_2_sigma"], 0.954, 0.034);
+    EXPECT_TRUE(summary["layers_named"].is_null());
     EXPECT_EQ(summary["tracks"]["switches"], 0);
     EXPECT_EQ(summary["tracks"]["jsc_theta"], 1);
     EXPECT_TRUE(summary["thresholds"].empty());
@@ -104,7 +108,7 @@ TEST_F(GivenFrames, OneAloneNeedsNeitherFramesNorIdentitiesInItsTruth) {
                                             "-o", *folder_ / "one.html", "--no-figures"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_THAT(outcome.out, HasSubstr("one.html: 1 frame\n"));
-    EXPECT_THAT(outcome.out, HasSubstr("1.00000   1.00000"));
+    EXPECT_THAT(outcome.out, HasSubstr("1.00000    1.00000"));
     EXPECT_THAT(outcome.out, Not(HasSubstr("nan")));
     EXPECT_THAT(outcome.out, Not(HasSubstr("tracks")));
 }
