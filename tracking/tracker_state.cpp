@@ -109,7 +109,10 @@ std::vector<double> Tracker::calibration_numbers() const {
                                 static_cast<double>(film_.calibration->positions.size()),
                                 model().correction.spacing};
     numbers.insert(numbers.end(), model().correction.value.begin(), model().correction.value.end());
-    if (bias_) numbers.insert(numbers.end(), bias_->weights.begin(), bias_->weights.end());
+    if (bias_) {
+        const std::vector<double> bias = numbers_of(*bias_);
+        numbers.insert(numbers.end(), bias.begin(), bias.end());
+    }
     if (kept_optics_) {
         NumberArchive archive;
         FilmOptics kept = *kept_optics_;

@@ -5,8 +5,8 @@
 //
 // FRAMES: folders that `validate --keep` wrote: frame.png, true.csv and optics.toml of each scene.
 // Each frame is calibrated and searched as `track` does it. Every fourth camera is left out in
-// turn: the table that is printed, the share of the errors that remains and the ridge are of
-// cameras left out. The weights are of all.
+// turn: the table that is printed, the shares of the errors that remain, the doubt and the ridge
+// are of cameras left out. The weights are of all.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -51,6 +51,7 @@ struct Lesson {
     double width = 0, diameter = 0;  ///< of the discs [a]
     Eigen::MatrixXf terms;
     Eigen::VectorXd lacks, error;  ///< truth − found, and its standard error [a]
+    Eigen::VectorXd least;         ///< error that the noise of the camera alone makes [a]
     std::vector<std::size_t> overlap;
     std::array<double, ResidualPattern::kNumbers> pattern = {};
 };
@@ -90,12 +91,14 @@ std::optional<Lesson> lesson_of(const fs::path& scene) {
     std::vector<BiasTerms::Terms> rows;
     std::vector<Vec2> lacks;
     std::vector<Vec2> expected;
+    std::vector<Vec2> least_expected;
     Lesson lesson{.name = scene.string(),
                   .width = model.disc.edge_width / a,
                   .diameter = model.disc.diameter / a,
                   .terms = {},
                   .lacks = {},
                   .error = {},
+                  .least = {},
                   .overlap = {}};
     ResidualPattern pattern;
     for (std::size_t i = 0; i < found.position.size(); ++i) {
@@ -103,6 +106,9 @@ std::optional<Lesson> lesson_of(const fs::path& scene) {
         const double inside =
             std::min({p.x, p.y, counts.width() - 1 - p.x, counts.height() - 1 - p.y});
         if (inside < BiasTerms::kReach * a) continue;
+        if (!std::isfinite(squared_norm(errors[i])) || !(errors[i].x > 0 && errors[i].y > 0)) {
+            continue;
+        }
         double least = kSame * kSame * a * a;
         std::optional<Vec2> lack;
         grid.near(p, kSame * a, [&](std::uint32_t, Vec2 q) {
@@ -115,6 +121,7 @@ std::optional<Lesson> lesson_of(const fs::path& scene) {
         pattern.add(rows.back());
         lacks.push_back(*lack);
         expected.push_back((1 / a) * errors[i]);
+        least_expected.push_back((found.noise / a) * found.error[i]);
         lesson.overlap.push_back(overlap_class(terms.nearest(p)));
     }
     if (rows.empty()) return std::nullopt;
@@ -123,6 +130,7 @@ std::optional<Lesson> lesson_of(const fs::path& scene) {
     lesson.terms.resize(2 * n, kTerms);
     lesson.lacks.resize(2 * n);
     lesson.error.resize(2 * n);
+    lesson.least.resize(2 * n);
     for (Eigen::Index i = 0; i < n; ++i) {
         const auto k = static_cast<std::size_t>(i);
         lesson.terms.row(i) = Eigen::Map<const Eigen::RowVectorXf>(rows[k].x.data(), kTerms);
@@ -131,6 +139,8 @@ std::optional<Lesson> lesson_of(const fs::path& scene) {
         lesson.lacks(n + i) = lacks[k].y;
         lesson.error(i) = expected[k].x;
         lesson.error(n + i) = expected[k].y;
+        lesson.least(i) = least_expected[k].x;
+        lesson.least(n + i) = least_expected[k].y;
     }
     return lesson;
 }
@@ -198,11 +208,12 @@ double quantile(std::vector<double> values, double share) {
 struct Corrected {
     double left = 0;   ///< its error, without sign
     double error = 0;  ///< standard error of the disc
+    double least = 0;  ///< that the noise of the camera alone makes
     double shift = 0;  ///< by the correction, without sign
     std::size_t overlap = 0;
 
     double sigma(const GeneralCorrection& general) const {
-        return std::hypot(general.shares[overlap] * error, general.doubt * shift);
+        return std::hypot(std::max(general.shares[overlap] * error, least), general.doubt * shift);
     }
 };
 
@@ -219,7 +230,7 @@ constexpr double kWithin = 0.954;
 /// errors. Every sphere counts alike.
 void find_shares(const std::vector<std::vector<const Corrected*>>& by_overlap,
                  GeneralCorrection& general) {
-    general.shares.assign(kOverlapClasses, 0);
+    general.shares.assign(kOverlapClasses, 1);
     for (std::size_t overlap = 0; overlap < by_overlap.size(); ++overlap) {
         if (by_overlap[overlap].empty()) continue;
         double low = 0;
@@ -243,7 +254,7 @@ void find_errors(const std::vector<Corrected>& positions, GeneralCorrection& gen
         sorted.push_back(&c);
     }
     std::sort(sorted.begin(), sorted.end(), [](const Corrected* a, const Corrected* b) {
-        return a->shift * b->error < b->shift * a->error;
+        return a->shift / a->error < b->shift / b->error;
     });
     std::vector<std::vector<const Corrected*>> tenths(kTenths);
     for (std::size_t i = 0; i < sorted.size(); ++i) {
@@ -251,8 +262,8 @@ void find_errors(const std::vector<Corrected>& positions, GeneralCorrection& gen
     }
     GeneralCorrection tried;
     double least = 0;
-    for (int step = 0; step <= 20; ++step) {
-        tried.doubt = 0.05 * step;
+    for (int step = 0; step <= 50; ++step) {
+        tried.doubt = 0.01 * step;
         find_shares(by_overlap, tried);
         double uneven = 0;
         std::string line;
@@ -361,6 +372,7 @@ void learn(const std::string& output, const std::vector<std::string>& folders) {
             const auto row = static_cast<Eigen::Index>(i);
             of_camera.push_back({.left = std::abs(best[k](row)),
                                  .error = lessons[k].error(row),
+                                 .least = lessons[k].least(row),
                                  .shift = std::abs(shifts[k](row)),
                                  .overlap = lessons[k].overlap[i % n]});
         }

@@ -35,6 +35,16 @@ Vec2 BiasCorrector::corrected(Vec2 place) const {
     return reaches(place) ? place + diameter_ * terms_.weighted(place, weights_) : place;
 }
 
+std::vector<double> numbers_of(const BiasCorrection& correction) {
+    std::vector<double> numbers{correction.doubt};
+    for (const std::vector<double>* part :
+         {&correction.weights, &correction.quality, &correction.remaining, &correction.shares}) {
+        numbers.push_back(static_cast<double>(part->size()));
+        numbers.insert(numbers.end(), part->begin(), part->end());
+    }
+    return numbers;
+}
+
 std::size_t overlap_class(double nearest) {
     return static_cast<std::size_t>(
         std::upper_bound(std::begin(kOverlapBounds), std::end(kOverlapBounds), nearest) -

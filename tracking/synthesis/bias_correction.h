@@ -28,6 +28,9 @@ struct BiasCorrection {
     bool operator==(const BiasCorrection&) const = default;
 };
 
+/// All numbers that positions and their errors depend on: equal for the same corrections.
+std::vector<double> numbers_of(const BiasCorrection& correction);
+
 /// Bounds of the classes of overlap: distance of the nearest other disc [a].
 inline constexpr double kOverlapBounds[] = {0.6, 0.8, 0.95};
 inline constexpr int kOverlapClasses = 4;

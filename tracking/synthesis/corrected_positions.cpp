@@ -45,7 +45,7 @@ void correct_bias(const BiasCorrection& correction, const Image& darkness, const
         const double noise = noise_of(found, i);
         const Vec2 corrected = corrector.corrected(place);
         if (correction.is_general()) {
-            // Less than the camera's noise alone makes never remains.
+            // GeneralCorrection::shares
             const double share =
                 std::max(correction.shares[overlap_class(nearest)], found.noise / noise);
             const Vec2 shift = (correction.doubt / noise) * (corrected - place);

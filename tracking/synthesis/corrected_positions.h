@@ -9,8 +9,8 @@
 
 namespace grainfield::tracking {
 
-/// Corrects positions, and makes errors those of the scatter that remains; in a general correction
-/// the share of their own that does. Spheres nearer than BiasTerms::kReach to the border stay as
+/// Corrects positions, and makes errors those of the scatter that remains; for a general correction
+/// see GeneralCorrection::shares. Spheres nearer than BiasTerms::kReach to the border stay as
 /// they are. `darkness` and `residual` are those of the fit that gave `found`, `diameter` is a
 /// [px]. Same bits for any number of threads. About 3 µs a sphere.
 void correct_bias(const BiasCorrection& correction, const Image& darkness, const Image& residual,

@@ -48,9 +48,10 @@ struct GeneralCorrection {
     std::vector<std::array<double, kFilmTerms>> weights;
     /// A corrected position has, along each axis, the standard error σ' with
     ///
-    ///   σ'² = (share σ)² + (doubt · shift)²,
+    ///   σ'² = max(share σ, σ_n)² + (doubt · shift)²,
     ///
-    /// σ that of the disc and `shift` the correction. `shares`, one a class of overlap.
+    /// σ that of the disc, σ_n what the noise of the camera alone makes of it, `shift` the
+    /// correction. `shares`, one a class of overlap.
     std::vector<double> shares;
     double doubt = 0;
     double least_width = 0, most_width = 0;        ///< of edges, that it was learned from [a]

@@ -72,7 +72,7 @@ TEST(CorrectedPositions, OfManyCamerasDoubtsEachAxisInProportionToItsShift) {
     Located found = located();
     const std::vector<Vec2> before = standard_errors(found);
     BiasCorrection general = correction(1);
-    general.shares = {0.8, 0.5, 0.6, 0.7};
+    general.shares = {0.8, 0.5, 0.6, 1e-9};
     general.doubt = 0.4;
     correct_bias(general, noise(1), noise(2), kDiameter, found, 1);
     const std::vector<Vec2> after = standard_errors(found);
@@ -80,6 +80,9 @@ TEST(CorrectedPositions, OfManyCamerasDoubtsEachAxisInProportionToItsShift) {
     ASSERT_GT(std::abs(shift.x), 0.01 * before[1].x);
     EXPECT_NEAR(after[1].x, std::hypot(0.5 * before[1].x, 0.4 * shift.x), 1e-12);
     EXPECT_NEAR(after[1].y, std::hypot(0.5 * before[1].y, 0.4 * shift.y), 1e-12);
+    // Alone: of the first term what the camera's noise makes remains.
+    const Vec2 moved = found.position[3] - located().position[3];
+    EXPECT_NEAR(after[3].x, std::hypot(0.3 * found.noise, 0.4 * moved.x), 1e-12);
     EXPECT_EQ(after[2], before[2]);  // at the border
 }
 
@@ -108,6 +111,21 @@ TEST(CorrectedPositions, HasTheSameBitsForAnyNumberOfThreads) {
     correct_bias(correction(1), noise(1), noise(2), kDiameter, four, 4);
     EXPECT_EQ(one.position, four.position);
     EXPECT_EQ(one.error, four.error);
+}
+
+// Checkpoints, and parts of a film, are told apart by these numbers.
+TEST(BiasCorrectionNumbers, DifferWhereAnythingThatMakesPositionsOrErrorsDoes) {
+    const BiasCorrection one = correction(1);
+    EXPECT_EQ(numbers_of(one), numbers_of(correction(1)));
+    BiasCorrection other = one;
+    other.doubt = 0.2;
+    EXPECT_NE(numbers_of(one), numbers_of(other));
+    for (auto part : {&BiasCorrection::weights, &BiasCorrection::quality,
+                      &BiasCorrection::remaining, &BiasCorrection::shares}) {
+        other = one;
+        (other.*part).push_back(0.5);
+        EXPECT_NE(numbers_of(one), numbers_of(other));
+    }
 }
 
 TEST(StandardErrors, HoldNoiseAndCorrelatedMisfit) {

@@ -103,6 +103,35 @@ TEST(GeneralCorrection, BringsTheMirrorsOfAnotherRayTracerNearerToTheirPlaces) {
         EXPECT_GT(values, 400);
         return std::sqrt(squares / values);
     };
+    // |error|/standard error along both axes of those that were moved by at least `least` standard
+    // errors of the disc; the share that is 2 at most.
+    const auto within = [&](const Located& corrected, double least_shift) {
+        const std::vector<Vec2> discs = standard_errors(found);
+        const std::vector<Vec2> errors = standard_errors(corrected);
+        int values = 0;
+        int in_two = 0;
+        for (std::size_t i = 0; i < errors.size(); ++i) {
+            const Vec2 p = corrected.position[i];
+            Vec2 lack{1, 1};
+            for (const Point3& q : layer.spheres) {
+                if (!layer.is_inner(q, 2)) continue;
+                const Vec2 d =
+                    Vec2{static_cast<double>(q.x), static_cast<double>(q.y)} - (1 / kScale) * p;
+                if (squared_norm(d) < squared_norm(lack)) lack = d;
+            }
+            if (squared_norm(lack) >= 0.04) continue;
+            const Vec2 shift = p - found.position[i];
+            const auto count = [&](double d, double sigma, double moved, double disc) {
+                if (std::abs(moved) < least_shift * disc) return;
+                ++values;
+                in_two += std::abs(d) * kScale <= 2 * sigma;
+            };
+            count(lack.x, errors[i].x, shift.x, discs[i].x);
+            count(lack.y, errors[i].y, shift.y, discs[i].y);
+        }
+        EXPECT_GT(values, 80);
+        return static_cast<double>(in_two) / values;
+    };
     const double before = error();
     const BiasCorrection correction = general_correction().of(model.disc, kScale);
     const GeneralCorrection& general = general_correction();
@@ -117,7 +146,13 @@ TEST(GeneralCorrection, BringsTheMirrorsOfAnotherRayTracerNearerToTheirPlaces) {
     EXPECT_EQ(one.moved, two.moved);
     EXPECT_EQ(one.expected, two.expected);
     EXPECT_EQ(one.unlikeness, two.unlikeness);
-    correct_bias(correction, darkness, locator.residual(), kScale, found, 2);
+    Located corrected = found;
+    correct_bias(correction, darkness, locator.residual(), kScale, corrected, 2);
+    for (const double least_shift : {0.0, 1.0}) {
+        EXPECT_GT(within(corrected, least_shift), 0.90) << least_shift;
+        EXPECT_LT(within(corrected, least_shift), 0.99) << least_shift;
+    }
+    found = corrected;
     EXPECT_LT(error(), 0.75 * before);
 }
 
