@@ -124,7 +124,7 @@ TEST_F(Render, ABadValueEndsWithTwoAndNamesWhatIsAllowed) {
     const Outcome rate = run_grainfield(call(folder_ / "f", {"--frame-rate", "1e6"}));
     EXPECT_EQ(rate.code, 2);
     EXPECT_THAT(rate.err, HasSubstr("too few snapshots"));
-    EXPECT_THAT(rate.err, HasSubstr("leave out exposure.frame-rate"));
+    EXPECT_THAT(rate.err, HasSubstr("leave out --frame-rate"));
     EXPECT_FALSE(std::filesystem::exists(folder_ / "f"));
 }
 
