@@ -161,7 +161,12 @@ py::tuple track_frames(const py::object& frames, std::optional<double> fps, cons
     run->options.visible = visible_of(mask);
     require_fitting(run->options.visible, source->width(), source->height());
     run->frames = io::read_ahead(std::move(source));
-    run_released([run] { track(*run, *run->frames); });
+    run_released([run] {
+        // The frame that is read ahead may wait for the interpreter lock, and frames wait for it
+        // when they go. So they go here, where the lock is not held.
+        const std::unique_ptr<FrameSource> ahead = std::move(run->frames);
+        track(*run, *ahead);
+    });
     return outcome(*run);
 }
 
