@@ -13,6 +13,16 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
+pipelines::ValidationOutcome outcome_of(const pipelines::ValidationScores& scores) {
+    return {.scores = scores,
+            .tracks = scores.tracks(),
+            .runs = {},
+            .free_fits = {},
+            .effects = {},
+            .msd_offset = std::nan(""),
+            .predicted_msd_offset = std::nan("")};
+}
+
 TEST(ValidationSummary, ADashStandsForWhatCouldNotBeMeasured) {
     pipelines::ScoredView view;
     view.width = view.height = 200;
@@ -23,13 +33,7 @@ TEST(ValidationSummary, ADashStandsForWhatCouldNotBeMeasured) {
     truth.id = {0, 1};
     scores.add(truth, {});  // nothing is found, twice
     scores.add(truth, {});
-    const pipelines::ValidationOutcome outcome{.scores = scores,
-                                               .tracks = scores.tracks(),
-                                               .runs = {},
-                                               .free_fits = {},
-                                               .effects = {},
-                                               .msd_offset = std::nan(""),
-                                               .predicted_msd_offset = std::nan("")};
+    const pipelines::ValidationOutcome outcome = outcome_of(scores);
     ASSERT_TRUE(std::isnan(scores.detection().find("all").precision()));
     const std::vector<pipelines::ThresholdCheck> checks{
         {"precision", "-", 0.9, scores.detection().find("all").precision(), true}};
@@ -55,13 +59,7 @@ TEST(ValidationSummary, SaysHowManyLayersAreNamedAndHowManyOfThemAreRight) {
     Snapshot found = truth;
     found.layer = {Layer::bottom, Layer::top, Layer::top, Layer::unknown};
     scores.add(truth, found);
-    const pipelines::ValidationOutcome outcome{.scores = scores,
-                                               .tracks = scores.tracks(),
-                                               .runs = {},
-                                               .free_fits = {},
-                                               .effects = {},
-                                               .msd_offset = std::nan(""),
-                                               .predicted_msd_offset = std::nan("")};
+    const pipelines::ValidationOutcome outcome = outcome_of(scores);
     // Three in a row, one of them wrong: max(2, 1) − 1 of 3 − 1.
     EXPECT_THAT(
         summary_text("page.html", outcome, {}),
