@@ -13,6 +13,13 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
+pipelines::ValidationScores empty_scores() {
+    pipelines::ScoredView view;
+    view.width = view.height = 200;
+    view.sphere_diameter = view.disc.diameter = 12;
+    return pipelines::ValidationScores(view);
+}
+
 pipelines::ValidationOutcome outcome_of(const pipelines::ValidationScores& scores) {
     return {.scores = scores,
             .tracks = scores.tracks(),
@@ -24,10 +31,7 @@ pipelines::ValidationOutcome outcome_of(const pipelines::ValidationScores& score
 }
 
 TEST(ValidationSummary, ADashStandsForWhatCouldNotBeMeasured) {
-    pipelines::ScoredView view;
-    view.width = view.height = 200;
-    view.sphere_diameter = view.disc.diameter = 12;
-    pipelines::ValidationScores scores(view);
+    pipelines::ValidationScores scores = empty_scores();
     Snapshot truth;
     truth.position = {{60, 60}, {100.3, 100.2}};
     truth.id = {0, 1};
@@ -47,10 +51,7 @@ TEST(ValidationSummary, ADashStandsForWhatCouldNotBeMeasured) {
 }
 
 TEST(ValidationSummary, SaysHowManyLayersAreNamedAndHowManyOfThemAreRight) {
-    pipelines::ScoredView view;
-    view.width = view.height = 200;
-    view.sphere_diameter = view.disc.diameter = 12;
-    pipelines::ValidationScores scores(view);
+    pipelines::ValidationScores scores = empty_scores();
     Snapshot truth;
     truth.position = {{60, 60}, {66, 60}, {72, 60}, {120, 120}};
     truth.box.length = {200, 200};
