@@ -265,14 +265,17 @@ Summary describe_calibration(const std::filesystem::path& path) {
     sheet.add("height", "height", kept.height, fmt::format("{} px", kept.height));
     sheet.add("polarity", "spheres",
               std::string(model.polarity == tracking::Polarity::dark ? "dark" : "bright"));
-    sheet.add("diameter_px", "diameter", model.disc.diameter,
-              fmt::format("{:.3f} px", model.disc.diameter));
-    sheet.add("edge_width_px", "edge width", model.disc.edge_width,
-              fmt::format("{:.3f} px", model.disc.edge_width));
+    const tracking::DiscProfile disc = model.in_pixels().disc;
+    sheet.add("diameter_px", "diameter", disc.diameter, fmt::format("{:.3f} px", disc.diameter));
+    sheet.add("edge_width_px", "edge width", disc.edge_width,
+              fmt::format("{:.3f} px", disc.edge_width));
+    const int binning = model.binning.factor;
+    sheet.add("binning", "binning", binning,
+              binning == 1 ? std::string("none") : fmt::format("{0} x {0} px", binning));
     sheet.add("meeting_edges", "meeting edges", std::string(model.overlap->name()));
     sheet.add("profile", "profile",
               std::string(model.correction.is_zero() ? model.disc.shape->name() : "learned"));
-    const double clear = model.background(0.5 * kept.width, 0.5 * kept.height);
+    const double clear = model.in_pixels().background(0.5 * kept.width, 0.5 * kept.height);
     sheet.add("background", "background", clear,
               fmt::format("{:.1f} counts in the middle, {}", clear,
                           model.background.is_uniform() ? "uniform" : "a surface"));

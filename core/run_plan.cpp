@@ -25,6 +25,13 @@ void RunPlan::warn(Warning warning) {
     }
 }
 
+void RunPlan::take(const RunPlan& other) {
+    for (const PlannedStage& stage : other.stages()) {
+        stages_.push_back({stage.stage, stage.runs, worded(stage.reason), stage.saved});
+    }
+    for (const Warning& warning : other.warnings()) warn(warning);
+}
+
 std::vector<PlannedStage> RunPlan::skipped() const {
     std::vector<PlannedStage> left_out;
     std::ranges::copy_if(stages_, std::back_inserter(left_out),

@@ -36,6 +36,9 @@ class RunPlan {
     void warn(WarningCode code, std::string text) { warn(Warning{code, std::move(text)}); }
     void warn(std::string text) { warn(WarningCode::other, std::move(text)); }
 
+    /// Takes over all that another one holds, in its order.
+    void take(const RunPlan& other);
+
     const std::vector<PlannedStage>& stages() const { return stages_; }
     const std::vector<Warning>& warnings() const { return warnings_; }
     std::vector<PlannedStage> skipped() const;

@@ -81,10 +81,12 @@ py::dict dict_of(const TrackSummary& summary,
     dict["ms_per_frame"] = summary.ms_per_frame.wall;
     dict["disc_diameter"] = py::none();
     dict["edge_width"] = py::none();
+    dict["binning"] = py::none();
     dict["polarity"] = py::none();
     if (spheres) {
         dict["disc_diameter"] = spheres->diameter;
         dict["edge_width"] = spheres->edge_width;
+        dict["binning"] = spheres->binning;
         dict["polarity"] = spheres->polarity == tracking::Polarity::dark ? "dark" : "bright";
     }
     return dict;
@@ -93,7 +95,8 @@ py::dict dict_of(const TrackSummary& summary,
 std::optional<pipelines::SphereImage> spheres_of(const Tracker& tracker) {
     if (!tracker.is_calibrated()) return std::nullopt;
     const tracking::ImageModel& model = tracker.model();
-    return pipelines::SphereImage{model.polarity, model.disc.diameter, model.disc.edge_width};
+    return pipelines::SphereImage{model.polarity, model.disc.diameter, model.disc.edge_width,
+                                  tracker.binning().factor};
 }
 
 /// What a run of the tracker uses and makes.

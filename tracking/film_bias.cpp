@@ -39,7 +39,8 @@ std::string not_for_this_film(const TrackOptions& options, const ImageModel& mod
         return "it holds for whole frames, and a mask hides a part; a region leaves out a rim "
                "without one";
     }
-    if (is_unusual_size(model.disc.diameter, *options.sphere_diameter)) {
+    const double diameter = *options.sphere_diameter / model.binning.factor;
+    if (is_unusual_size(model.disc.diameter, diameter)) {
         return "discs of this size are no usual picture of spheres of track.sphere-diameter";
     }
     const double left = std::sqrt(
@@ -49,7 +50,7 @@ std::string not_for_this_film(const TrackOptions& options, const ImageModel& mod
             "discs explain the film: they leave {:.4f} of the contrast beyond noise of {:.4f}",
             left, model.noise);
     }
-    return general_correction().refused(model.disc, *options.sphere_diameter);
+    return general_correction().refused(model.disc, diameter);
 }
 
 /// The first usable frame from `first` on; empty: there is none.
@@ -118,10 +119,13 @@ FilmBias general_bias(FrameSource& source, const TrackOptions& options, const Im
     }
     const std::optional<Frame> frame = usable_frame(source, first, options.visible);
     if (!frame) return without("no frame is usable", plan);
-    const double diameter = *options.sphere_diameter;
+    const Binning blocks = model.binning;
+    const double diameter = *options.sphere_diameter / blocks.factor;
     const GeneralCorrection& general = general_correction();
     const CorrectionJudgement judgement = judge_correction(
-        general, frame->image, model, options.detection, options.refinement, diameter, threads);
+        general, blocks.is_none() ? frame->image : blocks.binned(frame->image), model,
+        in_blocks(options.detection, blocks), in_blocks(options.refinement, blocks), diameter,
+        threads);
     if (judgement.spheres < kLeastSpheres) {
         return without(fmt::format("{} spheres in the middle of the frame do not show whether the "
                                    "general correction holds, {} would",

@@ -47,6 +47,16 @@ constexpr double kMostUnlike = 0.1;  // of all discs: neither search knows what 
 
 }  // namespace
 
+Located in_frame(Located found, Binning blocks) {
+    const double factor = blocks.factor;
+    for (std::vector<Vec2>* places : {&found.position, &found.fitted}) {
+        for (Vec2& p : *places) p = blocks.in_frame(p);
+    }
+    for (Vec2& error : found.error) error *= factor;
+    for (double& misfit : found.explained) misfit *= factor * factor;
+    return found;
+}
+
 /// A frame on its way through the stages.
 struct Locator::Frame {
     const DetectionOptions& detection;

@@ -49,6 +49,9 @@ struct Located {
     double detect_seconds = 0, refine_seconds = 0;
 };
 
+/// What was found in blocks, in pixels of the frame.
+Located in_frame(Located found, Binning blocks);
+
 /// Finds every sphere of a darkness image and its uncertainty, in stages.
 ///
 /// 1. Start: large discs are searched for on an image of blocks (CoarseSearch), as large as leave

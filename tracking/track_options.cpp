@@ -86,6 +86,9 @@ std::vector<OptionTable> describe(TrackOptions& options) {
         "correct positions for mirror images of neighbours as learned from frames that are "
         "rendered with the optics of the film (10 to 40 s of a core), kept with its calibration; "
         "no: not at all; auto: as learned from other cameras, where spheres look like mirrors");
+    track.integer("binning", options.binning, "px", {0, 32},
+                  "fit frames by blocks of that many pixels a side, which takes less time; 1: pixel "
+                  "by pixel; 0: as many as leave 8 to a sphere, where it is a mirror");
     track.integer("stretch", options.stretch, "frames", {2, 1e9},
                   "frames that start from one another; then the search begins afresh, so that "
                   "parts of a film give what the whole film gives");
@@ -96,6 +99,11 @@ std::vector<OptionTable> describe(TrackOptions& options) {
             describe(options.layers),
             describe(options.synthesis_options),
             track};
+}
+
+bool needs_pixels(const TrackOptions& options) {
+    return options.synthesis || options.correct_bias.value_or(false) ||
+           (options.kept && options.kept->bias);
 }
 
 DetectionOptions detection_of(const TrackOptions& options) {
@@ -122,7 +130,24 @@ void warn_of_unusual_size(double apparent, const TrackOptions& options, RunPlan&
 
 void require_consistent(const TrackOptions& options) {
     require_diameter(options);
+    if (needs_pixels(options) && options.binning > 1) {
+        throw OptionError({.problem = "spheres cannot be rendered by blocks of pixels",
+                           .actual = fmt::format("track.binning is {}, with {}",
+                                                 options.binning,
+                                                 options.synthesis ? "track.synthesis"
+                                                                   : "track.correct-bias"),
+                           .expected = "1, or 0 for automatic",
+                           .suggestion = "leave out track.binning"});
+    }
     if (options.correct_bias.value_or(false)) require_mirrors(options);
+    if (options.kept && options.binning > 0 &&
+        options.binning != options.kept->model.binning.factor) {
+        throw OptionError(
+            {.problem = "a kept calibration is of blocks of its own",
+             .actual = fmt::format("track.binning is {}", options.binning),
+             .expected = fmt::format("{}, as calibrated", options.kept->model.binning.factor),
+             .suggestion = "leave out the option, or calibrate again"});
+    }
     if (options.kept && options.calibration != CalibrationOptions{}) {
         throw OptionError({.problem = "a kept calibration leaves nothing to estimate",
                            .actual = "options of the section calibrate are given as well",

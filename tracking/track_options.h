@@ -28,6 +28,7 @@ struct TrackOptions {
     bool synthesis = false;                 ///< positions and heights from rendered images
     SynthesisOptions synthesis_options;     ///< layers.height, where given, is the height
     std::optional<bool> correct_bias;       ///< true: learned from the film; empty: the general one
+    int binning = 0;  ///< frames are fitted by blocks of that many pixels a side; 0: model_of_film
     std::int64_t stretch = 200;             ///< [frames] that start from one another
     std::optional<FrameSpan> part;          ///< measured, not linked; empty: all, and linked
     VisiblePixels visible;                  ///< pixels that are looked at
@@ -48,6 +49,10 @@ std::vector<OptionTable> describe(TrackOptions& options);
 /// the spheres; either of the last two with a mask, a camera or the other; a kept calibration with
 /// options that estimate or give what it holds.
 void require_consistent(const TrackOptions& options);
+
+/// Whether frames are compared with rendered ones, or a correction learned so is used: pixels are
+/// then not binned.
+bool needs_pixels(const TrackOptions& options);
 
 /// How spheres are looked for: with the true diameter and the height of the cell, where they are
 /// known, those without room are not taken.

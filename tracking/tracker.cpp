@@ -8,7 +8,7 @@
 #include "core/errors.h"
 #include "core/support/interrupt.h"
 #include "core/support/parallel.h"
-#include "tracking/film_bias.h"
+#include "tracking/film_model.h"
 #include "tracking/run_clock.h"
 #include "tracking/track_plan.h"
 #include "tracking/warm_start.h"
@@ -51,25 +51,27 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
         polarity == PolarityChoice::automatic) {
         polarity = PolarityChoice::dark;
     }
-    if (options_.kept) {
-        film_ = use_kept(*options_.kept, source, options_.visible, threads_, plan);
-    } else {
-        film_ = calibrate_film(source, options_.calibration, options_.detection,
-                               options_.refinement, options_.visible, threads_, plan);
-        if (options_.keeps && is_calibrated()) {
-            // Films that use it do not know where the spheres of this one were.
-            film_.calibration->positions.clear();
-            film_.frame = -1;
-        }
-    }
+    FilmModel film = model_of_film(source, options_, threads_, plan);
+    film_ = std::move(film.film);
     if (!is_calibrated()) return;
+    if (options_.keeps) {
+        // Films that use it do not know where the spheres of this one were.
+        film_.calibration->positions.clear();
+        film_.frame = -1;
+    }
+    model_ = fitted_model().in_pixels();
+    const Binning blocks = binning();
+    fit_detection_ = in_blocks(options_.detection, blocks);
+    fit_refinement_ = in_blocks(options_.refinement, blocks);
+    fit_visible_ = options_.visible.blocks(blocks.factor);
     warn_of_unusual_size(model().disc.diameter, options_, plan);
     const std::int64_t count = source.count();
     const int lanes = static_cast<int>(std::min<std::int64_t>(kSideBySide, count));
     for (int lane = 0; lane < lanes; ++lane) {
-        lanes_.push_back({Locator(source.width(), source.height(), model(), threads_),
-                          IlluminationFollower(model(), options_.visible)});
-        lanes_.back().locator.set_visible(options_.visible);
+        lanes_.push_back({Locator(blocks.blocks(source.width()), blocks.blocks(source.height()),
+                                  fitted_model(), threads_),
+                          IlluminationFollower(fitted_model(), fit_visible_)});
+        lanes_.back().locator.set_visible(fit_visible_);
         lanes_.back().locator.expect_misfit(model().residual_rms);
     }
     plan_frames(model(), options_, count, plan);
@@ -82,9 +84,8 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
         kept_optics_ = usable_optics(options_.kept.value_or(KeptCalibration{}), *synthesis_, plan);
     }
     plan_heights(options_, plan);
-    FilmBias bias = bias_of_film(source, options_, model(), film_.weighed_at, threads_, plan);
-    bias_ = std::move(bias.correction);
-    bias_decision_ = std::move(bias.decision);
+    bias_ = std::move(film.bias.correction);
+    bias_decision_ = std::move(film.bias.decision);
     if (bias_) {
         for (Lane& lane : lanes_) lane.locator.set_correction(*bias_);
     }
@@ -107,7 +108,7 @@ TrajectoryInfo Tracker::info() const {
 /// Whether the second of two frames side by side would begin cold, and after the first one it
 /// would not.
 bool Tracker::is_far_for_two() const {
-    const double most = kWarmStep * model().disc.diameter;
+    const double most = kWarmStep * fitted_model().disc.diameter;
     return previous_.step_rms <= most &&
            static_cast<double>(kSideBySide) * previous_.step_rms > most;
 }
@@ -169,7 +170,7 @@ void Tracker::keep(Job& job) {
     if (!is_calibrated() || !job.is_usable()) return;
     previous_.step_rms =
         previous_.position == job.position - 1
-            ? step_between(previous_.found.fitted, job.found.fitted, model().disc.diameter)
+            ? step_between(previous_.found.fitted, job.found.fitted, fitted_model().disc.diameter)
             : 0;
     previous_.position = job.position;
     previous_.counts = std::move(job.frame.image);

@@ -31,7 +31,7 @@ namespace grainfield::tracking {
 
 /// What a saved run of the tracker calls itself (Checkpoint::kind), with the version of what it
 /// holds.
-inline constexpr const char* kTrackStateKind = "track 6";
+inline constexpr const char* kTrackStateKind = "track 7";
 
 /// How a long run is saved now and then, and taken up again.
 struct TrackResumption {
@@ -71,7 +71,7 @@ struct TrackResumption {
 /// room between the plates are left out. The others get the layer that their overlaps imply
 /// (Bilayer), up to a flip of each cluster.
 ///
-/// Positions are in pixels of the source. With a camera they are corrected as soon as a frame is
+/// Frames may be fitted by blocks of pixels (model_of_film). Positions are in pixels of the source. With a camera they are corrected as soon as a frame is
 /// fitted, so that layers and identities follow from corrected ones. Those outside of
 /// CameraMap::box, which becomes the box, are left out. Fitting itself knows nothing of it. Three
 /// frames are in memory at a time. Results do not depend on the number of threads: frames are
@@ -92,7 +92,10 @@ class Tracker {
 
     bool is_calibrated() const { return film_.calibration.has_value(); }
     /// Call only if is_calibrated().
-    const ImageModel& model() const { return film_.calibration->model; }
+    /// Of pixels, whatever frames are fitted on.
+    const ImageModel& model() const { return *model_; }
+    /// How frames are seen where they are fitted. Call only if is_calibrated().
+    Binning binning() const { return fitted_model().binning; }
     /// Tells calibrations apart: the frame used and the numbers of the model. Empty without one.
     std::vector<double> calibration_numbers() const;
     /// All that are looked at: the part's, and those of its first stretch before it.
@@ -133,7 +136,7 @@ class Tracker {
     struct Previous {
         std::int64_t position = -2;  ///< among the frames selected
         Image counts;
-        Located found;
+        Located found;  ///< in the frame as it is fitted, like the next but one
         std::optional<SynthesisedFrame> synthesised = {};
         double step_rms = 0;  ///< RMS step to its discs from those before [px]; 0: unknown
     };
@@ -155,7 +158,8 @@ class Tracker {
     struct Lane {
         Locator locator;
         IlluminationFollower illumination;
-        Image darkness = {}, residual = {};  ///< of the frame that is corrected; memory is kept
+        Image blocks = {};                   ///< the frame, where it is binned; memory is kept
+        Image darkness = {}, residual = {};  ///< of the frame that is corrected
     };
     /// A frame on its way.
     struct Job {
@@ -164,7 +168,7 @@ class Tracker {
         std::string blank;          ///< why there is nothing to fit; empty: there is
         bool is_repeated = false;   ///< of the frame before: `found` is that one's
         bool is_warm = false;
-        Located found;
+        Located found;            ///< in the frame as it is fitted
         std::vector<Vec2> discs;  ///< that synthesis begins with; empty without it [px]
         std::optional<SynthesisedFrame> synthesised = {};
         Illumination light;
@@ -172,6 +176,7 @@ class Tracker {
 
         bool is_usable() const { return frame.status == FrameStatus::ok && blank.empty(); }
     };
+    const ImageModel& fitted_model() const { return film_.calibration->model; }
     bool is_far_for_two() const;
     std::vector<Job> read(Run& run);
     void fit(std::vector<Job>& jobs);
@@ -186,13 +191,18 @@ class Tracker {
     void report(const Job& job, Snapshot& snapshot, TrackSummary& summary);
     void check_room(const Snapshot& snapshot) const;
     void link(const Job& job, Run& run, Snapshot& snapshot);
-    void correct(Job& job, Lane& lane) const;
+    void correct(Job& job, const Image& counts, Lane& lane) const;
 
     FrameSource& source_;
     TrackOptions options_;
     RunPlan& plan_;
     int threads_;
-    FilmCalibration film_;
+    FilmCalibration film_;             ///< of frames as they are fitted
+    std::optional<ImageModel> model_;  ///< the same of pixels
+    /// As they hold for frames that are fitted, which may be binned.
+    DetectionOptions fit_detection_;
+    RefinementOptions fit_refinement_;
+    VisiblePixels fit_visible_;
     Box box_;                    ///< of all snapshots, without its height
     RepeatedWarnings repeated_;  ///< of the frames tracked so far
     std::vector<Lane> lanes_;

@@ -73,7 +73,7 @@ std::vector<Vec2> Tracker::start_for(const Job& job) const {
     if (job.frame.index == film_.frame) return film_.calibration->positions;
     const std::int64_t frames = job.position - previous_.position;
     if (frames > kSideBySide ||
-        static_cast<double>(frames) * previous_.step_rms > kWarmStep * model().disc.diameter) {
+        static_cast<double>(frames) * previous_.step_rms > kWarmStep * fitted_model().disc.diameter) {
         return {};
     }
     return previous_.found.fitted;
@@ -82,16 +82,18 @@ std::vector<Vec2> Tracker::start_for(const Job& job) const {
 void Tracker::fit(Job& job, Lane& lane) const {
     const Frame& frame = job.frame;
     auto begin = RunClock::now();
+    if (!binning().is_none()) binning().bin(frame.image, lane.blocks);
+    const Image& seen = binning().is_none() ? frame.image : lane.blocks;
     lane.illumination.continue_from(light_);
-    Illumination light = lane.illumination.expected(frame.image);
+    Illumination light = lane.illumination.expected(seen);
     job.ms.detect += milliseconds_since(begin);
     std::vector<Vec2> places = start_for(job);
     // Before the first step is known it is taken to be a large one.
     double step = frame.index == film_.frame ? 0
                   : previous_.step_rms > 0
                       ? static_cast<double>(job.position - previous_.position) * previous_.step_rms
-                      : kWarmStep * model().disc.diameter;
-    DetectionOptions detection = options_.detection;
+                      : kWarmStep * fitted_model().disc.diameter;
+    DetectionOptions detection = fit_detection_;
     if (frame.index == film_.frame && !film_.calibration->is_complete) {
         // The calibration looked for most spheres only.
         detection.cores = CoreSearch::this_frame;
@@ -102,15 +104,15 @@ void Tracker::fit(Job& job, Lane& lane) const {
     for (int attempt = 0; attempt < 2; ++attempt) {
         begin = RunClock::now();
         job.found = lane.locator.locate(
-            [&](int y, float* row) { model().darkness_row(frame.image, light, y, row); }, detection,
-            options_.refinement, places, step);
+            [&](int y, float* row) { fitted_model().darkness_row(seen, light, y, row); }, detection,
+            fit_refinement_, places, step);
         if (attempt == 0) job.is_warm = job.found.warm && frame.index != film_.frame;
         // Drawing and what every frame needs besides count as refinement.
         job.ms.detect += 1e3 * job.found.detect_seconds;
         job.ms.refine += milliseconds_since(begin) - 1e3 * job.found.detect_seconds;
         begin = RunClock::now();
         const Illumination settled =
-            lane.illumination.settled(frame.image, light, lane.locator.transmission());
+            lane.illumination.settled(seen, light, lane.locator.transmission());
         job.ms.detect += milliseconds_since(begin);
         const bool holds = std::abs(settled.offset - light.offset) < kLightAccuracy &&
                            std::abs(settled.span / light.span - 1) < kLightAccuracy;
@@ -125,23 +127,22 @@ void Tracker::fit(Job& job, Lane& lane) const {
     if (synthesis_) job.discs = job.found.fitted;
     if (!bias_) return;
     begin = RunClock::now();
-    correct(job, lane);
+    correct(job, seen, lane);
     job.ms.refine += milliseconds_since(begin);
 }
 
-void Tracker::correct(Job& job, Lane& lane) const {
-    const Image& counts = job.frame.image;
+void Tracker::correct(Job& job, const Image& counts, Lane& lane) const {
     for (Image* image : {&lane.darkness, &lane.residual}) {
         if (image->width() != counts.width() || image->height() != counts.height()) {
             *image = Image(counts.width(), counts.height());
         }
     }
     for (int y = 0; y < counts.height(); ++y) {
-        model().darkness_row(counts, job.light, y, lane.darkness.row(y));
+        fitted_model().darkness_row(counts, job.light, y, lane.darkness.row(y));
     }
     lane.locator.write_residual(lane.residual);
     const int own = std::max(1, threads_ / static_cast<int>(lanes_.size()));
-    const double diameter = *options_.sphere_diameter;
+    const double diameter = *options_.sphere_diameter / binning().factor;
     if (synthesis_) {
         job.discs = corrected_discs(*bias_, lane.darkness, lane.residual, diameter, job.found, own);
     } else {

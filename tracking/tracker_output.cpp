@@ -73,7 +73,10 @@ void Tracker::report(const Job& job, Snapshot& snapshot, TrackSummary& summary) 
         if (!job.is_repeated) add(*job.synthesised, job.frame.index, summary.synthesis);
         return;
     }
-    const Located& found = job.found;
+    const std::optional<Located> unbinned = binning().is_none()
+                                                ? std::nullopt
+                                                : std::optional(in_frame(job.found, binning()));
+    const Located& found = unbinned ? *unbinned : job.found;
     snapshot.position = found.position;
     snapshot.quality = found.residual;
     // Misfit of discs that the camera sees larger or smaller does not displace them.

@@ -100,15 +100,17 @@ void Tracker::transfer(NumberArchive& archive, Run& run) {
 /// What the calibration must give again.
 std::vector<double> Tracker::calibration_numbers() const {
     if (!is_calibrated()) return {};
+    const ImageModel& model = fitted_model();
     std::vector<double> numbers{static_cast<double>(film_.frame),
-                                static_cast<double>(model().polarity),
-                                static_cast<double>(number_of(*model().overlap)),
-                                model().disc.diameter,
-                                model().disc.edge_width,
-                                model().dark_level,
+                                static_cast<double>(model.polarity),
+                                static_cast<double>(number_of(*model.overlap)),
+                                model.disc.diameter,
+                                model.disc.edge_width,
+                                model.dark_level,
                                 static_cast<double>(film_.calibration->positions.size()),
-                                model().correction.spacing};
-    numbers.insert(numbers.end(), model().correction.value.begin(), model().correction.value.end());
+                                model.correction.spacing,
+                                static_cast<double>(model.binning.factor)};
+    numbers.insert(numbers.end(), model.correction.value.begin(), model.correction.value.end());
     if (bias_) {
         const std::vector<double> bias = numbers_of(*bias_);
         numbers.insert(numbers.end(), bias.begin(), bias.end());

@@ -177,7 +177,7 @@ std::unique_ptr<FrameSource> evened(std::unique_ptr<FrameSource> frames, const F
     }
     RunPlan scratch;
     tracking::TrackOptions measured = tracking;
-    measured.corrects_bias = false;
+    measured.corrects_bias = false;  // nor are blocks tried
     const tracking::Tracker first(*frames, measured, scratch);
     if (!first.is_calibrated()) return frames;  // which is said when the tracker tries again
     const auto levels = tracking::FilmLevels::of(first.model(), frames->width(), frames->height());

@@ -71,9 +71,9 @@ std::string text_of(const KeptCalibration& kept) {
     text += fmt::format("format = \"{}\"\n\n", kFormat);
     text += fmt::format("[frame]  # px\nwidth = {}\nheight = {}\n\n", kept.width, kept.height);
     text += fmt::format(
-        "[spheres]  # px\npolarity = \"{}\"\ndisc-diameter = {}\nedge-width = {}\nprofile = "
+        "[spheres]  # lengths in blocks of binning x binning px\nbinning = {}\npolarity = \"{}\"\ndisc-diameter = {}\nedge-width = {}\nprofile = "
         "\"{}\"\nmeeting-edges = \"{}\"\n\n",
-        model.polarity == Polarity::dark ? "dark" : "bright", model.disc.diameter,
+        model.binning.factor, model.polarity == Polarity::dark ? "dark" : "bright", model.disc.diameter,
         model.disc.edge_width, model.disc.shape->name(), model.overlap->name());
     text += fmt::format("[learned]  # px, contrast\nspacing = {}\nvalues = {}\n\n",
                         model.correction.spacing, list_of(model.correction.value));
@@ -130,6 +130,9 @@ KeptCalibration read_calibration(const std::filesystem::path& path) {
     tracking::ImageModel& model = kept.model;
     model.polarity = values.choice<Polarity>(
         "spheres.polarity", {{"dark", Polarity::dark}, {"bright", Polarity::bright}});
+    if (values.has("spheres.binning")) {
+        model.binning.factor = values.whole("spheres.binning", 1, 32);
+    }
     model.disc.diameter = values.number("spheres.disc-diameter", 1, 1e5);
     model.disc.edge_width = values.number("spheres.edge-width", 1e-3, 1e5);
     model.disc.shape = values.choice("spheres.profile", by_name(tracking::profile_shapes()));
@@ -149,8 +152,9 @@ KeptCalibration read_calibration(const std::filesystem::path& path) {
         values.refuse_value("light.background", fmt::format("{} coefficients", terms));
     }
     model.background = degree == 0 ? tracking::BackgroundSurface(coefficients.front())
-                                   : tracking::BackgroundSurface(kept.width, kept.height, degree,
-                                                                 std::move(coefficients));
+                                   : tracking::BackgroundSurface(model.binning.blocks(kept.width),
+                                                                 model.binning.blocks(kept.height),
+                                                                 degree, std::move(coefficients));
     model.noise = values.number("check.noise", 0, largest);
     model.residual_rms = values.number("check.rough-residual", 0, largest);
     kept.check.residual = values.number("check.residual", 0, largest);

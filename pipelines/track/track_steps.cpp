@@ -105,7 +105,8 @@ void complete(tracking::TrackOptions& tracking, const Film& film,
 std::optional<SphereImage> spheres_of(const Tracker& tracker) {
     if (!tracker.is_calibrated()) return std::nullopt;
     const tracking::ImageModel& model = tracker.model();
-    return SphereImage{model.polarity, model.disc.diameter, model.disc.edge_width};
+    return SphereImage{model.polarity, model.disc.diameter, model.disc.edge_width,
+                       tracker.binning().factor};
 }
 
 void warn_of_units(const tracking::TrackOptions& options, const FrameSource& frames,

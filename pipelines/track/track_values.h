@@ -34,6 +34,7 @@ struct SphereImage {
     tracking::Polarity polarity = tracking::Polarity::dark;
     double diameter = 0;    ///< apparent D [px]
     double edge_width = 0;  ///< w [px]
+    int binning = 1;        ///< frames were fitted by blocks of that many pixels a side
 };
 
 /// What tracking, or the part of it until a signal, did.

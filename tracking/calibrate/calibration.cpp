@@ -39,6 +39,8 @@ constexpr double kMostLeft = 0.16;
 constexpr double kMostMisfit = 0.07;
 /// A model describes the frame where this share of the residual's variance is not noise.
 constexpr double kLittleMisfit = 0.2;
+/// Frames are seen by blocks where a first fit leaves this many times the noise.
+constexpr double kMisfitForBlocks = 2;
 constexpr int kRounds = 4;
 constexpr int kFrameRounds = 2;
 constexpr int kImageRounds = 6;
@@ -86,6 +88,11 @@ Patch clearest_patch(const Image& counts, const ImageModel& model, const Visible
     return patch;
 }
 
+/// The disc in pixels of the frame.
+DiscProfile in_pixels(const ImageModel& model) {
+    return model.binning.in_frame(model.disc);
+}
+
 /// Improves a model on an image, step by step.
 struct Fitter {
     CalibrationOptions options;
@@ -97,6 +104,7 @@ struct Fitter {
     EdgeFit edges = {};
     ExplainedShare explained = {};  ///< by the positions of the last update
     VisiblePixels visible = {};     ///< of the image it works on
+    Binning blocks = {};            ///< lengths count them, given ones too
 
     /// Locates roughly, then refits disc, dark level and background. True once D and w rest.
     bool update(ImageModel& model, const Image& counts) {
@@ -170,8 +178,9 @@ struct Fitter {
             "diameter and edge width of all spheres",
             fmt::format("{} spheres after {}: D = {:.2f} px, w = {:.2f} px leave {:.4f} of the "
                         "contrast, D = {:.2f} px, w = {:.2f} px {:.4f}",
-                        positions.size(), before, model.disc.diameter, model.disc.edge_width,
-                        refitted.residual_rms, chosen.disc.diameter, chosen.disc.edge_width,
+                        positions.size(), before, in_pixels(model).diameter,
+                        in_pixels(model).edge_width, refitted.residual_rms,
+                        in_pixels(chosen).diameter, in_pixels(chosen).edge_width,
                         scene.residual_rms));
         if (is_better) {
             model.residual_rms = refitted.residual_rms;
@@ -216,7 +225,7 @@ struct Fitter {
 /// One first guess, improved on the most dilute part of the frame.
 struct Trial {
     Polarity polarity;
-    ImageModel model;  ///< of the image in which spheres are dark
+    ImageModel model;  ///< of the image in which spheres are dark, with what the part leaves
     Fitter fitter;
     bool is_whole;  ///< the part was all of the frame
     SizeCandidate candidate = {};
@@ -224,6 +233,7 @@ struct Trial {
 
 Trial try_guess(const Image& work, const FirstGuess& guess, Fitter fitter) {
     ImageModel model;
+    model.binning = fitter.blocks;
     model.background = guess.background;
     model.dark_level = guess.dark_level;
     model.disc.shape = fitter.options.profile.shape;
@@ -243,22 +253,51 @@ Trial try_guess(const Image& work, const FirstGuess& guess, Fitter fitter) {
         if (settled) break;
     }
     SizeCandidate candidate{.polarity = guess.polarity,
-                            .diameter = local.disc.diameter,
-                            .edge_width = local.disc.edge_width,
+                            .diameter = in_pixels(local).diameter,
+                            .edge_width = in_pixels(local).edge_width,
                             .spheres = static_cast<std::int64_t>(fitter.positions.size()),
                             .explained = fitter.explained,
                             .position = fitter.positions,
-                            .x = patch.x,
-                            .y = patch.y,
-                            .width = patch.image.width(),
-                            .height = patch.image.height()};
+                            .x = patch.x * fitter.blocks.factor,
+                            .y = patch.y * fitter.blocks.factor,
+                            .width = patch.image.width() * fitter.blocks.factor,
+                            .height = patch.image.height() * fitter.blocks.factor};
     for (Vec2& p : candidate.position) {
         p += Vec2{static_cast<double>(patch.x), static_cast<double>(patch.y)};
+        p = fitter.blocks.in_frame(p);
     }
     if (is_whole) return {guess.polarity, local, fitter, true, std::move(candidate)};
     model.disc = local.disc;
     model.dark_level = local.dark_level;
+    model.noise = local.noise;
+    model.residual_rms = local.residual_rms;
     return {guess.polarity, model, fitter, false, std::move(candidate)};
+}
+
+/// Whether a first fit leaves clearly more than noise.
+bool has_misfit(const ImageModel& model) {
+    return model.residual_rms * model.residual_rms >
+           (1 + kMisfitForBlocks * kMisfitForBlocks) * model.noise * model.noise;
+}
+
+/// What a frame is calibrated on: its pixels, or blocks of them.
+struct View {
+    Image counts;
+    Fitter fitter;
+};
+
+View view_by(Binning blocks, const Image& counts, Fitter fitter) {
+    if (blocks.is_none()) return {counts, std::move(fitter)};
+    CalibrationOptions& options = fitter.options;
+    if (options.diameter) *options.diameter /= blocks.factor;
+    if (options.edge_width) options.edge_width = blocks.edge_in_blocks(*options.edge_width);
+    fitter.detection = in_blocks(fitter.detection, blocks);
+    fitter.refinement = in_blocks(fitter.refinement, blocks);
+    fitter.visible = fitter.visible.blocks(blocks.factor);
+    fitter.blocks = blocks;
+    Image binned = blocks.binned(counts);
+    fitter.levels = levels_of(binned, fitter.visible);
+    return {std::move(binned), std::move(fitter)};
 }
 
 /// What the user can say that settles it.
@@ -402,23 +441,31 @@ std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptio
         plan.warn(reason);
         return std::nullopt;
     }
-    const std::optional<Trial> best = best_trial(counts, options,
-                                                 {.options = options,
-                                                  .detection = detection,
-                                                  .refinement = refinement,
-                                                  .threads = threads,
-                                                  .levels = levels,
-                                                  .visible = visible},
-                                                 plan, candidates);
+    const Fitter by_pixels{.options = options,
+                           .detection = detection,
+                           .refinement = refinement,
+                           .threads = threads,
+                           .levels = levels,
+                           .visible = visible};
+    View view = view_by({options.binning.factor}, counts, by_pixels);
+    RunPlan attempt;
+    std::optional<Trial> best = best_trial(view.counts, options, view.fitter, attempt, candidates);
+    const bool is_noise_all = options.binning.only_for_misfit && !(best && has_misfit(best->model));
+    if (options.binning.factor > 1 && is_noise_all) {
+        view = view_by({}, counts, by_pixels);
+        best = best_trial(view.counts, options, view.fitter, plan, candidates);
+    } else {
+        plan.take(attempt);
+    }
     if (!best) return std::nullopt;
 
     // From here on in terms of dark spheres; the sign is undone at the end.
     const bool bright = best->polarity == Polarity::bright;
-    const Image work = bright ? turned_round(counts) : counts;
+    const Image work = bright ? turned_round(view.counts) : std::move(view.counts);
     ImageModel model = best->model;
     Fitter fitter = best->fitter;
     if (!best->is_whole) {
-        fitter.visible = visible;
+        fitter.visible = view.fitter.visible;
         fitter.positions.clear();
         for (int round = 0; round < kFrameRounds; ++round) {
             const bool settled = fitter.update(model, work);
@@ -427,15 +474,16 @@ std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptio
     }
     const double contrast =
         model.background(0.5 * work.width(), 0.5 * work.height()) - model.dark_level;
-    const double misfit = std::sqrt(
-        std::max(0.0, std::pow(model.residual_rms, 2) - std::pow(levels.noise / contrast, 2)));
+    const double misfit = std::sqrt(std::max(
+        0.0, std::pow(model.residual_rms, 2) - std::pow(fitter.levels.noise / contrast, 2)));
     if (!options.diameter && model.residual_rms > kMostLeft && misfit > kMostMisfit &&
         levels.high - levels.low < kTellsSize * levels.noise) {
         plan.warn(fmt::format(
             "too noisy to tell the size of the spheres: the noise is {:.2f} of the span of the "
             "image, discs of D = {:.1f} px leave {:.2f} of the contrast; give "
             "calibrate.disc-diameter",
-            levels.noise / (levels.high - levels.low), model.disc.diameter, model.residual_rms));
+            levels.noise / (levels.high - levels.low), in_pixels(model).diameter,
+            model.residual_rms));
         return std::nullopt;
     }
     const EdgeFit& edges = fitter.edges;
@@ -446,13 +494,14 @@ std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptio
             "the fit of diameter and edge width to exposed edges did not converge; D = {:.2f} px "
             "and w = {:.2f} px are those before it; both can be given (calibrate.disc-diameter, "
             "calibrate.edge-width)",
-            model.disc.diameter, model.disc.edge_width));
+            in_pixels(model).diameter, in_pixels(model).edge_width));
     }
     plan.run("diameter and edge width",
              options.diameter && options.edge_width
                  ? std::string("given")
-                 : fmt::format("D = {:.2f} px, w = {:.2f} px from {} pixels of exposed edges",
-                               model.disc.diameter, model.disc.edge_width, edges.pixels));
+                 : fmt::format("D = {:.2f} px, w = {:.2f} px from {} {} of exposed edges",
+                               in_pixels(model).diameter, in_pixels(model).edge_width, edges.pixels,
+                               fitter.blocks.is_none() ? "pixels" : "blocks"));
     if (model.background.is_uniform()) {
         plan.skip("background surface",
                   fmt::format("illumination uniform to {:.1f} % of the contrast",
@@ -461,8 +510,8 @@ std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptio
     } else {
         plan.run("background surface", "illumination is uneven");
     }
-    choose_model(work, fitter.positions, options, detection, refinement, threads, visible, model,
-                 plan);
+    choose_model(work, fitter.positions, fitter.options, fitter.detection, fitter.refinement, threads,
+                 fitter.visible, model, plan);
     const bool is_complete = fitter.complete(model, work, plan);
     if (bright) {
         model.background = model.background.negated();

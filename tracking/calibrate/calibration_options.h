@@ -19,6 +19,13 @@ struct ProfileChoice {
     bool operator==(const ProfileChoice&) const = default;
 };
 
+/// By which blocks of pixels a frame is fitted.
+struct BinningUse {
+    int factor = 1;                ///< pixels a side; 1: pixels as they are
+    bool only_for_misfit = false;  ///< none where noise is more than half of what discs leave
+    bool operator==(const BinningUse&) const = default;
+};
+
 struct CalibrationOptions {
     std::optional<double> diameter;    ///< apparent diameter D [px]; empty: estimated
     std::optional<double> edge_width;  ///< w [px]; empty: estimated
@@ -27,6 +34,7 @@ struct CalibrationOptions {
     /// the smallest residual.
     const OverlapRule* meeting_edges = nullptr;
     ProfileChoice profile;
+    BinningUse binning;                ///< no option of its own: the film decides (model_of_film)
     double uniform_tolerance = 0.003;  ///< background counts as uniform below this variation [-]
 
     bool operator==(const CalibrationOptions&) const = default;

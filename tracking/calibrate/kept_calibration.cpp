@@ -29,14 +29,16 @@ void KeptCalibration::require_size(int other_width, int other_height,
 
 CalibrationCheck check(const ImageModel& model, const Image& counts, const VisiblePixels& visible,
                        int threads) {
-    const Image darkness = model.darkness(counts);
-    Locator locator(counts.width(), counts.height(), model, threads);
-    locator.set_visible(visible);
-    const Located found = locator.locate(darkness, {}, {});
-    const EdgeFit edges = fit_exposed_edges(darkness, found.fitted, model.disc, visible);
+    const Binning binning = model.binning;
+    const VisiblePixels seen = visible.blocks(binning.factor);
+    const Image darkness = model.darkness(binning.is_none() ? counts : binning.binned(counts));
+    Locator locator(darkness.width(), darkness.height(), model, threads);
+    locator.set_visible(seen);
+    const Located found = locator.locate(darkness, {}, in_blocks(RefinementOptions{}, binning));
+    const EdgeFit edges = fit_exposed_edges(darkness, found.fitted, model.disc, seen);
     const Levels levels = levels_of(counts, visible);
     return {.residual = found.residual_rms,
-            .diameter = edges.converged && edges.pixels > 0 ? edges.disc.diameter : 0,
+            .diameter = edges.converged && edges.pixels > 0 ? binning.in_frame(edges.disc).diameter : 0,
             .low = levels.low,
             .high = levels.high};
 }

@@ -24,7 +24,7 @@ struct CalibrationCheck {
 
 /// A calibration that films to come are measured with.
 struct KeptCalibration {
-    ImageModel model;
+    ImageModel model;                   ///< of pixels, or of blocks of them
     int width = 0, height = 0;          ///< of the frames it was made on [px]
     CalibrationCheck check;             ///< of the frame it was made on
     std::optional<Camera> camera = {};  ///< lens and tilt, of whole frames; empty: not corrected

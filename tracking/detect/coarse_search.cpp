@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "tracking/detect/residual_blocks.h"
 
@@ -44,35 +43,23 @@ void reduce(const PaddedImage& image, int factor, int spacing, int threads, Imag
     });
 }
 
-/// A disc in blocks. The derivative of a tanh edge, sech², has variance π²w²/12; averaging over
-/// blocks adds factor²/12. Other edges are widened likewise.
-DiscProfile reduced(const DiscProfile& disc, int factor) {
-    const double blur = factor / std::numbers::pi;
-    return {disc.diameter / factor, std::hypot(disc.edge_width, blur) / factor, disc.shape};
-}
-
-RefinementOptions in_blocks_of(int factor, RefinementOptions refinement) {
-    refinement.tolerance /= factor;
-    return refinement;
-}
-
 }  // namespace
 
 CoarseSearch::CoarseSearch(int width, int height, const DiscProfile& disc, int factor, int threads)
-    : factor_(factor),
+    : blocks_{factor},
       threads_(threads),
       diameter_(disc.diameter),
-      correlation_(width / factor, height / factor, reduced(disc, factor), 1),
-      fit_(Image(width / factor, height / factor), reduced(disc, factor), threads),
+      correlation_(width / factor, height / factor, blocks_.in_blocks(disc), 1),
+      fit_(Image(width / factor, height / factor), blocks_.in_blocks(disc), threads),
       approach_(Image(width / factor, rows_of_blocks(height, factor, kRowSpacing)),
-                reduced(disc, factor), threads, kRowSpacing) {}
+                blocks_.in_blocks(disc), threads, kRowSpacing) {}
 
 bool CoarseSearch::suits(int width, int height, int factor) {
     return factor > 1 && width >= 2 * factor && height >= 2 * factor;
 }
 
 void CoarseSearch::set_visible(const VisiblePixels& visible) {
-    const VisiblePixels blocks = visible.blocks(factor_);
+    const VisiblePixels blocks = visible.blocks(blocks_.factor);
     fit_.set_visible(blocks);
     correlation_.set_visible(blocks);
     approach_.set_visible(blocks.every_row(kRowSpacing));
@@ -84,41 +71,31 @@ void CoarseSearch::set_threads(int threads) {
     approach_.set_threads(threads);
 }
 
-Vec2 CoarseSearch::in_frame(Vec2 p) const {
-    const double centre = 0.5 * (factor_ - 1);
-    return {p.x * factor_ + centre, p.y * factor_ + centre};
-}
-
-Vec2 CoarseSearch::in_blocks(Vec2 p) const {
-    const double centre = 0.5 * (factor_ - 1);
-    return {(p.x - centre) / factor_, (p.y - centre) / factor_};
-}
-
 StartingDiscs CoarseSearch::search(const PaddedImage& darkness, const DetectionOptions& detection,
                                    const RefinementOptions& rough) {
-    reduce(darkness, factor_, 1, threads_, image_);
+    reduce(darkness, blocks_.factor, 1, threads_, image_);
     fit_.restart(image_);
     SphereSearch search(fit_, correlation_, detection);
     search.seed();
-    search.run(in_blocks_of(factor_, rough));
+    search.run(in_blocks(rough, blocks_));
     summary_ = search.summary();
     StartingDiscs discs{{}, fit_.explained()};
-    for (const Vec2 p : fit_.positions()) discs.position.push_back(in_frame(p));
-    for (double& e : discs.explained) e *= factor_ * factor_;
+    for (const Vec2 p : fit_.positions()) discs.position.push_back(blocks_.in_frame(p));
+    for (double& e : discs.explained) e *= blocks_.factor * blocks_.factor;
     return discs;
 }
 
 CoarseSearch::Approach CoarseSearch::approach(const PaddedImage& darkness,
                                               const std::vector<Vec2>& start,
                                               const RefinementOptions& rough) {
-    reduce(darkness, factor_, kRowSpacing, threads_, image_);
+    reduce(darkness, blocks_.factor, kRowSpacing, threads_, image_);
     approach_.restart(image_);
     std::vector<Vec2> places;
     places.reserve(start.size());
-    for (const Vec2 p : start) places.push_back(in_blocks(p));
+    for (const Vec2 p : start) places.push_back(blocks_.in_blocks(p));
     approach_.add_all(places);
     Approach result;
-    result.steps = approach_.refine(in_blocks_of(factor_, rough), Drawing::roughly).steps;
+    result.steps = approach_.refine(in_blocks(rough, blocks_), Drawing::roughly).steps;
     const ResidualBlocks residual(approach_.darkness(), approach_.transmission(),
                                   static_cast<int>(std::ceil(approach_.disc().reach())), threads_);
     double wrong = 0;
@@ -129,11 +106,11 @@ CoarseSearch::Approach CoarseSearch::approach(const PaddedImage& darkness,
         wrong <= kMostWrong * approach_.darkness().width() * approach_.darkness().height();
     if (!result.is_near) return result;
     result.discs.explained = approach_.explained();
-    for (double& e : result.discs.explained) e *= factor_ * factor_ * kRowSpacing;
+    for (double& e : result.discs.explained) e *= blocks_.factor * blocks_.factor * kRowSpacing;
     const double farthest = kFarthest * diameter_;
     std::size_t far = 0;
     for (std::size_t j = 0; j < places.size(); ++j) {
-        const Vec2 p = in_frame(approach_.positions()[j]);
+        const Vec2 p = blocks_.in_frame(approach_.positions()[j]);
         const bool is_near = squared_norm(p - start[j]) < farthest * farthest;
         if (!is_near) ++far;
         result.discs.position.push_back(is_near ? p : start[j]);

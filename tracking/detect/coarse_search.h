@@ -6,6 +6,7 @@
 #include "core/vec2.h"
 #include "tracking/detect/disc_correlation.h"
 #include "tracking/detect/sphere_search.h"
+#include "tracking/model/binning.h"
 #include "tracking/model/disc_profile.h"
 #include "tracking/model/visible_pixels.h"
 #include "tracking/refine/joint_fit.h"
@@ -49,10 +50,7 @@ class CoarseSearch {
                       const RefinementOptions& rough);
 
  private:
-    Vec2 in_frame(Vec2 p) const;
-    Vec2 in_blocks(Vec2 p) const;
-
-    int factor_;
+    Binning blocks_;
     int threads_;
     double diameter_;  ///< in the frame [px]
     DiscCorrelation correlation_;

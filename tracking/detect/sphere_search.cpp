@@ -120,6 +120,11 @@ double seconds_since(Clock::time_point start) {
 
 }  // namespace
 
+DetectionOptions in_blocks(DetectionOptions options, Binning blocks) {
+    if (options.sphere_diameter) *options.sphere_diameter /= blocks.factor;
+    return options;
+}
+
 OptionTable describe(DetectionOptions& options) {
     OptionTable table("detect");
     table.number("separation", options.separation, "D", {0.05, 2},

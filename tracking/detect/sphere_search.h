@@ -9,6 +9,7 @@
 #include "tracking/detect/disc_correlation.h"
 #include "tracking/detect/residual_blocks.h"
 #include "tracking/layers/sphere_cell.h"
+#include "tracking/model/binning.h"
 #include "tracking/point_grid.h"
 #include "tracking/refine/joint_fit.h"
 
@@ -51,6 +52,9 @@ struct DetectionOptions {
 };
 
 OptionTable describe(DetectionOptions& options);
+
+/// The same of frames seen by blocks.
+DetectionOptions in_blocks(DetectionOptions options, Binning blocks);
 
 /// The search for the spheres of one darkness image at one resolution.
 ///

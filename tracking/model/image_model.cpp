@@ -9,6 +9,28 @@ constexpr float kLeastSpan = 1e-6F;
 
 }  // namespace
 
+ImageModel ImageModel::in_blocks(Binning blocks) const {
+    ImageModel model = *this;
+    model.binning = blocks;
+    if (blocks.is_none()) return model;
+    model.disc = blocks.in_blocks(disc);
+    model.background = background.in_blocks(blocks.factor);
+    model.correction.spacing /= blocks.factor;
+    model.noise /= blocks.factor;
+    return model;
+}
+
+ImageModel ImageModel::in_pixels() const {
+    ImageModel model = *this;
+    model.binning = {};
+    if (binning.is_none()) return model;
+    model.disc = binning.in_frame(disc);
+    model.background = background.in_pixels(binning.factor);
+    model.correction.spacing *= binning.factor;
+    model.noise *= binning.factor;
+    return model;
+}
+
 Image ImageModel::darkness(const Image& counts, const Illumination& light) const {
     Image result(counts.width(), counts.height());
     for (int y = 0; y < counts.height(); ++y) darkness_row(counts, light, y, result.row(y));

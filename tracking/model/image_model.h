@@ -2,6 +2,7 @@
 
 #include "core/frame.h"
 #include "tracking/model/background_surface.h"
+#include "tracking/model/binning.h"
 #include "tracking/model/disc_model.h"
 
 namespace grainfield::tracking {
@@ -31,6 +32,13 @@ struct ImageModel : DiscModel {
     double dark_level = 0;         ///< I_dark, counts in the core of a sphere
     double noise = 0;              ///< RMS of the residual away from edges [contrast]
     double residual_rms = 0;       ///< RMS of the residual over the frame [contrast]
+    Binning binning;               ///< frames are seen so; lengths above count its blocks
+
+    /// The same model of frames seen by blocks: noise is that of independent pixels. Call only for
+    /// a model of pixels.
+    ImageModel in_blocks(Binning blocks) const;
+    /// The same model of the pixels themselves.
+    ImageModel in_pixels() const;
 
     /// The darkness image: (B − I)/(B − I_dark), 0 on the background and 1 in the
     /// core of a sphere, corrected for the light of the frame, clipped to

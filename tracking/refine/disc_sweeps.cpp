@@ -166,6 +166,11 @@ OptionTable describe(RefinementOptions& options) {
     return table;
 }
 
+RefinementOptions in_blocks(RefinementOptions options, Binning blocks) {
+    options.tolerance /= blocks.factor;
+    return options;
+}
+
 DampedInverse::DampedInverse(const NormalEquations& n) {
     const double damping = 1e-3 * (n.xx + n.yy) + 1e-3;
     const double a = n.xx + damping;

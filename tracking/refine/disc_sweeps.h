@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "core/option_table.h"
+#include "tracking/model/binning.h"
 #include "tracking/refine/fitted_discs.h"
 #include "tracking/refine/stencil_view.h"
 
@@ -14,6 +15,9 @@ struct RefinementOptions {
 };
 
 OptionTable describe(RefinementOptions& options);
+
+/// The same of frames seen by blocks.
+RefinementOptions in_blocks(RefinementOptions options, Binning blocks);
 
 struct SweepSummary {
     int sweeps = 0;
