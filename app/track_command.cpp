@@ -96,6 +96,9 @@ std::string words(const Session& session, const TrackJobResult& result, const La
         text += fmt::format("  spheres    {}, diameter {:.3f} px, edge width {:.3f} px\n",
                             spheres->polarity == tracking::Polarity::dark ? "dark" : "bright",
                             spheres->diameter, spheres->edge_width);
+        if (spheres->binning > 1) {
+            text += fmt::format("  pixels     fitted by blocks of {0} x {0}\n", spheres->binning);
+        }
     }
     text += pipelines::units_in_words(result.info, result.rate_source, lab, session.plan);
     text += camera_in_words(result);
@@ -164,9 +167,11 @@ ordered_json facts(const TrackJobResult& result, const LabUnits& lab) {
     facts["particles_mean"] = summary.particles_mean;
     facts["diameter_px"] = nullptr;
     facts["edge_width_px"] = nullptr;
+    facts["binning"] = nullptr;
     if (result.spheres) {
         facts["diameter_px"] = result.spheres->diameter;
         facts["edge_width_px"] = result.spheres->edge_width;
+        facts["binning"] = result.spheres->binning;
     }
     add_units(facts, result, lab);
     facts["candidates"] = candidate_facts(result.weighed);

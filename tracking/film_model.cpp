@@ -21,8 +21,7 @@ int blocks_for_mirrors(const TrackOptions& options) {
         options.calibration.profile.learning != Learning::never) {
         return 1;
     }
-    const double blocks = *options.sphere_diameter / kLeastBlocks + kNearlyWhole;
-    return std::clamp(static_cast<int>(blocks), 1, kLargestBlock);
+    return mirror_blocks(*options.sphere_diameter);
 }
 
 FilmModel calibrated(FrameSource& source, const TrackOptions& options, BinningUse binning,
@@ -58,6 +57,10 @@ void say_blocks(const FilmModel& model, RunPlan& plan) {
 }
 
 }  // namespace
+
+int mirror_blocks(double diameter) {
+    return std::clamp(static_cast<int>(diameter / kLeastBlocks + kNearlyWhole), 1, kLargestBlock);
+}
 
 FilmModel model_of_film(FrameSource& source, const TrackOptions& options, int threads,
                         RunPlan& plan) {

@@ -14,6 +14,9 @@ struct FilmModel {
     FilmBias bias;         ///< undecided where nothing could be calibrated
 };
 
+/// Side of the largest blocks that leave eight to a sphere of diameter a [px]; 1: none do.
+int mirror_blocks(double diameter);
+
 /// The kept calibration, or one of this film (calibrate_film), and the bias (bias_of_film).
 ///
 /// **Blocks of pixels.** The error of a position has two parts. Noise tells on every pixel. What

@@ -191,8 +191,12 @@ void Locator::start_discs(Frame& frame, const std::vector<Vec2>& start, double s
         frame.found.warm = true;
         std::optional<double> left;
         if (moved) left = swept;
-        if (!moved && step > 0) left = 2 * step;
-        place_all(warm, left);
+        if (!moved && step > 0) {
+            // They are swept first, and no joint step follows before that.
+            fit_.add_all(warm.position, warm.explained, 2 * step);
+        } else {
+            place_all(warm, left);
+        }
         return;
     }
     DetectionOptions detection = frame.detection;
@@ -231,6 +235,8 @@ bool Locator::settle(Frame& frame, bool is_last) {
         } else {
             frame.search.sweep(sweeps, Drawing::roughly);
         }
+        // What moves spheres most is fitted next, and a step before it brings nothing.
+        if (frame.follows && !is_last) return true;
         const double unexplained = unexplained_by_model(frame);
         const double lag = least_drawn(unexplained, frame.refinement);
         const auto begin = Clock::now();
@@ -256,7 +262,11 @@ void Locator::sweep_to_rest(Frame& frame) {
 void Locator::settle_and_judge(Frame& frame) {
     frame.is_settled = settle(frame, model_.is_product());
     if (!frame.is_settled) frame.search.finish(sweeps_of(frame.refinement), Drawing::exactly);
-    frame.gain = solver_.gain(fit_);
+    if (frame.follows && !model_.is_product()) {
+        frame.gain.assign(fit_.positions().size(), 0);  // nothing pends
+    } else {
+        frame.gain = solver_.gain(fit_);
+    }
     frame.residual.emplace(residual_of(fit_, frame.gain));
     frame.revision = fit_.revision();
 }
@@ -345,10 +355,8 @@ void Locator::fit_overlaps(Frame& frame) {
     const int rounds = frame.follows ? kProductImagesWarm : kProductImages;
     for (int round = 1; round <= rounds; ++round) {
         const auto begin = Clock::now();
-        const std::vector<Vec2> positions = fit_.positions();
-        product_image(original_, positions, model_, threads_, seen_);
-        fit_.restart(seen_);
-        place_all({positions, {}}, kSweepTolerance * model_.disc.edge_width);
+        product_image(original_, fit_.positions(), model_, threads_, seen_);
+        fit_.look_at(seen_, kSweepTolerance * model_.disc.edge_width);
         frame.found.refine_seconds += seconds_since(begin);
         frame.search.forget_judgement();
         if (!settle(frame, round == rounds)) sweep_to_rest(frame);
@@ -396,7 +404,9 @@ Located Locator::report(Frame& frame) {
     const double tolerance = frame.refinement.tolerance;
     const JointFit::Residuals left = fit_.residuals(frame.gain);
     const std::vector<double>& residuals = left.within_reach;
-    const std::vector<double> at_edge = edge_residuals(left, found.noise);
+    const std::vector<EdgeKind> kinds = edge_kinds(
+        fit_.positions(), model_.disc, fit_.darkness().width(), fit_.darkness().height());
+    const std::vector<double> at_edge = edge_residuals(left, kinds, found.noise);
     found.correlation = misfit_correlation(fit_, found.noise, left);
     const std::vector<double>& explained = fit_.explained();
     const std::vector<PositionCovariance> covariances = solver_.covariance(threads_);

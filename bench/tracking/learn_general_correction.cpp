@@ -26,12 +26,13 @@
 #include "core/run_plan.h"
 #include "io/frame_files.h"
 #include "tests/support/csv_rows.h"
+#include "tracking/film_model.h"
 #include "tracking/locate.h"
 #include "tracking/point_grid.h"
 #include "tracking/synthesis/bias_terms.h"
 #include "tracking/synthesis/corrected_positions.h"
 #include "tracking/synthesis/general_correction.h"
-#include "tracking/tracker.h"
+#include "tracking/track_options.h"
 
 namespace {
 
@@ -66,24 +67,31 @@ double scale_in(const fs::path& file) {
 
 /// Empty: the frame cannot be calibrated, or no sphere of it was found.
 std::optional<Lesson> lesson_of(const fs::path& scene) {
-    const double a = scale_in(scene / "optics.toml");
-    std::vector<Vec2> truth;
-    for (auto& row : grainfield::testing::csv_rows(scene / "true.csv")) {
-        truth.push_back({std::stod(row["x"]), std::stod(row["y"])});
-    }
+    const double scale = scale_in(scene / "optics.toml");
     auto source = io::open_frames({scene / "frame.png"}, {});
     TrackOptions options;
-    options.sphere_diameter = a;
+    options.sphere_diameter = scale;
     options.correct_bias = false;
+    // As films of mirrors are seen (model_of_film).
+    options.binning = mirror_blocks(scale);
+    options.detection = detection_of(options);
     RunPlan plan;
-    const Tracker tracker(*source, options, plan);
-    if (!tracker.is_calibrated()) return std::nullopt;
-    const ImageModel& model = tracker.model();
-    const Image counts = source->read(0).image;
+    const FilmModel film = model_of_film(*source, options, 2, plan);
+    if (!film.film.calibration) return std::nullopt;
+    const ImageModel& model = film.film.calibration->model;
+    // From here on in blocks.
+    const Binning blocks = model.binning;
+    const double a = scale / blocks.factor;
+    std::vector<Vec2> truth;
+    for (auto& row : grainfield::testing::csv_rows(scene / "true.csv")) {
+        truth.push_back(blocks.in_blocks(Vec2{std::stod(row["x"]), std::stod(row["y"])}));
+    }
+    const Image counts = blocks.binned(source->read(0).image);
     const Image darkness = model.darkness(counts);
     Locator locator(counts.width(), counts.height(), model, 2);
     locator.expect_misfit(model.residual_rms);
-    const Located found = locator.locate(darkness, detection_of(options), options.refinement);
+    const Located found = locator.locate(darkness, in_blocks(options.detection, blocks),
+                                         in_blocks(options.refinement, blocks));
     const Image residual = locator.residual();
     const std::vector<Vec2> errors = standard_errors(found);
     const BiasTerms terms(darkness, residual, found.fitted, a);

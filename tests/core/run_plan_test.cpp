@@ -27,6 +27,23 @@ TEST(RunPlan, KeepsEachWarningOnceInOrderOfFirstAppearance) {
     EXPECT_EQ(plan.warnings(), (std::vector<Warning>{{.text = "b"}, {.text = "a"}}));
 }
 
+TEST(RunPlan, TakesOverAnotherOneInItsOwnWords) {
+    RunPlan attempt;
+    attempt.run("start", "with option 'resume'");
+    attempt.skip("log", "not asked for", "1 ms");
+    attempt.warn(WarningCode::apparent_diameter, "a");
+    RunPlan plan([](std::string text) {
+        const auto at = text.find("option 'resume'");
+        return at == std::string::npos ? text : text.replace(at, 15, "--resume");
+    });
+    plan.warn("b");
+    plan.take(attempt);
+    EXPECT_EQ(plan.text(),
+              "run  start: with --resume\nskip log: not asked for (saves 1 ms)\n");
+    ASSERT_EQ(plan.warnings().size(), 2U);
+    EXPECT_EQ(plan.warnings()[1].code, WarningCode::apparent_diameter);
+}
+
 TEST(RunPlan, SaysEverythingInTheWordsOfTheCaller) {
     RunPlan plan([](std::string text) {
         const auto at = text.find("option 'resume'");

@@ -36,6 +36,15 @@ void DiscScene::restart(const WriteRow& write_row, int threads) {
     slots_ = 0;
 }
 
+void DiscScene::look_at(const Image& darkness, int threads) {
+    in_row_bands(darkness_.width(), darkness_.height(), threads, [&](int first, int last) {
+        for (int y = first; y < last; ++y) {
+            std::copy_n(darkness.row(y), darkness.width(), darkness_.row(y));
+        }
+    });
+    visible_.hide_others(darkness_, 1.0F);
+}
+
 void DiscScene::set_visible(VisiblePixels visible) {
     visible_ = std::move(visible);
     pixels_ = static_cast<double>(

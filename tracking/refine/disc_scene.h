@@ -47,6 +47,8 @@ class DiscScene {
 
     /// Begins anew, without discs, on an image of the same size; rows are written in parallel.
     void restart(const WriteRow& write_row, int threads);
+    /// Goes on with the same discs on another image of that size.
+    void look_at(const Image& darkness, int threads);
     /// From the next restart on.
     void set_visible(VisiblePixels visible);
 

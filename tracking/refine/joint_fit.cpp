@@ -34,6 +34,17 @@ void JointFit::restart(const WriteRow& write_row) {
     ++arrangement_;
 }
 
+void JointFit::look_at(const Image& darkness, double left) {
+    draw_pending();
+    discs_.scene.look_at(darkness, discs_.threads);
+    for (DiscMotion& motion : discs_.motion) {
+        motion = {};
+        motion.last_step = motion.left = static_cast<float>(left);
+    }
+    ++discs_.revision;
+    ++arrangement_;
+}
+
 void JointFit::add(Vec2 position) {
     ++discs_.revision;
     ++arrangement_;

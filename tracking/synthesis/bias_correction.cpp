@@ -32,7 +32,12 @@ bool BiasCorrector::reaches(Vec2 place) const {
 }
 
 Vec2 BiasCorrector::corrected(Vec2 place) const {
-    return reaches(place) ? place + diameter_ * terms_.weighted(place, weights_) : place;
+    return reaches(place) ? corrected_within(place).position : place;
+}
+
+BiasCorrector::Corrected BiasCorrector::corrected_within(Vec2 place) const {
+    const BiasTerms::Sum sum = terms_.weighted(place, weights_);
+    return {place + diameter_ * sum.value, sum.nearest};
 }
 
 std::vector<double> numbers_of(const BiasCorrection& correction) {

@@ -56,6 +56,12 @@ class BiasCorrector {
     bool reaches(Vec2 place) const;
     /// The place corrected; itself where the border is too near.
     Vec2 corrected(Vec2 place) const;
+    struct Corrected {
+        Vec2 position;       ///< [px]
+        double nearest = 0;  ///< distance of the nearest disc but for the one at the place [a]
+    };
+    /// The same of a place that it reaches.
+    Corrected corrected_within(Vec2 place) const;
 
  private:
     BiasCorrector(BiasTerms terms, const BiasCorrection& correction, double diameter, int width,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 namespace grainfield::tracking {
 namespace {
@@ -12,6 +13,32 @@ constexpr std::array<double, BiasTerms::kDistances> kDistance = {
     0.35, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.45, 1.7, 2.0};  // [a]
 constexpr double kFarthest = 2.3;                                    // [a] where the last φ is 0
 constexpr double kItself = 0.1;                                      // [a]
+
+/// Where the first φ begins [a].
+constexpr double kFirst = 2 * kDistance[0] - kDistance[1];
+
+/// Number of knots up to a distance, from a table.
+class Knots {
+ public:
+    constexpr Knots() : below_{} {
+        for (std::size_t i = 0; i < below_.size(); ++i) {
+            const double d = static_cast<double>(i) / kSteps;
+            below_[i] = static_cast<std::uint8_t>(
+                std::upper_bound(kDistance.begin(), kDistance.end(), d) - kDistance.begin());
+        }
+    }
+    /// d < kFarthest.
+    constexpr std::size_t up_to(double d) const {
+        std::size_t n = below_[static_cast<std::size_t>(d * kSteps)];
+        while (n < kDistance.size() && kDistance[n] <= d) ++n;
+        return n;
+    }
+
+ private:
+    static constexpr double kSteps = 20;  // [1/a]
+    std::array<std::uint8_t, static_cast<std::size_t>(kFarthest* kSteps) + 1> below_;
+};
+constexpr Knots kKnots;
 
 /// Number of a source among those of MomentSums.
 std::size_t lane_of(std::size_t source) {
@@ -50,7 +77,7 @@ std::array<Vec2, BiasTerms::kDistances> BiasTerms::neighbours(Vec2 place) const 
         // φ_k rises from the distance before its own, and falls to the one behind it.
         const auto next = static_cast<std::size_t>(
             std::upper_bound(kDistance.begin(), kDistance.end(), d) - kDistance.begin());
-        const double before = next > 0 ? kDistance[next - 1] : 2 * kDistance[0] - kDistance[1];
+        const double before = next > 0 ? kDistance[next - 1] : kFirst;
         const double after = next < kDistance.size() ? kDistance[next] : kFarthest;
         if (next == 0 && d <= before) return;
         if (next < kDistance.size()) sum[next] += (d - before) / (after - before) * direction;
@@ -71,7 +98,15 @@ MomentSums::Moments BiasTerms::moments(Vec2 place) const {
 
 BiasTerms::Weights::Weights(const std::vector<double>& weights) {
     const double* next = weights.data();
-    for (double& weight : neighbours_) weight = *next++;
+    double before = 0;
+    double begin = kFirst;
+    for (std::size_t k = 0; k < pieces_.size(); ++k) {
+        const double after = k < kDistance.size() ? *next++ : 0;
+        const double end = k < kDistance.size() ? kDistance[k] : kFarthest;
+        pieces_[k] = {begin, before, (after - before) / (end - begin)};
+        before = after;
+        begin = end;
+    }
     const auto single = [&] { return static_cast<float>(*next++); };
     for (std::size_t s = 0; s < kSources; ++s) moments_.first[lane_of(s)] = single();
     for (auto& of_order : moments_.product) {
@@ -110,12 +145,23 @@ BiasTerms::Terms BiasTerms::of(Vec2 place) const {
     return terms;
 }
 
-Vec2 BiasTerms::weighted(Vec2 place, const Weights& weights) const {
-    Vec2 sum{0, 0};
-    const std::array<Vec2, kDistances> vectors = neighbours(place);
-    for (std::size_t k = 0; k < kDistances; ++k) sum += weights.neighbours_[k] * vectors[k];
+BiasTerms::Sum BiasTerms::weighted(Vec2 place, const Weights& weights) const {
+    Sum sum{{0, 0}, kFarthest};
+    const double scale = 1 / diameter_;
+    if (grid_) {
+        grid_->near(place, kFarthest * diameter_, [&](std::uint32_t, Vec2 disc) {
+            const Vec2 apart = scale * (disc - place);
+            const double d = std::sqrt(squared_norm(apart));
+            if (d < kItself || d >= kFarthest) return;
+            sum.nearest = std::min(sum.nearest, d);
+            if (d <= kFirst) return;
+            const Weights::Piece& piece = weights.pieces_[kKnots.up_to(d)];
+            sum.value += ((piece.value + piece.slope * (d - piece.begin)) / d) * apart;
+        });
+    }
     const MomentSums::Sum pictured = MomentSums::weighted(moments(place), weights.moments_);
-    return sum + Vec2{static_cast<double>(pictured.x), static_cast<double>(pictured.y)};
+    sum.value += Vec2{static_cast<double>(pictured.x), static_cast<double>(pictured.y)};
+    return sum;
 }
 
 double BiasTerms::nearest(Vec2 place) const {

@@ -54,11 +54,19 @@ class BiasTerms {
 
      private:
         friend class BiasTerms;
-        std::array<double, kDistances> neighbours_;
+        /// Σ_k weight_k φ_k(d), piecewise linear: value and slope where d lies between two knots.
+        struct Piece {
+            double begin, value, slope;  ///< [a], [-], [1/a]
+        };
+        std::array<Piece, kDistances + 1> pieces_;
         MomentSums::Weights moments_;
     };
     /// Σ weight × term, without making the terms. Differs from the sum over of() by rounding.
-    Vec2 weighted(Vec2 place, const Weights& weights) const;
+    struct Sum {
+        Vec2 value;
+        double nearest = 0;  ///< nearest()
+    };
+    Sum weighted(Vec2 place, const Weights& weights) const;
     /// Distance of the nearest disc but for the one at `place` [a].
     double nearest(Vec2 place) const;
 

@@ -41,9 +41,8 @@ void correct_bias(const BiasCorrection& correction, const Image& darkness, const
     for_all(found.position.size(), threads, [&](std::size_t i) {
         const Vec2 place = found.position[i];
         if (!corrector.reaches(place)) return;
-        const double nearest = corrector.terms().nearest(place);
+        const auto [corrected, nearest] = corrector.corrected_within(place);
         const double noise = noise_of(found, i);
-        const Vec2 corrected = corrector.corrected(place);
         if (correction.is_general()) {
             // GeneralCorrection::shares
             const double share =

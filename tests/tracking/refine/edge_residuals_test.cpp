@@ -1,5 +1,6 @@
 #include "tracking/refine/edge_residuals.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -38,6 +39,10 @@ Edges edges(std::size_t count, double noise, double mean, double spread) {
     return e;
 }
 
+std::vector<EdgeKind> alike(const JointFit::Residuals& left) {
+    return std::vector<EdgeKind>(left.at_edge.size(), EdgeKind::meeting);
+}
+
 /// RMS error of the misfit that values say [contrast²].
 double error(const std::vector<double>& values, const Edges& e, double noise) {
     double sum = 0;
@@ -49,7 +54,7 @@ double error(const std::vector<double>& values, const Edges& e, double noise) {
 
 TEST(EdgeResiduals, OfFramesOfLittleNoiseStayAsTheyAre) {
     const Edges e = edges(500, 0.001, 0.0016, 0.2);
-    const std::vector<double> steadied = edge_residuals(e.left, 0.001);
+    const std::vector<double> steadied = edge_residuals(e.left, alike(e.left), 0.001);
     for (std::size_t j = 0; j < steadied.size(); ++j) {
         EXPECT_NEAR(steadied[j] / e.left.at_edge[j], 1, 0.02) << j;
     }
@@ -59,19 +64,19 @@ TEST(EdgeResiduals, AreNearerToTheMisfitWhereNoiseIsLarge) {
     for (const double spread : {0.0, 0.25, 0.5}) {
         const Edges e = edges(2000, 0.05, 0.0009, spread);
         const double raw = error(e.left.at_edge, e, 0.05);
-        EXPECT_LT(error(edge_residuals(e.left, 0.05), e, 0.05), 0.65 * raw) << spread;
+        EXPECT_LT(error(edge_residuals(e.left, alike(e.left), 0.05), e, 0.05), 0.65 * raw) << spread;
     }
 }
 
 TEST(EdgeResiduals, OfTheRightModelAreTheNoise) {
     const Edges e = edges(2000, 0.02, 0, 0);
-    for (const double rms : edge_residuals(e.left, 0.02)) EXPECT_NEAR(rms, 0.02, 0.001);
+    for (const double rms : edge_residuals(e.left, alike(e.left), 0.02)) EXPECT_NEAR(rms, 0.02, 0.001);
 }
 
 // All edges have as many pixels.
 TEST(EdgeResiduals, KeepTheirMean) {
     const Edges e = edges(2000, 0.03, 0.0009, 0.3);
-    const std::vector<double> steadied = edge_residuals(e.left, 0.03);
+    const std::vector<double> steadied = edge_residuals(e.left, alike(e.left), 0.03);
     const auto mean_square = [](const std::vector<double>& v) {
         return std::inner_product(v.begin(), v.end(), v.begin(), 0.0) /
                static_cast<double>(v.size());
@@ -81,9 +86,9 @@ TEST(EdgeResiduals, KeepTheirMean) {
 
 TEST(EdgeResiduals, OneSpeckOfDustDoesNotRaiseTheOthers) {
     Edges e = edges(400, 0.03, 0.0009, 0.3);
-    const std::vector<double> before = edge_residuals(e.left, 0.03);
+    const std::vector<double> before = edge_residuals(e.left, alike(e.left), 0.03);
     e.left.at_edge[7] = 0.6;
-    const std::vector<double> after = edge_residuals(e.left, 0.03);
+    const std::vector<double> after = edge_residuals(e.left, alike(e.left), 0.03);
     for (std::size_t j = 0; j < after.size(); ++j) {
         if (j == 7) continue;
         EXPECT_NEAR(after[j] / before[j], 1, 0.01) << j;
@@ -93,8 +98,36 @@ TEST(EdgeResiduals, OneSpeckOfDustDoesNotRaiseTheOthers) {
 TEST(EdgeResiduals, WithoutPixelsAreWhatIsLeftWithinReachOrTheNoise) {
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     const JointFit::Residuals left{{0.2, kNone}, {kNone, kNone}, {0, 0}};
-    EXPECT_EQ(edge_residuals(left, 0.01), (std::vector<double>{0.2, 0.01}));
-    EXPECT_TRUE(edge_residuals({}, 0.01).empty());
+    EXPECT_EQ(edge_residuals(left, alike(left), 0.01), (std::vector<double>{0.2, 0.01}));
+    EXPECT_TRUE(edge_residuals({}, {}, 0.01).empty());
+}
+
+// A dilute layer: most spheres as the model has them, some overlaps that it describes badly.
+TEST(EdgeResiduals, OfSpheresAloneAreNoiseWhateverOverlapsLeave) {
+    constexpr double kNoise = 0.02;
+    Edges e = edges(400, kNoise, 0, 0);
+    const Edges overlaps = edges(60, kNoise, 0.0025, 0.2);
+    std::vector<EdgeKind> kinds(460, EdgeKind::meeting);
+    std::fill_n(kinds.begin(), 400, EdgeKind::alone);
+    e.left.at_edge.insert(e.left.at_edge.end(), overlaps.left.at_edge.begin(),
+                          overlaps.left.at_edge.end());
+    e.left.within_reach.resize(460, 0.5);
+    e.left.edge_pixels.resize(460, kPixels);
+    const std::vector<double> steadied = edge_residuals(e.left, kinds, kNoise);
+    for (std::size_t j = 0; j < 400; ++j) EXPECT_NEAR(steadied[j], kNoise, 0.1 * kNoise) << j;
+    double mean = 0;
+    for (std::size_t j = 400; j < 460; ++j) mean += steadied[j] * steadied[j] / 60;
+    EXPECT_NEAR(mean - kNoise * kNoise, 0.0025, 0.0003);
+}
+
+TEST(EdgeResiduals, AreAloneWhereNoOtherEdgeIsMet) {
+    const DiscProfile disc{10, 1};
+    const double meet = 2 * disc.edge_reach();
+    const std::vector<Vec2> discs{{20, 20}, {25, 20}, {60, 20}, {60 + 9.5, 20}, {20, 60},
+                                  {20 + meet + 0.1, 60}};
+    EXPECT_EQ(edge_kinds(discs, disc, 100, 100),
+              (std::vector<EdgeKind>{EdgeKind::meeting, EdgeKind::meeting, EdgeKind::meeting,
+                                     EdgeKind::meeting, EdgeKind::alone, EdgeKind::alone}));
 }
 
 }  // namespace

@@ -472,5 +472,34 @@ TEST(JointStep, StepsThatAreNotDrawnAreKnownInResiduals) {
     }
 }
 
+TEST(JointFit, GoesOnWithTheSameDiscsOnAnotherImage) {
+    const DiscProfile disc{12, 1.4};
+    std::vector<Vec2> centres = square_patch(10, 5, 20, 0.2);
+    const Image before = darkness_of(centres, disc, 80, 0.01, 3);
+    for (Vec2& c : centres) c += Vec2{0.15, -0.1};
+    const Image after = darkness_of(centres, disc, 80, 0.01, 4);
+
+    JointFit goes_on = started(before, centres, disc, 2, 0.3);
+    goes_on.refine({}, Drawing::exactly);
+    const std::vector<Vec2> settled = goes_on.positions();
+    const std::uint64_t arrangement = goes_on.arrangement();
+    goes_on.look_at(after, 0.5);
+    EXPECT_NE(goes_on.arrangement(), arrangement) << "sums of the other image no longer hold";
+    EXPECT_EQ(goes_on.positions(), settled);
+    goes_on.refine({}, Drawing::exactly);
+
+    JointFit anew(after, disc, 2);
+    anew.add_all(settled, {}, 0.5);
+    anew.refine({}, Drawing::exactly);
+    // Both rest where a step is below the tolerance, 0.003 px.
+    EXPECT_LT(rms(goes_on.positions(), anew.positions()), 3e-3);
+    EXPECT_LT(rms(goes_on.positions(), centres), 0.02);
+    EXPECT_NEAR(goes_on.residual_rms(), anew.residual_rms(), 1e-5);
+    const std::vector<double> explained = anew.explained();
+    for (std::size_t j = 0; j < explained.size(); ++j) {
+        EXPECT_NEAR(goes_on.explained()[j], explained[j], 1e-2 * explained[j]);
+    }
+}
+
 }  // namespace
 }  // namespace grainfield::tracking

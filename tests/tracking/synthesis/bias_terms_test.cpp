@@ -108,10 +108,11 @@ TEST(BiasTerms, WeightedIsTheSumOverAllTerms) {
         sum += term;
         size += norm(term);
     }
-    const Vec2 quick = BiasTerms(scene.darkness, scene.residual, scene.discs, kDiameter)
-                           .weighted(kMiddle, BiasTerms::Weights(weights));
-    EXPECT_NEAR(quick.x, sum.x, 1e-6 * size);
-    EXPECT_NEAR(quick.y, sum.y, 1e-6 * size);
+    const BiasTerms quick(scene.darkness, scene.residual, scene.discs, kDiameter);
+    const auto [value, nearest] = quick.weighted(kMiddle, BiasTerms::Weights(weights));
+    EXPECT_NEAR(value.x, sum.x, 1e-6 * size);
+    EXPECT_NEAR(value.y, sum.y, 1e-6 * size);
+    EXPECT_DOUBLE_EQ(nearest, quick.nearest(kMiddle));
     EXPECT_GT(norm(sum), 1e-3 * size);
 }
 
