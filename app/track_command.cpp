@@ -97,7 +97,9 @@ std::string words(const Session& session, const TrackJobResult& result, const La
                             spheres->polarity == tracking::Polarity::dark ? "dark" : "bright",
                             spheres->diameter, spheres->edge_width);
         if (spheres->binning > 1) {
-            text += fmt::format("  pixels     fitted by blocks of {0} x {0}\n", spheres->binning);
+            text += fmt::format(
+                "  pixels     fitted by blocks of {0} x {0} (--binning 1: one by one)\n",
+                spheres->binning);
         }
     }
     text += pipelines::units_in_words(result.info, result.rate_source, lab, session.plan);

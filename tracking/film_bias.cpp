@@ -27,6 +27,8 @@ BiasSetting setting_of(const TrackOptions& options) {
 
 /// Chosen: what discs leave is small beside the noise below this share of it.
 constexpr double kLeastMisfit = 0.5;
+/// Of the cameras that the general correction was learned from, less what rounding may take [a].
+constexpr double kLeastBlocks = 7.9;
 /// Fewer do not show whether a correction holds.
 constexpr int kLeastSpheres = 30;
 
@@ -49,6 +51,10 @@ std::string not_for_this_film(const TrackOptions& options, const ImageModel& mod
         return fmt::format(
             "discs explain the film: they leave {:.4f} of the contrast beyond noise of {:.4f}",
             left, model.noise);
+    }
+    if (!model.binning.is_none() && diameter < kLeastBlocks) {
+        return fmt::format("blocks of {} px leave {:.1f} to a sphere, and it was learned from 8 on",
+                           model.binning.factor, diameter);
     }
     return general_correction().refused(model.disc, diameter);
 }
@@ -122,10 +128,10 @@ FilmBias general_bias(FrameSource& source, const TrackOptions& options, const Im
     const Binning blocks = model.binning;
     const double diameter = *options.sphere_diameter / blocks.factor;
     const GeneralCorrection& general = general_correction();
-    const CorrectionJudgement judgement = judge_correction(
-        general, blocks.is_none() ? frame->image : blocks.binned(frame->image), model,
-        in_blocks(options.detection, blocks), in_blocks(options.refinement, blocks), diameter,
-        threads);
+    const CorrectionJudgement judgement =
+        judge_correction(general, blocks.is_none() ? frame->image : blocks.binned(frame->image),
+                         model, in_blocks(options.detection, blocks),
+                         in_blocks(options.refinement, blocks), diameter, threads);
     if (judgement.spheres < kLeastSpheres) {
         return without(fmt::format("{} spheres in the middle of the frame do not show whether the "
                                    "general correction holds, {} would",

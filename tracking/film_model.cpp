@@ -1,27 +1,45 @@
 #include "tracking/film_model.h"
 
 #include <algorithm>
-#include <utility>
+#include <string>
 
 #include <fmt/format.h>
+
+#include "core/errors.h"
 
 namespace grainfield::tracking {
 namespace {
 
-constexpr double kLeastBlocks = 8;    // [a] of the cameras of the general correction
+constexpr double kLeastBlocks = 8;     // [a] of the cameras of the general correction
 constexpr double kNearlyWhole = 0.01;  // a diameter that was rounded down counts as the whole one
-constexpr int kLargestBlock = 8;      // [px]
+constexpr int kLargestBlock = 2;       // [px]; larger ones were not measured
+constexpr int kLeastFrame = 32;        // [blocks] across, of any use
 
-/// Side of the blocks by which mirror-like spheres are seen as well [px]; 1: by none.
-int blocks_for_mirrors(const TrackOptions& options) {
-    const bool is_whole = options.visible.are_all() && !options.camera;
-    const bool is_corrected = options.corrects_bias && options.correct_bias.value_or(true);
-    if (!options.sphere_diameter || !is_whole || !is_corrected || needs_pixels(options) ||
-        options.calibration.polarity == PolarityChoice::bright ||
-        options.calibration.profile.learning != Learning::never) {
-        return 1;
+/// Why blocks are not tried; empty: they are.
+std::string not_by_blocks(const TrackOptions& options) {
+    if (needs_pixels(options)) return "frames are compared with rendered ones";
+    if (!options.correct_bias.value_or(true)) return "track.correct-bias is off";
+    if (!options.sphere_diameter) return "the true diameter is not known (track.sphere-diameter)";
+    if (mirror_blocks(*options.sphere_diameter) == 1) {
+        return fmt::format("blocks of 2 x 2 leave fewer than {:g} to a sphere of {:g} px",
+                           kLeastBlocks, *options.sphere_diameter);
     }
-    return mirror_blocks(*options.sphere_diameter);
+    if (options.calibration.polarity == PolarityChoice::bright) return "bright spheres";
+    if (options.calibration.profile.learning != Learning::never) return "a profile is learned";
+    if (options.camera) return "a camera is given";
+    if (!options.visible.are_all()) return "a mask hides a part";
+    return {};
+}
+
+/// Throws OptionError where hardly any block is left.
+void require_blocks(int side, const FrameSource& source) {
+    const int least = std::min(source.width(), source.height());
+    if (side == 1 || least >= kLeastFrame * side) return;
+    throw OptionError({.problem = "frames are too small for blocks of that size",
+                       .actual = fmt::format("track.binning is {}, frames have {} x {} px", side,
+                                             source.width(), source.height()),
+                       .expected = fmt::format("{} at most", std::max(1, least / kLeastFrame)),
+                       .suggestion = "leave out track.binning, or give 1"});
 }
 
 FilmModel calibrated(FrameSource& source, const TrackOptions& options, BinningUse binning,
@@ -38,22 +56,62 @@ FilmModel calibrated(FrameSource& source, const TrackOptions& options, BinningUs
     return model;
 }
 
+std::string in_blocks_words(int side) {
+    return fmt::format("frames are fitted by blocks of {0} x {0} px", side);
+}
+
 FilmModel kept_model(FrameSource& source, const TrackOptions& options, int threads, RunPlan& plan) {
     FilmModel model{.film = use_kept(*options.kept, source, options.visible, threads, plan),
                     .bias = {}};
-    ImageModel& image = model.film.calibration->model;
-    if (needs_pixels(options)) image = image.in_pixels();
+    const ImageModel& image = model.film.calibration->model;
     model.bias = bias_of_film(source, options, image, model.film.weighed_at, threads, plan);
+    if (image.binning.is_none()) return model;
+    plan.run("blocks", in_blocks_words(image.binning.factor) + ", as kept with the calibration");
+    if (options.corrects_bias && model.bias.decision.source != BiasSource::general) {
+        plan.warn(
+            fmt::format("the kept calibration is of blocks of {0} x {0} px, which cost accuracy "
+                        "where positions are not corrected for mirror images. They are not: {1}. "
+                        "Calibrate again with track.binning 1",
+                        image.binning.factor, model.bias.decision.reason));
+    }
     return model;
 }
 
-void say_blocks(const FilmModel& model, RunPlan& plan) {
-    const int side = model.film.calibration->model.binning.factor;
-    plan.skip("single pixels",
-              fmt::format("fitted by blocks of {0} x {0} px, which tell as much where mirror images "
-                          "limit positions",
-                          side),
-              "half of the time, or more");
+void say_given(const TrackOptions& options, RunPlan& plan) {
+    const int side = options.binning;
+    if (side == 1) {
+        plan.run("single pixels", "as given (track.binning)");
+        return;
+    }
+    plan.run("blocks", in_blocks_words(side) + ", as given (track.binning)");
+    const double left = options.sphere_diameter.value_or(kLeastBlocks * side) / side;
+    if (left >= kLeastBlocks - kNearlyWhole) return;
+    plan.warn(
+        fmt::format("blocks of {0} x {0} px leave {1:.1f} to a sphere: below {2:g} positions "
+                    "get worse, and their errors are too small",
+                    side, left, kLeastBlocks));
+}
+
+/// By blocks where the general correction then holds; else by pixels.
+FilmModel tried_by_blocks(FrameSource& source, const TrackOptions& options, int side, int threads,
+                          RunPlan& plan) {
+    RunPlan attempt;
+    FilmModel model =
+        calibrated(source, options, {.factor = side, .only_for_misfit = true}, threads, attempt);
+    if (!model.film.calibration) return calibrated(source, options, {}, threads, plan);
+    const bool is_binned = !model.film.calibration->model.binning.is_none();
+    if (is_binned && model.bias.decision.source != BiasSource::general) {
+        plan.run("single pixels", "blocks were tried: " + model.bias.decision.reason);
+        return calibrated(source, options, {}, threads, plan);
+    }
+    plan.take(attempt);
+    if (is_binned) {
+        plan.skip("single pixels",
+                  in_blocks_words(side) +
+                      ": mirror images, not resolution, limit positions (track.binning)",
+                  "half of the time");
+    }
+    return model;
 }
 
 }  // namespace
@@ -66,22 +124,24 @@ FilmModel model_of_film(FrameSource& source, const TrackOptions& options, int th
                         RunPlan& plan) {
     if (options.kept) return kept_model(source, options, threads, plan);
     if (options.binning > 0) {
+        require_blocks(options.binning, source);
+        say_given(options, plan);
         return calibrated(source, options, {options.binning}, threads, plan);
     }
-    const int side = blocks_for_mirrors(options);
-    if (side == 1) return calibrated(source, options, {}, threads, plan);
-    RunPlan attempt;
-    FilmModel model = calibrated(source, options, {.factor = side, .only_for_misfit = true},
-                                 threads, attempt);
-    const bool is_binned =
-        model.film.calibration && !model.film.calibration->model.binning.is_none();
-    if (is_binned && model.bias.decision.source != BiasSource::general) {
-        plan.run("single pixels", "blocks were tried: " + model.bias.decision.reason);
+    const std::string reason = not_by_blocks(options);
+    if (!reason.empty()) {
+        plan.run("single pixels", reason);
         return calibrated(source, options, {}, threads, plan);
     }
-    plan.take(attempt);
-    if (is_binned) say_blocks(model, plan);
-    return model;
+    const int side = mirror_blocks(*options.sphere_diameter);
+    if (!options.corrects_bias) {
+        plan.run("blocks",
+                 fmt::format("whether frames are fitted by blocks of {0} x {0} px is seen "
+                             "on the first usable frame",
+                             side));
+        return calibrated(source, options, {}, threads, plan);
+    }
+    return tried_by_blocks(source, options, side, threads, plan);
 }
 
 }  // namespace grainfield::tracking

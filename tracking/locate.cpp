@@ -224,7 +224,8 @@ double Locator::unexplained_by_model(const Frame& frame) const {
 /// that go very far, or far more than once, are swept in between, where each step is checked: discs
 /// hardly wider than a pixel may step to and fro. Before the last fit of a frame a disc has gone
 /// far only if its step was cut short: the error of a step that was not is at most 0.04 px where
-/// w = 1.6 px, less than the positions go in the next fit. Whether all discs have settled.
+/// w = 1.6 px, less than the positions go in the next fit. A warm frame takes no joint step there
+/// at all. Whether all discs have settled.
 bool Locator::settle(Frame& frame, bool is_last) {
     const double tolerance = frame.refinement.tolerance;
     const RefinementOptions sweeps = sweeps_of(frame.refinement);
@@ -263,7 +264,8 @@ void Locator::settle_and_judge(Frame& frame) {
     frame.is_settled = settle(frame, model_.is_product());
     if (!frame.is_settled) frame.search.finish(sweeps_of(frame.refinement), Drawing::exactly);
     if (frame.follows && !model_.is_product()) {
-        frame.gain.assign(fit_.positions().size(), 0);  // nothing pends
+        // Sweeps leave less than their tolerance pending.
+        frame.gain.assign(fit_.positions().size(), 0);
     } else {
         frame.gain = solver_.gain(fit_);
     }
@@ -400,7 +402,7 @@ Located Locator::report(Frame& frame) {
         frame.gain = solver_.gain(fit_);
         found.residual_rms = fit_.residual_rms(frame.gain);
     }
-    const double border = frame.detection.border * model_.disc.diameter;
+    const double border = frame.detection.border * model_.disc.diameter - frame.detection.beyond;
     const double tolerance = frame.refinement.tolerance;
     const JointFit::Residuals left = fit_.residuals(frame.gain);
     const std::vector<double>& residuals = left.within_reach;

@@ -1,5 +1,7 @@
 #include "tracking/track_options.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "core/errors.h"
@@ -10,6 +12,8 @@ namespace {
 // A tenth beyond what spheres show: 1/√2 (the core of a mirror, docs/render/optics.md) to 1.
 constexpr double kLeastApparent = 0.63;  // [a]
 constexpr double kMostApparent = 1.1;    // [a]
+/// Discs of fewer blocks, or pixels, are not told from noise.
+constexpr double kLeastBlocks = 5;
 
 /// Throws OptionError where an option needs another one.
 void require_diameter(const TrackOptions& options) {
@@ -71,6 +75,46 @@ void require_mirrors(const TrackOptions& options) {
     }
 }
 
+/// Throws OptionError where rendered frames are compared with blocks.
+void require_pixels(const TrackOptions& options) {
+    if (!needs_pixels(options)) return;
+    const int kept = options.kept ? options.kept->model.binning.factor : 1;
+    const int blocks = options.binning > 0 ? options.binning : kept;
+    if (blocks == 1 && kept == 1) return;
+    throw OptionError(
+        {.problem = "frames are rendered pixel by pixel, and cannot be compared with blocks",
+         .actual = fmt::format("{}, with {}",
+                               kept > 1 ? fmt::format("a kept calibration of blocks of {} px", kept)
+                                        : fmt::format("track.binning is {}", blocks),
+                               options.synthesis ? "track.synthesis" : "track.correct-bias"),
+         .expected = "pixels",
+         .suggestion =
+             kept > 1 ? "calibrate again, with track.binning 1" : "leave out track.binning"});
+}
+
+/// Throws OptionError where blocks are too large for the spheres, or others than a kept
+/// calibration is of.
+void require_useful_blocks(const TrackOptions& options) {
+    if (options.binning == 0) return;
+    if (options.kept && options.binning != options.kept->model.binning.factor) {
+        throw OptionError(
+            {.problem = "a kept calibration is of blocks of its own",
+             .actual = fmt::format("track.binning is {}", options.binning),
+             .expected = fmt::format("{}, as calibrated", options.kept->model.binning.factor),
+             .suggestion = "leave out the option, or calibrate again"});
+    }
+    const std::optional<double> known =
+        options.sphere_diameter ? options.sphere_diameter : options.calibration.diameter;
+    if (!known || options.binning == 1 || *known >= kLeastBlocks * options.binning) return;
+    throw OptionError({.problem = "blocks are too large for the spheres",
+                       .actual = fmt::format("track.binning is {}, of spheres of {:g} px",
+                                             options.binning, *known),
+                       .expected = fmt::format("{} at most, which leaves {:g} blocks to a sphere",
+                                               std::max(1, static_cast<int>(*known / kLeastBlocks)),
+                                               kLeastBlocks),
+                       .suggestion = "give less, or leave out track.binning"});
+}
+
 }  // namespace
 
 std::vector<OptionTable> describe(TrackOptions& options) {
@@ -86,9 +130,10 @@ std::vector<OptionTable> describe(TrackOptions& options) {
         "correct positions for mirror images of neighbours as learned from frames that are "
         "rendered with the optics of the film (10 to 40 s of a core), kept with its calibration; "
         "no: not at all; auto: as learned from other cameras, where spheres look like mirrors");
-    track.integer("binning", options.binning, "px", {0, 32},
-                  "fit frames by blocks of that many pixels a side, which takes less time; 1: pixel "
-                  "by pixel; 0: as many as leave 8 to a sphere, where it is a mirror");
+    track.integer(
+        "binning", options.binning, "px", {0, 32},
+        "fit frames by blocks of that many pixels a side, which takes less time; 1: pixel "
+        "by pixel; 0: 2 where spheres are mirrors of 16 px or more, else 1");
     track.integer("stretch", options.stretch, "frames", {2, 1e9},
                   "frames that start from one another; then the search begins afresh, so that "
                   "parts of a film give what the whole film gives");
@@ -130,24 +175,9 @@ void warn_of_unusual_size(double apparent, const TrackOptions& options, RunPlan&
 
 void require_consistent(const TrackOptions& options) {
     require_diameter(options);
-    if (needs_pixels(options) && options.binning > 1) {
-        throw OptionError({.problem = "spheres cannot be rendered by blocks of pixels",
-                           .actual = fmt::format("track.binning is {}, with {}",
-                                                 options.binning,
-                                                 options.synthesis ? "track.synthesis"
-                                                                   : "track.correct-bias"),
-                           .expected = "1, or 0 for automatic",
-                           .suggestion = "leave out track.binning"});
-    }
+    require_pixels(options);
     if (options.correct_bias.value_or(false)) require_mirrors(options);
-    if (options.kept && options.binning > 0 &&
-        options.binning != options.kept->model.binning.factor) {
-        throw OptionError(
-            {.problem = "a kept calibration is of blocks of its own",
-             .actual = fmt::format("track.binning is {}", options.binning),
-             .expected = fmt::format("{}, as calibrated", options.kept->model.binning.factor),
-             .suggestion = "leave out the option, or calibrate again"});
-    }
+    require_useful_blocks(options);
     if (options.kept && options.calibration != CalibrationOptions{}) {
         throw OptionError({.problem = "a kept calibration leaves nothing to estimate",
                            .actual = "options of the section calibrate are given as well",

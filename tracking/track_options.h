@@ -29,14 +29,15 @@ struct TrackOptions {
     SynthesisOptions synthesis_options;     ///< layers.height, where given, is the height
     std::optional<bool> correct_bias;       ///< true: learned from the film; empty: the general one
     int binning = 0;  ///< frames are fitted by blocks of that many pixels a side; 0: model_of_film
-    std::int64_t stretch = 200;             ///< [frames] that start from one another
-    std::optional<FrameSpan> part;          ///< measured, not linked; empty: all, and linked
-    VisiblePixels visible;                  ///< pixels that are looked at
-    std::optional<KeptCalibration> kept;    ///< instead of a calibration on this film
-    std::optional<CameraMap> camera;        ///< corrects positions; counts pixels of the source
+    std::int64_t stretch = 200;           ///< [frames] that start from one another
+    std::optional<FrameSpan> part;        ///< measured, not linked; empty: all, and linked
+    VisiblePixels visible;                ///< pixels that are looked at
+    std::optional<KeptCalibration> kept;  ///< instead of a calibration on this film
+    std::optional<CameraMap> camera;      ///< corrects positions; counts pixels of the source
     bool keeps = false;  ///< start as films will that use the calibration: frame 0 knows nothing
     int threads = 0;     ///< 0: all
-    bool corrects_bias = true;  ///< false: positions are not the result, which need no correction
+    /// False: positions are not the result, need no correction, and are fitted pixel by pixel.
+    bool corrects_bias = true;
     Verbosity verbosity = Verbosity::quiet;  ///< of the progress before the first frame
 };
 
@@ -46,8 +47,9 @@ std::vector<OptionTable> describe(TrackOptions& options);
 
 /// Throws OptionError if an option is given without one that it needs, or with one that excludes
 /// it: the height of the cell, synthesis or a correction of the bias without the true diameter of
-/// the spheres; either of the last two with a mask, a camera or the other; a kept calibration with
-/// options that estimate or give what it holds.
+/// the spheres; either of the last two with a mask, a camera, blocks of pixels or the other; a kept
+/// calibration with options that estimate or give what it holds; blocks that leave fewer than five
+/// to a sphere.
 void require_consistent(const TrackOptions& options);
 
 /// Whether frames are compared with rendered ones, or a correction learned so is used: pixels are

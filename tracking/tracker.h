@@ -71,11 +71,12 @@ struct TrackResumption {
 /// room between the plates are left out. The others get the layer that their overlaps imply
 /// (Bilayer), up to a flip of each cluster.
 ///
-/// Frames may be fitted by blocks of pixels (model_of_film). Positions are in pixels of the source. With a camera they are corrected as soon as a frame is
-/// fitted, so that layers and identities follow from corrected ones. Those outside of
-/// CameraMap::box, which becomes the box, are left out. Fitting itself knows nothing of it. Three
-/// frames are in memory at a time. Results do not depend on the number of threads: frames are
-/// fitted in twos on one thread as well, or alone where the second of two would begin cold.
+/// Frames may be fitted by blocks of pixels (model_of_film). Positions are in pixels of the source.
+/// With a camera they are corrected as soon as a frame is fitted, so that layers and identities
+/// follow from corrected ones. Those outside of CameraMap::box, which becomes the box, are left
+/// out. Fitting itself knows nothing of it. Three frames are in memory at a time. Results do not
+/// depend on the number of threads: frames are fitted in twos on one thread as well, or alone where
+/// the second of two would begin cold.
 class Tracker {
  public:
     /// Calibrates; what was decided goes into `plan`. The source must outlive the tracker. A source

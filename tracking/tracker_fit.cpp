@@ -72,8 +72,8 @@ std::vector<Vec2> Tracker::start_for(const Job& job) const {
     // The calibration has been there already.
     if (job.frame.index == film_.frame) return film_.calibration->positions;
     const std::int64_t frames = job.position - previous_.position;
-    if (frames > kSideBySide ||
-        static_cast<double>(frames) * previous_.step_rms > kWarmStep * fitted_model().disc.diameter) {
+    if (frames > kSideBySide || static_cast<double>(frames) * previous_.step_rms >
+                                    kWarmStep * fitted_model().disc.diameter) {
         return {};
     }
     return previous_.found.fitted;

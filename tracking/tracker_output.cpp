@@ -73,9 +73,8 @@ void Tracker::report(const Job& job, Snapshot& snapshot, TrackSummary& summary) 
         if (!job.is_repeated) add(*job.synthesised, job.frame.index, summary.synthesis);
         return;
     }
-    const std::optional<Located> unbinned = binning().is_none()
-                                                ? std::nullopt
-                                                : std::optional(in_frame(job.found, binning()));
+    const std::optional<Located> unbinned =
+        binning().is_none() ? std::nullopt : std::optional(in_frame(job.found, binning()));
     const Located& found = unbinned ? *unbinned : job.found;
     snapshot.position = found.position;
     snapshot.quality = found.residual;

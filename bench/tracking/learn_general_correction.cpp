@@ -72,7 +72,7 @@ std::optional<Lesson> lesson_of(const fs::path& scene) {
     TrackOptions options;
     options.sphere_diameter = scale;
     options.correct_bias = false;
-    // As films of mirrors are seen (model_of_film).
+    // As films of mirrors are seen (model_of_film); here whatever a first fit leaves.
     options.binning = mirror_blocks(scale);
     options.detection = detection_of(options);
     RunPlan plan;

@@ -71,17 +71,20 @@ std::string text_of(const KeptCalibration& kept) {
     text += fmt::format("format = \"{}\"\n\n", kFormat);
     text += fmt::format("[frame]  # px\nwidth = {}\nheight = {}\n\n", kept.width, kept.height);
     text += fmt::format(
-        "[spheres]  # lengths in blocks of binning x binning px\nbinning = {}\npolarity = \"{}\"\ndisc-diameter = {}\nedge-width = {}\nprofile = "
+        "[spheres]  # lengths in blocks of binning x binning px\nbinning = {}\npolarity = "
+        "\"{}\"\ndisc-diameter = {}\nedge-width = {}\nprofile = "
         "\"{}\"\nmeeting-edges = \"{}\"\n\n",
-        model.binning.factor, model.polarity == Polarity::dark ? "dark" : "bright", model.disc.diameter,
-        model.disc.edge_width, model.disc.shape->name(), model.overlap->name());
-    text += fmt::format("[learned]  # px, contrast\nspacing = {}\nvalues = {}\n\n",
+        model.binning.factor, model.polarity == Polarity::dark ? "dark" : "bright",
+        model.disc.diameter, model.disc.edge_width, model.disc.shape->name(),
+        model.overlap->name());
+    text += fmt::format("[learned]  # blocks, contrast\nspacing = {}\nvalues = {}\n\n",
                         model.correction.spacing, list_of(model.correction.value));
     text += fmt::format("[light]  # counts\ncore = {}\ndegree = {}\nbackground = {}\n\n",
                         text_of_number(model.dark_level), model.background.degree(),
                         list_of(model.background.coefficients()));
     text += fmt::format(
-        "[check]  # of the frame it was made on\nnoise = {}\nrough-residual = {}\nresidual = "
+        "[check]  # of the frame it was made on; px, and contrast of blocks\nnoise = "
+        "{}\nrough-residual = {}\nresidual = "
         "{}\ndiameter = {}\nlow = {}\nhigh = {}\n",
         model.noise, model.residual_rms, kept.check.residual, kept.check.diameter,
         text_of_number(kept.check.low), text_of_number(kept.check.high));

@@ -38,8 +38,7 @@ TEST(RunPlan, TakesOverAnotherOneInItsOwnWords) {
     });
     plan.warn("b");
     plan.take(attempt);
-    EXPECT_EQ(plan.text(),
-              "run  start: with --resume\nskip log: not asked for (saves 1 ms)\n");
+    EXPECT_EQ(plan.text(), "run  start: with --resume\nskip log: not asked for (saves 1 ms)\n");
     ASSERT_EQ(plan.warnings().size(), 2U);
     EXPECT_EQ(plan.warnings()[1].code, WarningCode::apparent_diameter);
 }

@@ -174,14 +174,13 @@ struct Fitter {
         };
         const bool is_better =
             refitted.residual_rms * contrast(model) < scene.residual_rms * contrast(chosen);
-        plan.run(
-            "diameter and edge width of all spheres",
-            fmt::format("{} spheres after {}: D = {:.2f} px, w = {:.2f} px leave {:.4f} of the "
-                        "contrast, D = {:.2f} px, w = {:.2f} px {:.4f}",
-                        positions.size(), before, in_pixels(model).diameter,
-                        in_pixels(model).edge_width, refitted.residual_rms,
-                        in_pixels(chosen).diameter, in_pixels(chosen).edge_width,
-                        scene.residual_rms));
+        plan.run("diameter and edge width of all spheres",
+                 fmt::format(
+                     "{} spheres after {}: D = {:.2f} px, w = {:.2f} px leave {:.4f} of the "
+                     "contrast, D = {:.2f} px, w = {:.2f} px {:.4f}",
+                     positions.size(), before, in_pixels(model).diameter,
+                     in_pixels(model).edge_width, refitted.residual_rms, in_pixels(chosen).diameter,
+                     in_pixels(chosen).edge_width, scene.residual_rms));
         if (is_better) {
             model.residual_rms = refitted.residual_rms;
             model.noise = refitted.noise;
@@ -450,8 +449,8 @@ std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptio
     View view = view_by({options.binning.factor}, counts, by_pixels);
     RunPlan attempt;
     std::optional<Trial> best = best_trial(view.counts, options, view.fitter, attempt, candidates);
-    const bool is_noise_all = options.binning.only_for_misfit && !(best && has_misfit(best->model));
-    if (options.binning.factor > 1 && is_noise_all) {
+    const bool wants_pixels = options.binning.only_for_misfit && !(best && has_misfit(best->model));
+    if (options.binning.factor > 1 && wants_pixels) {
         view = view_by({}, counts, by_pixels);
         best = best_trial(view.counts, options, view.fitter, plan, candidates);
     } else {
@@ -477,13 +476,13 @@ std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptio
     const double misfit = std::sqrt(std::max(
         0.0, std::pow(model.residual_rms, 2) - std::pow(fitter.levels.noise / contrast, 2)));
     if (!options.diameter && model.residual_rms > kMostLeft && misfit > kMostMisfit &&
-        levels.high - levels.low < kTellsSize * levels.noise) {
+        fitter.levels.high - fitter.levels.low < kTellsSize * fitter.levels.noise) {
         plan.warn(fmt::format(
             "too noisy to tell the size of the spheres: the noise is {:.2f} of the span of the "
             "image, discs of D = {:.1f} px leave {:.2f} of the contrast; give "
             "calibrate.disc-diameter",
-            levels.noise / (levels.high - levels.low), in_pixels(model).diameter,
-            model.residual_rms));
+            fitter.levels.noise / (fitter.levels.high - fitter.levels.low),
+            in_pixels(model).diameter, model.residual_rms));
         return std::nullopt;
     }
     const EdgeFit& edges = fitter.edges;
@@ -510,8 +509,8 @@ std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptio
     } else {
         plan.run("background surface", "illumination is uneven");
     }
-    choose_model(work, fitter.positions, fitter.options, fitter.detection, fitter.refinement, threads,
-                 fitter.visible, model, plan);
+    choose_model(work, fitter.positions, fitter.options, fitter.detection, fitter.refinement,
+                 threads, fitter.visible, model, plan);
     const bool is_complete = fitter.complete(model, work, plan);
     if (bright) {
         model.background = model.background.negated();

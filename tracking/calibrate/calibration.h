@@ -22,7 +22,7 @@ struct Calibration {
     ImageModel model;
     /// Rough positions in the frame used, to start from [px of the model, which may be blocks].
     std::vector<Vec2> positions;
-    bool is_complete = false;     ///< every sphere was looked for, by its core too
+    bool is_complete = false;  ///< every sphere was looked for, by its core too
 };
 
 /// Estimates the image model from one frame: polarity and rough size from the shape of the
@@ -30,8 +30,8 @@ struct Calibration {
 /// edges of the most dilute patch, then the background on the clear pixels of the whole frame, then
 /// how edges meet and whether a learned profile is better (choose_model). Where that leaves a
 /// misfit, all spheres are searched for and D and w read once more: a missed sphere widens the
-/// discs beside it. Where the frame is to be seen by blocks of pixels (BinningUse) all this, and the
-/// model, is of blocks. What was estimated, given or skipped goes into the plan.
+/// discs beside it. Where the frame is to be seen by blocks of pixels (BinningUse) all this, and
+/// the model, is of blocks. What was estimated, given or skipped goes into the plan.
 ///
 /// The shape allows several guesses (first_guesses). They are tried on the patch until one explains
 /// 95 % of the variance of the darkness, white noise subtracted, with discs that the image

@@ -37,10 +37,11 @@ CalibrationCheck check(const ImageModel& model, const Image& counts, const Visib
     const Located found = locator.locate(darkness, {}, in_blocks(RefinementOptions{}, binning));
     const EdgeFit edges = fit_exposed_edges(darkness, found.fitted, model.disc, seen);
     const Levels levels = levels_of(counts, visible);
-    return {.residual = found.residual_rms,
-            .diameter = edges.converged && edges.pixels > 0 ? binning.in_frame(edges.disc).diameter : 0,
-            .low = levels.low,
-            .high = levels.high};
+    return {
+        .residual = found.residual_rms,
+        .diameter = edges.converged && edges.pixels > 0 ? binning.in_frame(edges.disc).diameter : 0,
+        .low = levels.low,
+        .high = levels.high};
 }
 
 std::vector<std::string> differences(const CalibrationCheck& then, const CalibrationCheck& now) {

@@ -122,6 +122,7 @@ double seconds_since(Clock::time_point start) {
 
 DetectionOptions in_blocks(DetectionOptions options, Binning blocks) {
     if (options.sphere_diameter) *options.sphere_diameter /= blocks.factor;
+    options.beyond = 0.5 * (blocks.factor - 1) / blocks.factor;
     return options;
 }
 

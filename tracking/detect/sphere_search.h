@@ -45,8 +45,10 @@ struct DetectionOptions {
     std::optional<double> sphere_diameter;
     double cell_height = 1.94;  ///< distance of the plates L_z [a]
     double border = 0.25;       ///< centres nearer to the image border are not reported [D]
-    double significance = 6;    ///< … and this many standard deviations of the noise [-]
-    int max_passes = 12;        ///< most rounds of adding and removing spheres
+    /// The outer pixel's centre lies that far outside of that of the outer block [px, of blocks].
+    double beyond = 0;
+    double significance = 6;  ///< … and this many standard deviations of the noise [-]
+    int max_passes = 12;      ///< most rounds of adding and removing spheres
     SearchGoal goal = SearchGoal::every_sphere;
     CoreSearch cores = CoreSearch::cold_frames;
 };

@@ -69,15 +69,6 @@ BackgroundSurface BackgroundSurface::shifted(int x, int y) const {
     return result;
 }
 
-BackgroundSurface BackgroundSurface::in_blocks(int factor) const {
-    BackgroundSurface result = *this;
-    for (double* centre : {&result.centre_x_, &result.centre_y_}) {
-        *centre = (*centre - 0.5 * (factor - 1)) / factor;
-    }
-    for (double* scale : {&result.scale_x_, &result.scale_y_}) *scale *= factor;
-    return result;
-}
-
 BackgroundSurface BackgroundSurface::in_pixels(int factor) const {
     BackgroundSurface result = *this;
     for (double* centre : {&result.centre_x_, &result.centre_y_}) {

@@ -26,8 +26,7 @@ class BackgroundSurface {
     BackgroundSurface towards(double level, double share) const;
     /// The surface seen by a part of the image that begins at pixel (x, y).
     BackgroundSurface shifted(int x, int y) const;
-    /// The surface of a frame seen by blocks of factor × factor pixels, and back.
-    BackgroundSurface in_blocks(int factor) const;
+    /// The surface in pixels where this one counts blocks of factor × factor of them.
     BackgroundSurface in_pixels(int factor) const;
     /// One row of the surface, for x = 0 … width−1.
     void row(int y, int width, float* out) const;

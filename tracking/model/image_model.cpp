@@ -1,6 +1,7 @@
 #include "tracking/model/image_model.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace grainfield::tracking {
 namespace {
@@ -8,17 +9,6 @@ namespace {
 constexpr float kLeastSpan = 1e-6F;
 
 }  // namespace
-
-ImageModel ImageModel::in_blocks(Binning blocks) const {
-    ImageModel model = *this;
-    model.binning = blocks;
-    if (blocks.is_none()) return model;
-    model.disc = blocks.in_blocks(disc);
-    model.background = background.in_blocks(blocks.factor);
-    model.correction.spacing /= blocks.factor;
-    model.noise /= blocks.factor;
-    return model;
-}
 
 ImageModel ImageModel::in_pixels() const {
     ImageModel model = *this;
@@ -28,6 +18,8 @@ ImageModel ImageModel::in_pixels() const {
     model.background = background.in_pixels(binning.factor);
     model.correction.spacing *= binning.factor;
     model.noise *= binning.factor;
+    const double misfit = std::max(0.0, residual_rms * residual_rms - noise * noise);
+    model.residual_rms = std::sqrt(misfit + model.noise * model.noise);
     return model;
 }
 

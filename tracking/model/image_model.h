@@ -34,10 +34,7 @@ struct ImageModel : DiscModel {
     double residual_rms = 0;       ///< RMS of the residual over the frame [contrast]
     Binning binning;               ///< frames are seen so; lengths above count its blocks
 
-    /// The same model of frames seen by blocks: noise is that of independent pixels. Call only for
-    /// a model of pixels.
-    ImageModel in_blocks(Binning blocks) const;
-    /// The same model of the pixels themselves.
+    /// The same model of the pixels themselves; noise is that of independent ones.
     ImageModel in_pixels() const;
 
     /// The darkness image: (B − I)/(B − I_dark), 0 on the background and 1 in the

@@ -15,8 +15,9 @@ namespace {
 // 1/3 and 1/4 fit the errors of 64 cameras drawn at random best, of 1/2 to 1/5.
 constexpr double kDiffer = 0.25;  // of the mean
 constexpr double kUnusual = 10;   // medians: dust and false discs
-// Fewer do not tell their mean; its error is then a quarter of their spread or more.
-constexpr std::size_t kLeastAlike = 20;
+// The mean of all counts as so many more edges of a kind. Chosen: where edges of a kind differ as
+// much as their mean, that of 20 is known to a quarter.
+constexpr double kLikeAll = 20;
 
 /// Mean, the unusual left out.
 double usual_mean(std::vector<double> squares) {
@@ -34,7 +35,7 @@ double usual_mean(std::vector<double> squares) {
     return n > 0 ? sum / n : 0;
 }
 
-/// m̄² of the edges of each kind; of all where a kind has few.
+/// m̄² of the edges of each kind, drawn to that of all where a kind has few.
 std::array<double, kEdgeKinds> mean_misfits(const JointFit::Residuals& left,
                                             const std::vector<EdgeKind>& kinds, double white) {
     std::array<std::vector<double>, kEdgeKinds> squares;
@@ -47,8 +48,9 @@ std::array<double, kEdgeKinds> mean_misfits(const JointFit::Residuals& left,
     const double of_all = usual_mean(std::move(all));
     std::array<double, kEdgeKinds> means;
     for (std::size_t k = 0; k < kEdgeKinds; ++k) {
-        const bool is_known = squares[k].size() >= kLeastAlike;
-        const double mean = is_known ? usual_mean(std::move(squares[k])) : of_all;
+        const auto n = static_cast<double>(squares[k].size());
+        const double mean =
+            (n * usual_mean(std::move(squares[k])) + kLikeAll * of_all) / (n + kLikeAll);
         means[k] = std::max(0.0, mean - white);
     }
     return means;
@@ -56,8 +58,8 @@ std::array<double, kEdgeKinds> mean_misfits(const JointFit::Residuals& left,
 
 }  // namespace
 
-std::vector<EdgeKind> edge_kinds(const std::vector<Vec2>& discs, const DiscProfile& disc,
-                                 int width, int height) {
+std::vector<EdgeKind> edge_kinds(const std::vector<Vec2>& discs, const DiscProfile& disc, int width,
+                                 int height) {
     const double meet = 2 * disc.edge_reach();
     PointGrid grid(width, height, meet);
     for (std::size_t j = 0; j < discs.size(); ++j) {

@@ -35,8 +35,8 @@ class JointFit {
     void restart(const Image& darkness);
     /// On the image whose rows `write_row` writes, rows in parallel.
     void restart(const WriteRow& write_row);
-    /// The same discs on another image of that size. Each may have to move, by about `left` [px], as
-    /// in add_all(); nothing is known of what it explains.
+    /// The same discs on another image of that size. Each may have to move, by about `left` [px],
+    /// as in add_all(); nothing is known of what it explains.
     void look_at(const Image& darkness, double left);
     /// From the next restart on.
     void set_visible(VisiblePixels visible) { discs_.scene.set_visible(std::move(visible)); }

@@ -61,11 +61,11 @@ class BiasTerms {
         std::array<Piece, kDistances + 1> pieces_;
         MomentSums::Weights moments_;
     };
-    /// Σ weight × term, without making the terms. Differs from the sum over of() by rounding.
     struct Sum {
         Vec2 value;
         double nearest = 0;  ///< nearest()
     };
+    /// Σ weight × term, without making the terms. Differs from the sum over of() by rounding.
     Sum weighted(Vec2 place, const Weights& weights) const;
     /// Distance of the nearest disc but for the one at `place` [a].
     double nearest(Vec2 place) const;

@@ -67,6 +67,20 @@ class CalibrationFile : public ::testing::Test {
     const std::string path_ = folder_ / "cal.toml";
 };
 
+TEST_F(CalibrationFile, KeepsBlocksWithTheirBackgroundToTheBit) {
+    KeptCalibration kept;
+    kept.width = 121;
+    kept.height = 80;
+    kept.model.binning = {2};
+    kept.model.disc = {7.1, 0.85};
+    kept.model.dark_level = 20;
+    kept.model.background = tracking::BackgroundSurface(60, 40, 1, {200, 3, -7});
+    const KeptCalibration back = read(text_of(kept));
+    EXPECT_EQ(back.model.binning, kept.model.binning);
+    EXPECT_EQ(back.model.disc.diameter, kept.model.disc.diameter);
+    EXPECT_EQ(back.model.background(13, 31), kept.model.background(13, 31));
+}
+
 TEST_F(CalibrationFile, GivesTheCorrectionOfTheBiasBackToTheBit) {
     const KeptCalibration kept = corrected();
     const KeptCalibration again = read(text_of(kept));

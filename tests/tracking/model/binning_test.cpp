@@ -64,25 +64,23 @@ TEST(Binning, TakesAnEdgeBackToThatOfTheFrame) {
         << "sharper than any block shows";
 }
 
-TEST(Binning, OfAnImageModelSeesTheSameLightAndTheSameDarkness) {
-    ImageModel model;
-    model.disc = {14, 1.5};
-    model.background = BackgroundSurface(80, 60, 1, {200, 8, -13});
-    model.dark_level = 20;
-    model.noise = 0.02;
-    model.correction = {.spacing = 0.5, .value = {0.1F, 0.2F, 0.0F}};
+TEST(Binning, OfAnImageModelIsTakenBackToPixels) {
     const Binning blocks{2};
-    const ImageModel binned = model.in_blocks(blocks);
-    EXPECT_EQ(binned.binning, blocks);
-    EXPECT_NEAR(binned.background(11, 7), model.background(22.5, 14.5), 1e-12);
-    EXPECT_DOUBLE_EQ(binned.noise, 0.01);
-    EXPECT_DOUBLE_EQ(binned.correction.spacing, 0.25);
-    const ImageModel back = binned.in_pixels();
-    EXPECT_TRUE(back.binning.is_none());
-    EXPECT_NEAR(back.background(33, 17), model.background(33, 17), 1e-12);
-    EXPECT_NEAR(back.disc.edge_width, 1.5, 1e-12);
-    EXPECT_DOUBLE_EQ(back.noise, model.noise);
-    EXPECT_DOUBLE_EQ(back.correction.spacing, 0.5);
+    ImageModel binned;
+    binned.binning = blocks;
+    binned.disc = blocks.in_blocks(DiscProfile{14, 1.5});
+    binned.background = BackgroundSurface(40, 30, 1, {200, 8, -13});
+    binned.dark_level = 20;
+    binned.noise = 0.01;
+    binned.residual_rms = std::hypot(0.01, 0.05);
+    binned.correction = {.spacing = 0.25, .value = {0.1F, 0.2F, 0.0F}};
+    const ImageModel model = binned.in_pixels();
+    EXPECT_TRUE(model.binning.is_none());
+    EXPECT_NEAR(model.background(22.5, 14.5), binned.background(11, 7), 1e-12);
+    EXPECT_NEAR(model.disc.edge_width, 1.5, 1e-12);
+    EXPECT_DOUBLE_EQ(model.noise, 0.02);
+    EXPECT_NEAR(model.residual_rms, std::hypot(0.02, 0.05), 1e-12) << "misfit stays, noise grows";
+    EXPECT_DOUBLE_EQ(model.correction.spacing, 0.5);
 }
 
 }  // namespace

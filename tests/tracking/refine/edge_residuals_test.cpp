@@ -64,13 +64,15 @@ TEST(EdgeResiduals, AreNearerToTheMisfitWhereNoiseIsLarge) {
     for (const double spread : {0.0, 0.25, 0.5}) {
         const Edges e = edges(2000, 0.05, 0.0009, spread);
         const double raw = error(e.left.at_edge, e, 0.05);
-        EXPECT_LT(error(edge_residuals(e.left, alike(e.left), 0.05), e, 0.05), 0.65 * raw) << spread;
+        EXPECT_LT(error(edge_residuals(e.left, alike(e.left), 0.05), e, 0.05), 0.65 * raw)
+            << spread;
     }
 }
 
 TEST(EdgeResiduals, OfTheRightModelAreTheNoise) {
     const Edges e = edges(2000, 0.02, 0, 0);
-    for (const double rms : edge_residuals(e.left, alike(e.left), 0.02)) EXPECT_NEAR(rms, 0.02, 0.001);
+    for (const double rms : edge_residuals(e.left, alike(e.left), 0.02))
+        EXPECT_NEAR(rms, 0.02, 0.001);
 }
 
 // All edges have as many pixels.
@@ -123,8 +125,8 @@ TEST(EdgeResiduals, OfSpheresAloneAreNoiseWhateverOverlapsLeave) {
 TEST(EdgeResiduals, AreAloneWhereNoOtherEdgeIsMet) {
     const DiscProfile disc{10, 1};
     const double meet = 2 * disc.edge_reach();
-    const std::vector<Vec2> discs{{20, 20}, {25, 20}, {60, 20}, {60 + 9.5, 20}, {20, 60},
-                                  {20 + meet + 0.1, 60}};
+    const std::vector<Vec2> discs{{20, 20},       {25, 20}, {60, 20},
+                                  {60 + 9.5, 20}, {20, 60}, {20 + meet + 0.1, 60}};
     EXPECT_EQ(edge_kinds(discs, disc, 100, 100),
               (std::vector<EdgeKind>{EdgeKind::meeting, EdgeKind::meeting, EdgeKind::meeting,
                                      EdgeKind::meeting, EdgeKind::alone, EdgeKind::alone}));
