@@ -19,7 +19,7 @@ std::vector<EdgeKind> edge_kinds(const std::vector<Vec2>& discs, const DiscProfi
 /// RMS of I − M at the edge of each disc [contrast], steadied where noise makes it uncertain.
 ///
 /// V is the mean square at one edge, of n pixels, and m̄² the mean of V − σ² over the edges of its
-/// kind, to which 20 of the mean of all edges are added. White noise σ makes V uncertain by s² = (2
+/// kind, to which 5 of the mean of all edges are added. White noise σ makes V uncertain by s² = (2
 /// σ⁴ + 4 σ² m̄²)/n. Misfits are taken to differ from edge to edge by a quarter of m̄². V is drawn to
 /// σ² + m̄² by the share s²/(s² + (m̄²/4)²): hardly at all in frames of little noise, nearly all the
 /// way where the image model is right. Edges of more than ten times the median V are no part of m̄².
