@@ -133,7 +133,7 @@ std::vector<OptionTable> describe(TrackOptions& options) {
     track.integer(
         "binning", options.binning, "px", {0, 32},
         "fit frames by blocks of that many pixels a side, which takes less time; 1: pixel "
-        "by pixel; 0: 2 where spheres are mirrors of 16 px or more, else 1");
+        "by pixel; 0: as many as leave 8 to a sphere, 4 at most, where it is a mirror");
     track.integer("stretch", options.stretch, "frames", {2, 1e9},
                   "frames that start from one another; then the search begins afresh, so that "
                   "parts of a film give what the whole film gives");

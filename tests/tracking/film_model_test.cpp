@@ -104,12 +104,31 @@ TEST(FilmModel, OfMirrorsIsOfBlocksWhereEightAreLeftToASphere) {
     EXPECT_THAT(mirror.skipped(), Contains("single pixels"));
 }
 
+TEST(FilmModel, TakesTheLargestBlocksThatLeaveEightToASphere) {
+    EXPECT_EQ(mirror_blocks(15.9), 1);
+    EXPECT_EQ(mirror_blocks(15.95), 2) << "nearly whole";
+    EXPECT_EQ(mirror_blocks(23.5), 2);
+    EXPECT_EQ(mirror_blocks(24), 3);
+    EXPECT_EQ(mirror_blocks(32), 4);
+    EXPECT_EQ(mirror_blocks(200), 4) << "larger ones were not measured";
+}
+
 TEST(FilmModel, OfDiscsThatTheModelExplainsIsOfPixels) {
     const Seen disc = seen(discs(), options());
     EXPECT_EQ(disc.side(), 1);
     EXPECT_THAT(disc.skipped(), Not(Contains("single pixels")));
     // What was weighed for blocks is not left behind.
     EXPECT_NEAR(disc.model.film.weighed.front().diameter, 0.89 * kScale, 0.05 * kScale);
+}
+
+// Eight blocks to a sphere then miss more.
+TEST(FilmModel, OfWideEdgesIsOfPixels) {
+    MirrorOptics optics = layer().optics;
+    optics.blur = 0.13;
+    const int side = layer().brightness.width();
+    MirrorImage image(side, side, kScale, 2);
+    image.render_only(MirrorScene(layer().spheres, optics));
+    EXPECT_EQ(seen(with_noise(image.image()), options()).side(), 1);
 }
 
 TEST(FilmModel, IsOfPixelsWhereNoCorrectionCanHold) {

@@ -273,10 +273,13 @@ Trial try_guess(const Image& work, const FirstGuess& guess, Fitter fitter) {
     return {guess.polarity, model, fitter, false, std::move(candidate)};
 }
 
-/// Whether a first fit leaves clearly more than noise.
-bool has_misfit(const ImageModel& model) {
-    return model.residual_rms * model.residual_rms >
-           (1 + kMisfitForBlocks * kMisfitForBlocks) * model.noise * model.noise;
+/// Whether blocks tell as much as pixels: a first fit leaves clearly more than noise, and edges are
+/// not too wide for the few blocks.
+bool are_enough(const BinningUse& use, const ImageModel& model) {
+    if (!use.widest_edge) return true;
+    const double most = (1 + kMisfitForBlocks * kMisfitForBlocks) * model.noise * model.noise;
+    return model.residual_rms * model.residual_rms > most &&
+           in_pixels(model).edge_width <= *use.widest_edge;
 }
 
 /// What a frame is calibrated on: its pixels, or blocks of them.
@@ -449,8 +452,9 @@ std::optional<Calibration> calibrate(const Image& counts, const CalibrationOptio
     View view = view_by({options.binning.factor}, counts, by_pixels);
     RunPlan attempt;
     std::optional<Trial> best = best_trial(view.counts, options, view.fitter, attempt, candidates);
-    const bool wants_pixels = options.binning.only_for_misfit && !(best && has_misfit(best->model));
-    if (options.binning.factor > 1 && wants_pixels) {
+    const bool is_done =
+        best ? are_enough(options.binning, best->model) : !options.binning.widest_edge;
+    if (options.binning.factor > 1 && !is_done) {
         view = view_by({}, counts, by_pixels);
         best = best_trial(view.counts, options, view.fitter, plan, candidates);
     } else {

@@ -21,8 +21,10 @@ struct ProfileChoice {
 
 /// By which blocks of pixels a frame is fitted.
 struct BinningUse {
-    int factor = 1;                ///< pixels a side; 1: pixels as they are
-    bool only_for_misfit = false;  ///< none where noise is more than half of what discs leave
+    int factor = 1;  ///< pixels a side; 1: pixels as they are
+    /// None where noise is more than half of what discs leave, or edges are wider than this [px].
+    /// Empty: in any case.
+    std::optional<double> widest_edge = {};
     bool operator==(const BinningUse&) const = default;
 };
 
