@@ -125,13 +125,12 @@ FilmBias general_bias(FrameSource& source, const TrackOptions& options, const Im
     }
     const std::optional<Frame> frame = usable_frame(source, first, options.visible);
     if (!frame) return without("no frame is usable", plan);
-    const Binning blocks = model.binning;
-    const double diameter = *options.sphere_diameter / blocks.factor;
+    const double diameter = *options.sphere_diameter / model.binning.factor;
     const GeneralCorrection& general = general_correction();
+    // By pixels, whatever the film is fitted by: silhouettes by blocks look like mirrors.
     const CorrectionJudgement judgement =
-        judge_correction(general, blocks.is_none() ? frame->image : blocks.binned(frame->image),
-                         model, in_blocks(options.detection, blocks),
-                         in_blocks(options.refinement, blocks), diameter, threads);
+        judge_correction(general, frame->image, model.in_pixels(), options.detection,
+                         options.refinement, *options.sphere_diameter, threads);
     if (judgement.spheres < kLeastSpheres) {
         return without(fmt::format("{} spheres in the middle of the frame do not show whether the "
                                    "general correction holds, {} would",

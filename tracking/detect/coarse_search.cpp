@@ -17,28 +17,16 @@ int rows_of_blocks(int height, int factor, int spacing) {
     return (height / factor - 1) / spacing + 1;
 }
 
-/// The mean over whole blocks of factor × factor pixels, of every spacing-th row of them.
-void reduce(const PaddedImage& image, int factor, int spacing, int threads, Image& result) {
-    const int width = image.width() / factor;
-    const int height = rows_of_blocks(image.height(), factor, spacing);
+/// The mean over whole blocks, of every spacing-th row of them.
+void reduce(const PaddedImage& image, Binning blocks, int spacing, int threads, Image& result) {
+    const int width = blocks.blocks(image.width());
+    const int height = rows_of_blocks(image.height(), blocks.factor, spacing);
     if (result.width() != width || result.height() != height) result = Image(width, height);
-    const float share = 1.0F / static_cast<float>(factor * factor);
     in_row_bands(image.width(), height, threads, [&](int first, int last) {
         std::vector<float> sums(static_cast<std::size_t>(image.width()));
         for (int y = first; y < last; ++y) {
-            const int top = y * spacing * factor;
-            std::copy_n(image.row(top), image.width(), sums.data());
-            for (int v = 1; v < factor; ++v) {
-                const float* row = image.row(top + v);
-                for (int x = 0; x < image.width(); ++x) sums[static_cast<std::size_t>(x)] += row[x];
-            }
-            float* out = result.row(y);
-            const float* in = sums.data();
-            for (int x = 0; x < width; ++x, in += factor) {
-                float sum = in[0];
-                for (int u = 1; u < factor; ++u) sum += in[u];
-                out[x] = sum * share;
-            }
+            blocks.bin_row(image.row(y * spacing * blocks.factor), image.pitch(), sums,
+                           result.row(y), width);
         }
     });
 }
@@ -73,7 +61,7 @@ void CoarseSearch::set_threads(int threads) {
 
 StartingDiscs CoarseSearch::search(const PaddedImage& darkness, const DetectionOptions& detection,
                                    const RefinementOptions& rough) {
-    reduce(darkness, blocks_.factor, 1, threads_, image_);
+    reduce(darkness, blocks_, 1, threads_, image_);
     fit_.restart(image_);
     SphereSearch search(fit_, correlation_, detection);
     search.seed();
@@ -88,7 +76,7 @@ StartingDiscs CoarseSearch::search(const PaddedImage& darkness, const DetectionO
 CoarseSearch::Approach CoarseSearch::approach(const PaddedImage& darkness,
                                               const std::vector<Vec2>& start,
                                               const RefinementOptions& rough) {
-    reduce(darkness, blocks_.factor, kRowSpacing, threads_, image_);
+    reduce(darkness, blocks_, kRowSpacing, threads_, image_);
     approach_.restart(image_);
     std::vector<Vec2> places;
     places.reserve(start.size());

@@ -37,25 +37,29 @@ Image Binning::binned(const Image& frame) const {
     return result;
 }
 
+void Binning::bin_row(const float* top, std::ptrdiff_t stride, std::vector<float>& sums, float* row,
+                      int columns) const {
+    std::copy_n(top, sums.size(), sums.data());
+    for (int v = 1; v < factor; ++v) {
+        const float* pixels = top + v * stride;
+        for (std::size_t x = 0; x < sums.size(); ++x) sums[x] += pixels[x];
+    }
+    const float share = 1.0F / static_cast<float>(factor * factor);
+    const float* in = sums.data();
+    for (int x = 0; x < columns; ++x, in += factor) {
+        float sum = in[0];
+        for (int u = 1; u < factor; ++u) sum += in[u];
+        row[x] = sum * share;
+    }
+}
+
 void Binning::bin(const Image& frame, Image& binned) const {
     const int width = blocks(frame.width());
     const int height = blocks(frame.height());
     if (binned.width() != width || binned.height() != height) binned = Image(width, height);
-    const float share = 1.0F / static_cast<float>(factor * factor);
     std::vector<float> sums(static_cast<std::size_t>(frame.width()));
     for (int y = 0; y < height; ++y) {
-        std::copy_n(frame.row(y * factor), frame.width(), sums.data());
-        for (int v = 1; v < factor; ++v) {
-            const float* row = frame.row(y * factor + v);
-            for (int x = 0; x < frame.width(); ++x) sums[static_cast<std::size_t>(x)] += row[x];
-        }
-        float* out = binned.row(y);
-        const float* in = sums.data();
-        for (int x = 0; x < width; ++x, in += factor) {
-            float sum = in[0];
-            for (int u = 1; u < factor; ++u) sum += in[u];
-            out[x] = sum * share;
-        }
+        bin_row(frame.row(y * factor), frame.width(), sums, binned.row(y), width);
     }
 }
 

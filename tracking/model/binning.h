@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstddef>
+#include <vector>
+
 #include "core/frame.h"
 #include "core/vec2.h"
 #include "tracking/model/disc_profile.h"
@@ -28,6 +31,10 @@ struct Binning {
     DiscProfile in_frame(const DiscProfile& disc) const;
     /// An edge width of the frame, in blocks.
     double edge_in_blocks(double width) const;
+    /// One row of blocks, of the `factor` rows of pixels from `top` on, `stride` apart. `sums`:
+    /// memory for one row of pixels, as long as that.
+    void bin_row(const float* top, std::ptrdiff_t stride, std::vector<float>& sums, float* row,
+                 int columns) const;
     Image binned(const Image& frame) const;
     /// The same, into an image whose memory is kept.
     void bin(const Image& frame, Image& binned) const;
