@@ -36,6 +36,9 @@ ordered_json camera_facts(const DrawnScene& drawn) {
     facts["stray"] = drawn.stray;
     facts["scale_px"] = drawn.scale;
     facts["density"] = drawn.density;
+    facts["crystal_share"] = drawn.crystal ? ordered_json(drawn.crystal->share) : nullptr;
+    facts["crystal_spacing_a"] = drawn.crystal ? ordered_json(drawn.crystal->spacing) : nullptr;
+    facts["crystal_periods"] = drawn.crystal ? ordered_json(drawn.crystal->periods) : nullptr;
     facts["amplitude_a"] = drawn.amplitude;
     facts["phase_periods"] = drawn.phase;
     facts["walls_seen"] = drawn.walls_seen;

@@ -130,6 +130,12 @@ std::string words(const Session& session, const TrackJobResult& result, const La
         "write {:.1f}; {} in all\n",
         ms.wall, summary.frames > 1 ? ", two side by side; of each" : ":", ms.read, ms.detect,
         ms.refine, synthesis, ms.link, ms.write, format_duration(session.seconds()));
+    const auto& work = summary.work_per_frame;
+    text += fmt::format(
+        "  work       of each frame {:.1f} updates a sphere, {:.1f} joint steps, {:.0f} trials of "
+        "another sphere, {:.1f} kept\n",
+        work.disc_updates / std::max(1.0, summary.particles_mean), work.joint_steps, work.trials,
+        work.trials_kept);
     for (const PlannedStage& stage : session.plan.skipped()) {
         text += fmt::format("  skipped    {}: {}\n", stage.stage, stage.reason);
     }
@@ -180,6 +186,12 @@ ordered_json facts(const TrackJobResult& result, const LabUnits& lab) {
     const auto& ms = summary.ms_per_frame;
     facts["ms_per_frame"] = {{"detect", ms.detect}, {"refine", ms.refine}, {"link", ms.link},
                              {"read", ms.read},     {"write", ms.write},   {"wall", ms.wall}};
+    const auto& work = summary.work_per_frame;
+    facts["work_per_frame"] = {{"disc_updates", work.disc_updates},
+                               {"joint_steps", work.joint_steps},
+                               {"gain_maps", work.gain_maps},
+                               {"trials", work.trials},
+                               {"trials_kept", work.trials_kept}};
     facts["residual_rms"] = nullptr;
     if (result.has_residual()) facts["residual_rms"] = summary.residual_rms;
     facts["layers"] = nullptr;

@@ -140,10 +140,11 @@ FilmBias general_bias(FrameSource& source, const TrackOptions& options, const Im
     if (judgement.is_unlike() || judgement.is_too_large()) {
         return without(
             fmt::format("these look like no mirrors above a panel: what discs leave is {:.1f} "
-                        "spreads from that of other cameras, {:.1f} at most, and the general "
-                        "correction would move them by {:.4f} a RMS beside errors of {:.4f} a",
-                        judgement.unlikeness, CorrectionJudgement::kMostUnlike, judgement.moved,
-                        judgement.expected),
+                        "spreads from that of mirrors, {:.1f} at most, with log odds of {:.0f} "
+                        "against discs with a rim, {:.0f} at least, and the general correction "
+                        "would move them by {:.4f} a RMS beside errors of {:.4f} a",
+                        judgement.unlikeness, CorrectionJudgement::kMostUnlike, judgement.log_odds,
+                        CorrectionJudgement::kLeastOdds, judgement.moved, judgement.expected),
             plan);
     }
     BiasDecision decision{.source = BiasSource::general,

@@ -248,6 +248,7 @@ bool Locator::settle(Frame& frame, bool is_last) {
                           .far = is_last ? far(unexplained) : JointFit::kLongestStep},
                          round == 0);
         frame.found.steps += step.discs;
+        ++frame.found.joint_steps;
         frame.found.refine_seconds += seconds_since(begin);
         if (step.went_far == 0) return true;
     }
@@ -277,7 +278,13 @@ void Locator::settle_and_judge(Frame& frame) {
 void Locator::search(Frame& frame) {
     // A warm frame has all its spheres, as a rule: they settle before any is looked for.
     if (frame.found.warm) settle_and_judge(frame);
-    if (!frame.found.warm || frame.search.misses_any(*frame.residual)) {
+    // Of mirrors much is left everywhere, and what is missing beside others is looked for below.
+    const auto misses = [&] {
+        return frame.follows && !model_.is_product()
+                   ? frame.search.misses_whole_ones(*frame.residual)
+                   : frame.search.misses_any(*frame.residual);
+    };
+    if (!frame.found.warm || misses()) {
         frame.search.run(rough_sweeps_of(frame.refinement));
         settle_and_judge(frame);
     }
@@ -391,6 +398,7 @@ Located Locator::report(Frame& frame) {
     frame.count(summary);
     found.settled_detection = summary.settled_detection && !frame.is_unsure;
     found.trials = summary.trials;
+    found.trials_kept = summary.trials_kept;
     found.evidence = summary.evidence;
     found.doubtful_are_false = summary.doubtful_are_false;
     found.noise = summary.noise;

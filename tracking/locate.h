@@ -35,12 +35,14 @@ struct Located {
     std::int64_t coarse_steps = 0, steps = 0;  ///< disc updates done on blocks, on pixels
     bool warm = false;                         ///< the start was used
     bool approached = false;                   ///< … after it was brought nearer on blocks
-    int maps_skipped = 0;        ///< maps of likelihood gain that the residual made needless
-    int maps_in_part = 0;        ///< computed only where the residual can hold a sphere
-    std::int64_t trials = 0;     ///< discs added on trial (second_look.h)
-    int arrangements = 0;        ///< places where a search for cores found other discs
-    int arrangements_taken = 0;  ///< … that explained the frame better
-    double evidence = 0;         ///< share of an isolated one's misfit that every disc explains
+    int maps_skipped = 0;          ///< maps of likelihood gain that the residual made needless
+    int maps_in_part = 0;          ///< computed only where the residual can hold a sphere
+    std::int64_t trials = 0;       ///< discs added on trial (second_look.h)
+    std::int64_t trials_kept = 0;  ///< … that stayed
+    int joint_steps = 0;           ///< Newton steps of all discs at once
+    int arrangements = 0;          ///< places where a search for cores found other discs
+    int arrangements_taken = 0;    ///< … that explained the frame better
+    double evidence = 0;           ///< share of an isolated one's misfit that every disc explains
     bool doubtful_are_false = false;  ///< they hardly had room (SphereSearch::Summary)
     std::vector<Vec2> fitted;         ///< every disc of the model, those at the border included
     std::int64_t unsettled = 0;       ///< spheres still moving after the last sweep

@@ -40,6 +40,15 @@ void judge(const Located& found, const Frame& frame, TrackSummary& summary,
     }
 }
 
+void add(const Located& found, FrameWork& work) {
+    ++work.frames;
+    work.disc_updates += static_cast<double>(found.steps + found.coarse_steps);
+    work.joint_steps += found.joint_steps;
+    work.gain_maps += found.passes - found.maps_skipped;
+    work.trials += static_cast<double>(found.trials);
+    work.trials_kept += static_cast<double>(found.trials_kept);
+}
+
 void average(TrackSummary& summary, double particles, const LinkSummary& links) {
     const double n = std::max<double>(1, static_cast<double>(summary.frames));
     summary.particles_mean = particles / n;
@@ -50,6 +59,11 @@ void average(TrackSummary& summary, double particles, const LinkSummary& links) 
           &summary.ms_per_frame.synthesis, &summary.ms_per_frame.link, &summary.ms_per_frame.write,
           &summary.ms_per_frame.wall}) {
         *t /= n;
+    }
+    FrameWork& work = summary.work_per_frame;
+    for (double* sum : {&work.disc_updates, &work.joint_steps, &work.gain_maps, &work.trials,
+                        &work.trials_kept}) {
+        *sum /= std::max(1.0, work.frames);
     }
     if (links.consecutive > 0) {
         summary.step_rms = std::sqrt(links.squared_steps / static_cast<double>(links.consecutive));

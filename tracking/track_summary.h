@@ -18,6 +18,16 @@ struct FrameTimes {
     double wall = 0;  ///< by the clock [ms]; less than the sum where frames are fitted side by side
 };
 
+/// What it took to fit a frame, mean over those that were fitted.
+struct FrameWork {
+    double frames = 0;        ///< that were fitted
+    double disc_updates = 0;  ///< Newton steps of one disc, in sweeps or at once
+    double joint_steps = 0;   ///< of all discs at once
+    double gain_maps = 0;     ///< passes in which the residual did not make a map needless
+    double trials = 0;        ///< discs added on trial …
+    double trials_kept = 0;   ///< … that stayed
+};
+
 struct TrackSummary {
     std::int64_t frames = 0;  ///< tracked
     std::int64_t frames_corrupt = 0, frames_missing = 0;
@@ -36,12 +46,16 @@ struct TrackSummary {
     Bilayer::Summary layers;            ///< zeros without a height of the cell
     SynthesisSummary synthesis;         ///< zeros without synthesis
     FrameTimes ms_per_frame;
+    FrameWork work_per_frame;
 };
 
 /// Adds what a frame showed of the fit. What is wrong with it goes into `repeated`, or once into
 /// `plan`.
 void judge(const Located& found, const Frame& frame, TrackSummary& summary,
            RepeatedWarnings& repeated, RunPlan& plan);
+
+/// Adds what it took to fit a frame.
+void add(const Located& found, FrameWork& work);
 
 /// Makes means of the sums over frames; `particles` are those of all frames.
 void average(TrackSummary& summary, double particles, const LinkSummary& links);

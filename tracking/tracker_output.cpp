@@ -53,6 +53,7 @@ Snapshot Tracker::snapshot_of(const Job& job, Run& run) {
         summary.warm_frames += job.is_warm;
         summary.dimmest = std::min(summary.dimmest, job.light.span);
         summary.brightest = std::max(summary.brightest, job.light.span);
+        add(found, summary.work_per_frame);
         summary.ms_per_frame.detect += job.ms.detect;
         summary.ms_per_frame.refine += job.ms.refine;
         summary.ms_per_frame.synthesis += job.ms.synthesis;

@@ -1,10 +1,13 @@
 // Learns how discs err on mirror-like spheres from frames of many cameras (GeneralCorrection).
 //
 //   grainfield validate --optics random --scenes 20 --seed 101 --keep FRAMES -o page.html
+//   grainfield validate --optics random --scenes 20 --seed 201 --crystals 1 --keep FRAMES …
 //   bench.tracking.learn_general_correction general_correction.txt FRAMES…
 //
 // FRAMES: folders that `validate --keep` wrote: frame.png, true.csv and optics.toml of each scene.
-// Each frame is calibrated and searched as `track` does it. Every fourth camera is left out in
+// Each frame is calibrated and searched as `track` does it. What mirrors look like is learned from
+// them, and what discs with a rim look like from frames of such discs in the same places
+// (rimmed_discs). Every fourth camera is left out in
 // turn: the table that is printed, the shares of the errors that remain, the doubt and the ridge
 // are of cameras left out. The weights are of all.
 #include <algorithm>
@@ -22,10 +25,13 @@
 #include <Eigen/Dense>
 #include <fmt/format.h>
 
+#include "bench/tracking/rimmed_discs.h"
 #include "core/frame_source.h"
 #include "core/run_plan.h"
+#include "core/support/random.h"
 #include "io/frame_files.h"
 #include "tests/support/csv_rows.h"
+#include "tracking/calibrate/calibration.h"
 #include "tracking/film_model.h"
 #include "tracking/locate.h"
 #include "tracking/point_grid.h"
@@ -41,7 +47,7 @@ using namespace grainfield::tracking;
 namespace fs = std::filesystem;
 
 constexpr double kSame = 0.2;  // [a] a disc and its sphere
-constexpr int kFolds = 4;
+constexpr std::size_t kFolds = 4;
 constexpr std::array<double, 4> kRidges = {1e-6, 1e-5, 1e-4, 1e-3};
 constexpr Eigen::Index kTerms = BiasTerms::kCount;
 constexpr Eigen::Index kAll = kTerms * static_cast<Eigen::Index>(GeneralCorrection::kFilmTerms);
@@ -54,7 +60,7 @@ struct Lesson {
     Eigen::VectorXd lacks, error;  ///< truth − found, and its standard error [a]
     Eigen::VectorXd least;         ///< error that the noise of the camera alone makes [a]
     std::vector<std::size_t> overlap;
-    std::array<double, ResidualPattern::kNumbers> pattern = {};
+    std::optional<ResidualPattern::Numbers> mirrors = {}, rims = {};  ///< empty: too few spheres
 };
 
 double scale_in(const fs::path& file) {
@@ -65,8 +71,38 @@ double scale_in(const fs::path& file) {
     throw std::invalid_argument("no scale in " + file.string());
 }
 
+constexpr int kLeastSpheres = 100;
+/// Less beside the noise is no misfit to learn a pattern from.
+constexpr double kLeastMisfit = 0.5;
+
+/// As it is judged (judge_correction). Empty: the frame cannot be calibrated, holds too few
+/// spheres, or discs explain it.
+std::optional<ResidualPattern::Numbers> pattern_of(const Image& counts, double scale,
+                                                   const TrackOptions& options) {
+    CalibrationOptions calibration;
+    calibration.binning.factor = mirror_blocks(scale);
+    RunPlan plan;
+    const auto calibrated =
+        calibrate(counts, calibration, options.detection, options.refinement, 2, plan);
+    if (!calibrated) return std::nullopt;
+    constexpr std::size_t n = ResidualPattern::kNumbers;
+    GeneralCorrection nothing;
+    nothing.weights.assign(BiasTerms::kCount, {});
+    nothing.shares.assign(kOverlapClasses, 1);
+    nothing.mirrors = nothing.rims = {std::vector<double>(n), std::vector<double>(n * n), 0};
+    const ImageModel model = calibrated->model.in_pixels();
+    if (model.polarity != Polarity::dark || is_unusual_size(model.disc.diameter, scale) ||
+        std::hypot(model.noise, kLeastMisfit * model.noise) > model.residual_rms) {
+        return std::nullopt;
+    }
+    const CorrectionJudgement judgement =
+        judge_correction(nothing, counts, model, options.detection, options.refinement, scale, 2);
+    if (judgement.spheres < kLeastSpheres) return std::nullopt;
+    return judgement.pattern;
+}
+
 /// Empty: the frame cannot be calibrated, or no sphere of it was found.
-std::optional<Lesson> lesson_of(const fs::path& scene) {
+std::optional<Lesson> lesson_of(const fs::path& scene, std::uint64_t number) {
     const double scale = scale_in(scene / "optics.toml");
     auto source = io::open_frames({scene / "frame.png"}, {});
     TrackOptions options;
@@ -82,11 +118,15 @@ std::optional<Lesson> lesson_of(const fs::path& scene) {
     // From here on in blocks.
     const Binning blocks = model.binning;
     const double a = scale / blocks.factor;
+    std::vector<Vec3> spheres;
     std::vector<Vec2> truth;
     for (auto& row : grainfield::testing::csv_rows(scene / "true.csv")) {
-        truth.push_back(blocks.in_blocks(Vec2{std::stod(row["x"]), std::stod(row["y"])}));
+        const Vec3 p{std::stod(row["x"]), std::stod(row["y"]), std::stod(row["z"])};
+        spheres.push_back(p);
+        truth.push_back(blocks.in_blocks(Vec2{p.x, p.y}));
     }
-    const Image counts = blocks.binned(source->read(0).image);
+    const Image frame = source->read(0).image;
+    const Image counts = blocks.binned(frame);
     const Image darkness = model.darkness(counts);
     Locator locator(counts.width(), counts.height(), model, 2);
     locator.expect_misfit(model.residual_rms);
@@ -108,7 +148,6 @@ std::optional<Lesson> lesson_of(const fs::path& scene) {
                   .error = {},
                   .least = {},
                   .overlap = {}};
-    ResidualPattern pattern;
     for (std::size_t i = 0; i < found.position.size(); ++i) {
         const Vec2 p = found.position[i];
         const double inside =
@@ -126,14 +165,16 @@ std::optional<Lesson> lesson_of(const fs::path& scene) {
         });
         if (!lack) continue;
         rows.push_back(terms.of(p));
-        pattern.add(rows.back());
         lacks.push_back(*lack);
         expected.push_back((1 / a) * errors[i]);
         least_expected.push_back((found.noise / a) * found.error[i]);
         lesson.overlap.push_back(overlap_class(terms.nearest(p)));
     }
     if (rows.empty()) return std::nullopt;
-    lesson.pattern = pattern.numbers();
+    lesson.mirrors = pattern_of(frame, scale, options);
+    RandomStream random(number, "discs with a rim");
+    lesson.rims = pattern_of(
+        bench::rimmed_discs(spheres, scale, frame.width(), frame.height(), random), scale, options);
     const auto n = static_cast<Eigen::Index>(rows.size());
     lesson.terms.resize(2 * n, kTerms);
     lesson.lacks.resize(2 * n);
@@ -290,27 +331,69 @@ void find_errors(const std::vector<Corrected>& positions, GeneralCorrection& gen
 
 /// Mean of the patterns and inverse of their covariance. A twentieth of each variance is added to
 /// it: directions in which no camera differs say nothing.
-void describe_patterns(const std::vector<Lesson>& lessons, GeneralCorrection& general) {
+PatternKind kind_of(const std::vector<ResidualPattern::Numbers>& all) {
     constexpr auto n = static_cast<Eigen::Index>(ResidualPattern::kNumbers);
-    Eigen::MatrixXd patterns(static_cast<Eigen::Index>(lessons.size()), n);
-    for (std::size_t k = 0; k < lessons.size(); ++k) {
+    if (all.size() < 2 * ResidualPattern::kNumbers) throw std::invalid_argument("too few patterns");
+    Eigen::MatrixXd patterns(static_cast<Eigen::Index>(all.size()), n);
+    for (std::size_t k = 0; k < all.size(); ++k) {
         patterns.row(static_cast<Eigen::Index>(k)) =
-            Eigen::Map<const Eigen::RowVectorXd>(lessons[k].pattern.data(), n);
+            Eigen::Map<const Eigen::RowVectorXd>(all[k].data(), n);
     }
     const Eigen::RowVectorXd mean = patterns.colwise().mean();
     const Eigen::MatrixXd apart = patterns.rowwise() - mean;
-    Eigen::MatrixXd covariance =
-        apart.transpose() * apart / static_cast<double>(lessons.size() - 1);
+    Eigen::MatrixXd covariance = apart.transpose() * apart / static_cast<double>(all.size() - 1);
     covariance.diagonal() *= 1.05;
     const Eigen::MatrixXd inverse = covariance.inverse();
-    general.pattern.assign(mean.begin(), mean.end());
+    PatternKind kind;
+    kind.mean.assign(mean.begin(), mean.end());
     for (Eigen::Index i = 0; i < n; ++i) {
-        for (Eigen::Index j = 0; j < n; ++j) general.pattern_weights.push_back(inverse(i, j));
+        for (Eigen::Index j = 0; j < n; ++j) kind.weights.push_back(inverse(i, j));
     }
-    std::vector<double> unlike;
-    for (const Lesson& lesson : lessons) unlike.push_back(general.unlikeness(lesson.pattern));
-    fmt::print("unlikeness: median {:.2f}, most {:.2f}\n", quantile(unlike, 0.5),
-               quantile(unlike, 1));
+    kind.log_determinant = std::log(covariance.determinant());
+    return kind;
+}
+
+/// Of all lessons but those of one fold; kFolds: of all.
+void describe_patterns(const std::vector<Lesson>& lessons, std::size_t without,
+                       GeneralCorrection& general) {
+    std::vector<ResidualPattern::Numbers> mirrors;
+    std::vector<ResidualPattern::Numbers> rims;
+    for (std::size_t k = 0; k < lessons.size(); ++k) {
+        if (k % kFolds == without) continue;
+        if (lessons[k].mirrors) mirrors.push_back(*lessons[k].mirrors);
+        if (lessons[k].rims) rims.push_back(*lessons[k].rims);
+    }
+    general.mirrors = kind_of(mirrors);
+    general.rims = kind_of(rims);
+}
+
+/// How well cameras left out are told apart.
+void print_patterns(const std::vector<Lesson>& lessons) {
+    std::vector<double> unlike, rims_unlike, odds, rims_odds;
+    for (std::size_t fold = 0; fold < kFolds; ++fold) {
+        GeneralCorrection others;
+        describe_patterns(lessons, fold, others);
+        for (std::size_t k = fold; k < lessons.size(); k += kFolds) {
+            if (const auto& p = lessons[k].mirrors) {
+                unlike.push_back(others.unlikeness(*p));
+                odds.push_back(others.log_odds(*p));
+                if (odds.back() < 0)
+                    fmt::print("odds {:.1f} of {}\n", odds.back(), lessons[k].name);
+            }
+            if (const auto& p = lessons[k].rims) {
+                rims_unlike.push_back(others.unlikeness(*p));
+                rims_odds.push_back(others.log_odds(*p));
+            }
+        }
+    }
+    const auto print = [](const char* what, const std::vector<double>& values) {
+        fmt::print("{}: {} frames, from {:.2f} to {:.2f}, median {:.2f}\n", what, values.size(),
+                   quantile(values, 0), quantile(values, 1), quantile(values, 0.5));
+    };
+    print("unlikeness of mirrors", unlike);
+    print("unlikeness of discs with a rim", rims_unlike);
+    print("log odds of mirrors", odds);
+    print("log odds of discs with a rim", rims_odds);
 }
 
 std::vector<Lesson> lessons_in(const std::vector<std::string>& folders) {
@@ -320,7 +403,7 @@ std::vector<Lesson> lessons_in(const std::vector<std::string>& folders) {
         for (const auto& entry : fs::directory_iterator(folder)) scenes.push_back(entry.path());
         std::sort(scenes.begin(), scenes.end());
         for (const fs::path& scene : scenes) {
-            std::optional<Lesson> lesson = lesson_of(scene);
+            std::optional<Lesson> lesson = lesson_of(scene, lessons.size());
             if (!lesson) {
                 fmt::print(stderr, "nothing to learn from in {}\n", scene.string());
                 continue;
@@ -413,7 +496,8 @@ void learn(const std::string& output, const std::vector<std::string>& folders) {
     general.most_width = *std::max_element(widths.begin(), widths.end());
     general.least_diameter = *std::min_element(diameters.begin(), diameters.end());
     general.most_diameter = *std::max_element(diameters.begin(), diameters.end());
-    describe_patterns(lessons, general);
+    describe_patterns(lessons, kFolds, general);
+    print_patterns(lessons);
     const Eigen::VectorXd weights = weights_of(all, chosen);
     for (Eigen::Index k = 0; k < kTerms; ++k) {
         general.weights.push_back({weights(k), weights(kTerms + k), weights(2 * kTerms + k)});

@@ -54,6 +54,8 @@ TEST_F(Pipeline, TrackPrintsOneObjectWithTheKeysThatScriptsRelyOn) {
     for (const char* stage : {"detect", "refine", "link", "read", "write"}) {
         EXPECT_GE(summary["ms_per_frame"][stage], 0) << stage;
     }
+    EXPECT_GT(summary["work_per_frame"]["disc_updates"], 0);
+    EXPECT_GT(summary["work_per_frame"]["joint_steps"], 0);
 }
 
 TEST_F(Pipeline, TrackFindsEveryDiscAndTheirSizeWithoutAnyOption) {

@@ -8,10 +8,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
 
 #include "core/errors.h"
 #include "core/support/random.h"
 #include "tests/tracking/synthesis/rendered_layer.h"
+#include "tracking/calibrate/calibration.h"
+#include "tracking/film_model.h"
 #include "tracking/model/padded_image.h"
 #include "tracking/refine/disc_kernel.h"
 #include "tracking/synthesis/general_correction.h"
@@ -83,6 +86,39 @@ Image silhouettes() {
     for (int y = 0; y < side; ++y) {
         for (int x = 0; x < side; ++x) {
             counts(x, y) = 200 * transmission.row(y)[x] + static_cast<float>(2 * random.normal());
+        }
+    }
+    return counts;
+}
+
+/// As discs with a dark core and a bright rim, blurred, higher ones before lower ones.
+Image rimmed(double scale, double rim) {
+    const testing::RenderedLayer layer = testing::rendered_layer(24, scale, 0, 7);
+    const int side = layer.brightness.width();
+    std::vector<Point3> upwards = layer.spheres;
+    std::sort(upwards.begin(), upwards.end(),
+              [](const Point3& a, const Point3& b) { return a.z < b.z; });
+    cv::Mat1f seen(side, side, 1.0F);
+    constexpr int kShift = 8;  // of the points of cv::circle: 1/256 px
+    const auto paint = [&](const Point3& p, double radius, double brightness) {
+        const auto fixed = [](double v) {
+            return static_cast<int>(std::lround(v * (1 << kShift)));
+        };
+        cv::circle(
+            seen,
+            {fixed(scale * static_cast<double>(p.x)), fixed(scale * static_cast<double>(p.y))},
+            fixed(radius * scale), brightness, cv::FILLED, cv::LINE_8, kShift);
+    };
+    for (const Point3& p : upwards) {
+        paint(p, 0.44, rim);
+        paint(p, 0.34, 0);
+    }
+    cv::GaussianBlur(seen, seen, {0, 0}, 0.1 * scale);
+    RandomStream random(1, "camera");
+    Image counts(side, side);
+    for (int y = 0; y < side; ++y) {
+        for (int x = 0; x < side; ++x) {
+            counts(x, y) = 200 * seen(y, x) + static_cast<float>(2 * random.normal());
         }
     }
     return counts;
@@ -265,6 +301,27 @@ TEST(FilmBias, OfSilhouettesIsLeftOutAndThatIsAWarningOnlyWhereOneWasAskedFor) {
     asked.correct_bias = true;
     EXPECT_FALSE(bias_of_film(source, asked, model(), 0, 2, plan).correction.has_value());
     EXPECT_EQ(plan.warnings().size(), 1U);
+}
+
+// Of a size and with a misfit that mirrors may have: the pattern of what discs leave tells them.
+TEST(FilmBias, OfDiscsWithARimIsLeftOutByPixelsAndByBlocks) {
+    for (const double scale : {10.0, 18.0}) {
+        for (const double rim : {0.35, 0.45}) {
+            const Image frame = rimmed(scale, rim);
+            TrackOptions rims = options();
+            rims.sphere_diameter = scale;
+            rims.detection = detection_of(rims);
+            CalibrationOptions calibration;
+            calibration.binning.factor = mirror_blocks(scale);
+            RunPlan plan;
+            const auto calibrated = calibrate(frame, calibration, rims.detection, {}, 2, plan);
+            ASSERT_TRUE(calibrated.has_value());
+            SameFrames source(frame, 1);
+            const FilmBias found = bias_of_film(source, rims, calibrated->model, 0, 2, plan);
+            EXPECT_FALSE(found.correction.has_value()) << scale << ' ' << rim;
+            EXPECT_THAT(found.decision.reason, HasSubstr("no mirrors above a panel"));
+        }
+    }
 }
 
 TEST(FilmBias, OfTooFewSpheresToJudgeItIsLeftOut) {

@@ -64,6 +64,28 @@ TEST(TrackSummary, GivesMeansOverFrames) {
     EXPECT_DOUBLE_EQ(summary.step_rms, 2);
 }
 
+TEST(TrackSummary, SaysWhatTheFittedFramesTook) {
+    Located found;
+    found.steps = 70;
+    found.coarse_steps = 30;
+    found.joint_steps = 3;
+    found.passes = 5;
+    found.maps_skipped = 1;
+    found.trials = 8;
+    found.trials_kept = 2;
+    TrackSummary summary;
+    summary.frames = 5;  // three of them corrupt
+    add(found, summary.work_per_frame);
+    add({}, summary.work_per_frame);
+    average(summary, 100, {});
+    EXPECT_EQ(summary.work_per_frame.frames, 2);
+    EXPECT_EQ(summary.work_per_frame.disc_updates, 50);
+    EXPECT_EQ(summary.work_per_frame.joint_steps, 1.5);
+    EXPECT_EQ(summary.work_per_frame.gain_maps, 2);
+    EXPECT_EQ(summary.work_per_frame.trials, 4);
+    EXPECT_EQ(summary.work_per_frame.trials_kept, 1);
+}
+
 TEST(TrackSummary, OfNoFramesIsFinite) {
     TrackSummary summary;
     average(summary, 0, {});

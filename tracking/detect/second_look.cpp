@@ -76,17 +76,21 @@ double misfit_about(const JointFit& fit, Vec2 place, double half) {
     return sum;
 }
 
+bool are_few(const std::vector<PixelBlock>& blocks, const PaddedImage& image) {
+    double area = 0;
+    for (const PixelBlock& b : blocks) area += static_cast<double>(b.x1 - b.x0) * (b.y1 - b.y0);
+    return area <= kFewPlaces * image.width() * image.height();
+}
+
 /// Places to try, highest gain first.
 std::vector<Vec2> candidates(const JointFit& fit, DiscCorrelation& correlation, double misfit,
                              double least, const ResidualBlocks& residual) {
     const std::vector<PixelBlock> blocks = residual.holding(misfit);
     if (blocks.empty()) return {};
     const PaddedImage& darkness = fit.darkness();
-    double area = 0;
-    for (const PixelBlock& b : blocks) area += static_cast<double>(b.x1 - b.x0) * (b.y1 - b.y0);
-    const bool is_everywhere = area > kFewPlaces * darkness.width() * darkness.height();
-    const Image gain = is_everywhere ? correlation.gain(darkness, fit.transmission())
-                                     : correlation.gain_in(blocks, darkness, fit.transmission());
+    const Image gain = are_few(blocks, darkness)
+                           ? correlation.gain_in(blocks, darkness, fit.transmission())
+                           : correlation.gain(darkness, fit.transmission());
     std::vector<Vec2> places;
     for (const Peak& peak : local_maxima(gain, static_cast<float>(least),
                                          kPeaks * fit.disc().diameter / correlation.factor())) {
@@ -136,15 +140,19 @@ Level level(const JointFit& fit, const ResidualBlocks& residual) {
             median + (spread > 0 ? std::min(kSpreads * spread, kMedians * median) : median)};
 }
 
-/// Whether there are places to try. If so, all discs are drawn where they are.
+/// Whether there are places to try. If so, all discs are drawn where they are. Where much of the
+/// image is unusual, as in layers of mirrors, some are there, and the map that shows them is not
+/// made twice.
 bool has_candidates(JointFit& fit, DiscCorrelation& correlation, double least,
                     const ResidualBlocks& residual) {
     const double unusual = level(fit, residual).unusual;
     const std::vector<PixelBlock> blocks = residual.holding(unusual);
     if (blocks.empty()) return false;
-    // The gain in a block depends on discs within two reaches.
-    fit.draw_pending_near(residual.middles(blocks), 3 * residual.block());
-    if (candidates(fit, correlation, unusual, least, residual).empty()) return false;
+    if (are_few(blocks, fit.darkness())) {
+        // The gain in a block depends on discs within two reaches.
+        fit.draw_pending_near(residual.middles(blocks), 3 * residual.block());
+        if (candidates(fit, correlation, unusual, least, residual).empty()) return false;
+    }
     fit.draw_pending();
     return true;
 }

@@ -289,7 +289,16 @@ std::vector<PixelBlock> SphereSearch::where_gain_reaches(const ResidualBlocks& r
 }
 
 bool SphereSearch::misses_any(const ResidualBlocks& residual) {
-    if (!where_gain_reaches(residual, least_gain(residual)).empty()) return true;
+    return misses(residual, least_gain(residual) + kMostlyNoise * residual.white(summary_.noise));
+}
+
+bool SphereSearch::misses_whole_ones(const ResidualBlocks& residual) {
+    return misses(residual, kSurely * correlation_.full_gain() +
+                                residual.white(residual.rms(fit_.scene().pixels())));
+}
+
+bool SphereSearch::misses(const ResidualBlocks& residual, double least) {
+    if (!residual.holding(least).empty()) return true;
     ++summary_.passes;
     ++summary_.maps_skipped;
     summary_.settled_detection = true;
@@ -350,6 +359,7 @@ bool SphereSearch::look_again(const RefinementOptions& refinement, const Residua
     const SecondLook look = tracking::look_again(fit_, correlation_, separation_, summary_.noise,
                                                  summary_.evidence, refinement, residual);
     summary_.trials += look.trials;
+    summary_.trials_kept += look.kept;
     summary_.added += look.kept;
     summary_.steps += look.steps;
     if (look.steps > 0) forget_judgement();

@@ -88,6 +88,8 @@ class SphereSearch {
     /// Whether a sphere might be missing, judged from what is left of the image. Counts as a pass
     /// if none can be.
     bool misses_any(const ResidualBlocks& residual);
+    /// Whether one might be missing that nothing else explains. A second look finds the others.
+    bool misses_whole_ones(const ResidualBlocks& residual);
 
     /// Sweeps until nothing moves. Two discs that come together then are one: the weaker one goes
     /// and its neighbours settle.
@@ -110,6 +112,7 @@ class SphereSearch {
         int maps_skipped = 0;           ///< maps of gain that the residual made needless
         int maps_in_part = 0;           ///< computed only where the residual can hold a sphere
         std::int64_t trials = 0;        ///< discs added on trial
+        std::int64_t trials_kept = 0;   ///< … that stayed
         bool settled_detection = true;  ///< the last pass changed nothing
         double evidence = 0;            ///< share of an isolated one's misfit that all explain
         /// Most that explained less than 0.25 of an isolated one hardly had room: all are false.
@@ -127,6 +130,7 @@ class SphereSearch {
     SphereCell cell() const;
     bool is_whole(Vec2 p) const;
     void split(std::uint32_t j, Vec2 place);
+    bool misses(const ResidualBlocks& residual, double least);
     double least_gain(const ResidualBlocks& residual) const;
     std::vector<PixelBlock> where_gain_reaches(const ResidualBlocks& residual, double least) const;
     Image gain_above(const ResidualBlocks& residual, double least);

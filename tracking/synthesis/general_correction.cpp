@@ -24,6 +24,8 @@ constexpr double kMeanDiameter = 0.875, kSpreadOfDiameter = 0.025;  // [a]
 constexpr double kBeyond = 0.1;
 constexpr double kPart = 40;   // [a]
 constexpr double kMargin = 2;  // [a]
+/// Less is not told from none [contrast].
+constexpr double kLeastMisfit = 1e-3;
 
 bool is_beyond(double value, double least, double most) {
     const double margin = kBeyond * (most - least);
@@ -58,45 +60,70 @@ std::vector<double> numbers_after(std::istream& text, const std::string& name, s
     return numbers;
 }
 
+PatternKind kind_after(std::istream& text, const std::string& name) {
+    constexpr std::size_t n = ResidualPattern::kNumbers;
+    PatternKind kind;
+    kind.mean = numbers_after(text, name, n);
+    kind.weights = numbers_after(text, name + "-weights", n * n);
+    kind.log_determinant = numbers_after(text, name + "-log-determinant", 1)[0];
+    return kind;
+}
+
+std::string text_of(const std::string& name, const PatternKind& kind) {
+    std::string text = name;
+    for (const double number : kind.mean) text += fmt::format(" {:.5g}", number);
+    text += "\n" + name + "-weights";
+    for (const double weight : kind.weights) text += fmt::format(" {:.6g}", weight);
+    return text + fmt::format("\n{}-log-determinant {:.5g}\n", name, kind.log_determinant);
+}
+
 }  // namespace
 
 void ResidualPattern::add(const BiasTerms::Terms& terms) {
     constexpr auto kFirst = static_cast<std::size_t>(BiasTerms::kDistances);  // of the moments
-    for (std::size_t ring = 0; ring < BiasTerms::kRings; ++ring) {
+    for (std::size_t ring = 0; ring < kRings; ++ring) {
         const auto x = static_cast<double>(terms.x[kFirst + ring]);
         const auto y = static_cast<double>(terms.y[kFirst + ring]);
         squares_[ring] += x * x + y * y;
-        if (ring + 1 == BiasTerms::kRings) continue;
+        if (ring + 1 == kRings) continue;
         products_[ring] += x * static_cast<double>(terms.x[kFirst + ring + 1]) +
                            y * static_cast<double>(terms.y[kFirst + ring + 1]);
     }
 }
 
-std::array<double, ResidualPattern::kNumbers> ResidualPattern::numbers() const {
-    std::array<double, kNumbers> numbers{};
+ResidualPattern::Numbers ResidualPattern::numbers(double misfit) const {
+    Numbers numbers{};
     double mean = 0;
-    for (const double s : squares_) mean += s / BiasTerms::kRings;
-    for (std::size_t ring = 0; ring < BiasTerms::kRings; ++ring) {
-        const bool is_last = ring + 1 == BiasTerms::kRings;
-        if (!is_last) {
+    for (const double s : squares_) mean += s / kRings;
+    for (std::size_t ring = 0; ring < kRings; ++ring) {
+        if (ring + 1 < kRings) {
             numbers[ring] = products_[ring] / std::sqrt(squares_[ring] * squares_[ring + 1]);
         }
-        numbers[BiasTerms::kRings - 1 + ring] = 0.5 * std::log(squares_[ring] / mean);
+        numbers[kRings - 1 + ring] = 0.5 * std::log(squares_[ring] / mean);
     }
+    numbers[kNumbers - 1] = std::log(misfit);
     return numbers;
 }
 
-double GeneralCorrection::unlikeness(
-    const std::array<double, ResidualPattern::kNumbers>& numbers) const {
+double PatternKind::squared_distance(const ResidualPattern::Numbers& numbers) const {
     constexpr std::size_t n = ResidualPattern::kNumbers;
     double sum = 0;
     for (std::size_t i = 0; i < n; ++i) {
         for (std::size_t j = 0; j < n; ++j) {
-            sum +=
-                (numbers[i] - pattern[i]) * pattern_weights[i * n + j] * (numbers[j] - pattern[j]);
+            sum += (numbers[i] - mean[i]) * weights[i * n + j] * (numbers[j] - mean[j]);
         }
     }
-    return std::sqrt(sum / static_cast<double>(n));
+    return sum;
+}
+
+double GeneralCorrection::unlikeness(const ResidualPattern::Numbers& numbers) const {
+    return std::sqrt(mirrors.squared_distance(numbers) /
+                     static_cast<double>(ResidualPattern::kNumbers));
+}
+
+double GeneralCorrection::log_odds(const ResidualPattern::Numbers& numbers) const {
+    return 0.5 * (rims.squared_distance(numbers) + rims.log_determinant -
+                  mirrors.squared_distance(numbers) - mirrors.log_determinant);
 }
 
 std::array<double, GeneralCorrection::kFilmTerms> GeneralCorrection::film_terms(
@@ -161,9 +188,8 @@ GeneralCorrection read_general_correction(std::string_view text) {
     general.most_diameter = diameters[1];
     general.shares = numbers_after(lines, "shares", kOverlapClasses);
     general.doubt = numbers_after(lines, "doubt", 1)[0];
-    general.pattern = numbers_after(lines, "pattern", ResidualPattern::kNumbers);
-    general.pattern_weights = numbers_after(lines, "pattern-weights",
-                                            ResidualPattern::kNumbers * ResidualPattern::kNumbers);
+    general.mirrors = kind_after(lines, "mirrors");
+    general.rims = kind_after(lines, "rims");
     for (int k = 0; k < BiasTerms::kCount; ++k) {
         const auto weight = numbers_after(lines, "weight", GeneralCorrection::kFilmTerms);
         general.weights.push_back({weight[0], weight[1], weight[2]});
@@ -186,11 +212,9 @@ std::string write_general_correction(const GeneralCorrection& general) {
     for (const double share : general.shares) text += fmt::format(" {:.4f}", share);
     text += "\n# standard error of a correction, as a share of it\n";
     text += fmt::format("doubt {:.4f}", general.doubt);
-    text += "\n# of the residual: mean over cameras, and inverse covariance\npattern";
-    for (const double number : general.pattern) text += fmt::format(" {:.5g}", number);
-    text += "\npattern-weights";
-    for (const double weight : general.pattern_weights) text += fmt::format(" {:.5g}", weight);
-    text += "\n# of each term, times 1, edge width and diameter about their means [a]\n";
+    text += "\n# patterns of the residual: mean, inverse covariance, ln of its determinant\n";
+    text += text_of("mirrors", general.mirrors) + text_of("rims", general.rims);
+    text += "# of each term, times 1, edge width and diameter about their means [a]\n";
     for (const auto& [one, width, diameter] : general.weights) {
         text += fmt::format("weight {:.4g} {:.4g} {:.4g}\n", one, width, diameter);
     }
@@ -239,7 +263,10 @@ CorrectionJudgement judge_correction(const GeneralCorrection& general, const Ima
     if (judgement.spheres == 0) return judgement;
     judgement.moved = std::sqrt(moved / (2 * judgement.spheres)) / diameter;
     judgement.expected = std::sqrt(expected / (2 * judgement.spheres)) / diameter;
-    judgement.unlikeness = general.unlikeness(pattern.numbers());
+    const double misfit = found.residual_rms * found.residual_rms - found.noise * found.noise;
+    judgement.pattern = pattern.numbers(std::sqrt(std::max(misfit, kLeastMisfit * kLeastMisfit)));
+    judgement.unlikeness = general.unlikeness(judgement.pattern);
+    judgement.log_odds = general.log_odds(judgement.pattern);
     return judgement;
 }
 

@@ -15,24 +15,36 @@
 
 namespace grainfield::tracking {
 
-/// How what discs leave over about the spheres of a frame is distributed: the first moments h_1 of
-/// the residual on the rings of BiasTerms.
+/// What discs leave over within the spheres of a frame: the first moments h_1 of the residual on
+/// the inner rings of BiasTerms, and the misfit.
 ///
 ///   ⟨h(ρ_k) · h(ρ_{k+1})⟩ / RMS RMS for neighbouring rings, then ln of the RMS on each ring over
-///   that of all rings.
+///   that of these rings, then ln of the misfit [contrast].
 ///
-/// It hardly depends on where spheres are, and tells mirrors from discs with a rim.
+/// Outer rings depend on where spheres are: in a layer with few overlaps they hold little.
 class ResidualPattern {
  public:
-    static constexpr std::size_t kNumbers = 2 * BiasTerms::kRings - 1;
+    static constexpr std::size_t kRings = 5;  ///< up to 0.75 a
+    static constexpr std::size_t kNumbers = 2 * kRings;
+    using Numbers = std::array<double, kNumbers>;
 
     void add(const BiasTerms::Terms& terms);
-    /// Of all that were added, one at least.
-    std::array<double, kNumbers> numbers() const;
+    /// Of all that were added, one at least. `misfit`: RMS residual without the noise [contrast].
+    Numbers numbers(double misfit) const;
 
  private:
-    std::array<double, BiasTerms::kRings> squares_{};
-    std::array<double, BiasTerms::kRings> products_{};  ///< with the next ring
+    std::array<double, kRings> squares_{};
+    std::array<double, kRings - 1> products_{};  ///< with the next ring
+};
+
+/// Patterns of one kind of spheres, as a normal distribution over cameras and layers.
+struct PatternKind {
+    std::vector<double> mean;
+    std::vector<double> weights;  ///< inverse covariance, row by row
+    double log_determinant = 0;   ///< of the covariance
+
+    /// Squared distance from the mean, in spreads, summed over the numbers.
+    double squared_distance(const ResidualPattern::Numbers& numbers) const;
 };
 
 /// How discs err on mirror-like spheres over a panel, whatever the camera.
@@ -56,8 +68,8 @@ struct GeneralCorrection {
     double doubt = 0;
     double least_width = 0, most_width = 0;        ///< of edges, that it was learned from [a]
     double least_diameter = 0, most_diameter = 0;  ///< apparent, likewise [a]
-    /// Mean over cameras, and inverse covariance, row by row; some of its diagonal is added to it.
-    std::vector<double> pattern, pattern_weights;
+    PatternKind mirrors;                           ///< of the frames that it was learned from
+    PatternKind rims;              ///< opaque discs with a bright rim, in the same layers
     double before = 0, after = 0;  ///< RMS error per axis on cameras left out, median of them [a]
     int cameras = 0;
     int spheres = 0;
@@ -68,8 +80,10 @@ struct GeneralCorrection {
 
     /// Why it does not hold for discs of that size [px]; empty: it does. `diameter`: a [px].
     std::string refused(const DiscProfile& disc, double diameter) const;
-    /// How far a pattern is from the mean of the cameras, RMS in units of their spread [-].
-    double unlikeness(const std::array<double, ResidualPattern::kNumbers>& numbers) const;
+    /// How far a pattern is from the mean of mirrors, RMS in units of their spread [-].
+    double unlikeness(const ResidualPattern::Numbers& numbers) const;
+    /// ln of how much likelier it is of mirrors than of discs with a rim.
+    double log_odds(const ResidualPattern::Numbers& numbers) const;
     /// What it is for them.
     BiasCorrection of(const DiscProfile& disc, double diameter) const;
 };
@@ -87,14 +101,19 @@ struct CorrectionJudgement {
     double moved = 0;       ///< by the correction, RMS per axis [a]
     double expected = 0;    ///< RMS of their standard errors, misfit included [a]
     double unlikeness = 0;  ///< GeneralCorrection::unlikeness
+    double log_odds = 0;    ///< GeneralCorrection::log_odds
+    ResidualPattern::Numbers pattern = {};
 
     /// A correction is hardly larger than the errors that it corrects. On 40 frames of cameras that
     /// mirror the ratio was .7 to 1.2, on silhouettes in blurred light 2.6.
     bool is_too_large() const { return !(moved <= 1.5 * expected); }
-    /// Frames of mirrors: 1.8 at most of 320 cameras, 2.6 and 4.0 of crystals. Silhouettes with and
-    /// without a rim: 5.6 and more. Between 4.0 and 5.6.
-    bool is_unlike() const { return !(unlikeness <= kMostUnlike); }
+    bool is_unlike() const { return !(unlikeness <= kMostUnlike && log_odds >= kLeastOdds); }
+    /// Of 415 frames of mirrors 2.9 at most; beyond this it is neither kind.
     static constexpr double kMostUnlike = 4.7;
+    /// Steel spheres are taken to be a hundred times as usual as discs with a rim. Of cameras left
+    /// out mirrors have 1.8 at least, discs with a rim -4.9 at most; of other frames, 120 of mirrors
+    /// more than this, 402 of discs with a rim -11 at most.
+    static constexpr double kLeastOdds = -4.6;
 };
 
 /// Of the middle of a frame, 40 a wide at most, in the light of the calibration. Spheres nearer

@@ -18,13 +18,27 @@ double logarithmic(RandomStream& random, double low, double high) {
     return low * std::pow(high / low, random.uniform());
 }
 
+/// Of a square cell of so many spheres: those of the crystal, and `liquid` per a² beyond a rim of
+/// 1 a around it [1/a²].
+double density_with(const DrawnCrystal& crystal, std::int64_t spheres, double liquid) {
+    // The crystal takes its share of the cell without a rim of 1 a, which is u wide:
+    //   spheres = (q u/spacing)² + liquid ((u + 2)² − (q u + 2)²), q² the share.
+    const double q = std::sqrt(crystal.share);
+    const double square =
+        crystal.share / (crystal.spacing * crystal.spacing) + liquid * (1 - crystal.share);
+    const double half = 2 * liquid * (1 - q);
+    const auto n = static_cast<double>(spheres);
+    const double u = (std::sqrt(half * half + square * n) - half) / square;
+    return n / ((u + 2) * (u + 2));
+}
+
 double side_of(const DrawnScene& drawn) {
     return std::sqrt(static_cast<double>(drawn.spheres) / drawn.density);
 }
 
 }  // namespace
 
-DrawnScene draw_scene(std::uint64_t seed, std::int64_t index, SceneSize size) {
+DrawnScene draw_scene(std::uint64_t seed, std::int64_t index, SceneSize size, double crystals) {
     RandomStream random(seed, "validate random optics", static_cast<std::uint64_t>(index));
     DrawnScene drawn;
     drawn.panel_distance = logarithmic(random, 2, 30);
@@ -45,6 +59,14 @@ DrawnScene draw_scene(std::uint64_t seed, std::int64_t index, SceneSize size) {
     drawn.amplitude = random.uniform(0.08, 0.2);
     drawn.phase = random.uniform();
     drawn.walls_seen = random.uniform() < 0.5;
+    RandomStream order(seed, "validate random crystals", static_cast<std::uint64_t>(index));
+    if (order.uniform() < crystals) {
+        const DrawnCrystal crystal{.share = order.uniform(0.1, 0.5),
+                                   .spacing = order.uniform(0.76, 0.86),
+                                   .periods = std::round(logarithmic(order, 1, 10))};
+        drawn.crystal = crystal;
+        drawn.density = density_with(crystal, drawn.spheres, order.uniform(0.5, 0.65));
+    }
     drawn.seed = seed + 1000003 * static_cast<std::uint64_t>(index);
     return drawn;
 }
@@ -66,6 +88,14 @@ simulate::MdOptions layer_of(const DrawnScene& drawn) {
     md.run.discard = 39;
     md.run.snapshot_every = 1;
     md.run.snapshot_phase = drawn.phase;
+    if (drawn.crystal) {
+        md.initial.layout = simulate::InitialLayout::square;
+        md.initial.crystal_fraction = drawn.crystal->share;
+        md.initial.crystal_spacing = drawn.crystal->spacing;
+        md.initial.temperature = 0.1;
+        md.run.periods = drawn.crystal->periods;
+        md.run.discard = drawn.crystal->periods - 1;
+    }
     return md;
 }
 

@@ -14,6 +14,15 @@ enum class SceneSize {
     full,   ///< 1,000 to 3,000
 };
 
+/// A square crystal in the middle of a layer.
+struct DrawnCrystal {
+    double share = 0.3;     ///< of the area of the layer [-]
+    double spacing = 0.81;  ///< of its projected square lattice [a]
+    double periods = 10;    ///< of the vibration before the picture; of many, and most melt
+
+    friend bool operator==(const DrawnCrystal&, const DrawnCrystal&) = default;
+};
+
 /// A camera and a layer as they are drawn at random: everything else of a scene follows.
 struct DrawnScene {
     double panel_distance = 10;      ///< of the panel below the low plate's upper face [a]
@@ -30,8 +39,9 @@ struct DrawnScene {
     std::int64_t spheres = 2000;     ///< in the cell
     double amplitude = 0.184;        ///< of the vibration [a]
     double phase = 0;                ///< of the vibration when the picture is taken [periods]
-    bool walls_seen = true;          ///< the frame reaches 2 a beyond the walls; else 2 a less
-    std::uint64_t seed = 1;          ///< of molecular dynamics and noise
+    std::optional<DrawnCrystal> crystal;  ///< empty: liquid all over
+    bool walls_seen = true;               ///< the frame reaches 2 a beyond the walls; else 2 a less
+    std::uint64_t seed = 1;               ///< of molecular dynamics and noise
 
     friend bool operator==(const DrawnScene&, const DrawnScene&) = default;
 };
@@ -41,11 +51,14 @@ struct DrawnScene {
 /// three cameras with a pinhole 30–300 sides above (uniform in 1/distance), vignetting 0–.3, level
 /// 1–1.1, noise .5–5 % (logarithmic), stray light 0–.05, scale 8–24 px/a (logarithmic), density
 /// .9–1.2 per a², spheres by `size` (logarithmic), amplitude .08–.2 a, any phase, walls in sight or
-/// not.
-DrawnScene draw_scene(std::uint64_t seed, std::int64_t index, SceneSize size);
+/// not. A share `crystals` of the layers has a crystal, on .1–.5 of the area and of spacing
+/// .76–.86 a, in a liquid of density .5–.65 per a², shaken for 1 to 10 periods (logarithmic);
+/// nothing else changes with it.
+DrawnScene draw_scene(std::uint64_t seed, std::int64_t index, SceneSize size, double crystals = 0);
 
 /// The layer: steel spheres between plates 1.94 a apart and hard walls, shaken at the experiment's
-/// frequency for 40 periods [castillo2019]; one snapshot, at the drawn phase.
+/// frequency for 40 periods [castillo2019]; one snapshot, at the drawn phase. A crystal is shaken
+/// for the periods drawn.
 simulate::MdOptions layer_of(const DrawnScene& drawn);
 
 /// The camera: ray-traced, clear plates, an instant of exposure, eight bits. Read noise is a tenth

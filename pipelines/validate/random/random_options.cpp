@@ -26,6 +26,8 @@ OptionTable RandomOptics::describe() {
     table.integer("scenes", scenes, "-", {1, 100000}, "cameras and layers that are drawn");
     table.choice("scene-size", scene_size, {{"full", SceneSize::full}, {"small", SceneSize::small}},
                  "1,000 to 3,000 spheres a scene, or 250 to 500");
+    table.number("crystals", crystals, "-", {0, 1},
+                 "share of the layers that begin with a square crystal in the middle");
     table.text("keep", keep, "folder for the frames, their truth and cameras");
     return table;
 }

@@ -16,7 +16,8 @@ namespace grainfield::pipelines {
 struct RandomOpticsOptions {
     int scenes = 20;
     SceneSize scene_size = SceneSize::full;
-    std::string keep;  ///< folder for frames, truth and cameras; empty: not kept
+    double crystals = 0;  ///< share of the layers with a square crystal in the middle [-]
+    std::string keep;     ///< folder for frames, truth and cameras; empty: not kept
 };
 
 /// What the median and the worst of the scenes have to reach; what is not set is not checked.

@@ -102,8 +102,8 @@ SceneSeries see_scenes(const ValidateJobOptions& options, const Job& job) {
     parallel_for(random.scenes, job.threads, [&](std::int64_t i) {
         if (caught_signal() != 0) return;
         try {
-            SeenScene scene =
-                see_scene(draw_scene(job.seed, i, random.scene_size), i, options.tracking);
+            SeenScene scene = see_scene(draw_scene(job.seed, i, random.scene_size, random.crystals),
+                                        i, options.tracking);
             if (!random.keep.empty()) keep_scene(scene, random.keep, job.overwrite);
             const std::lock_guard lock(guard);
             series.done.push_back(scene.score);

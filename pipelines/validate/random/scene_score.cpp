@@ -145,6 +145,11 @@ std::string toml_of(const DrawnScene& drawn) {
     text += fmt::format("scale = {:.12g}  # [px/a]\n", drawn.scale);
     line("density", drawn.density, "1/a2");
     text += fmt::format("spheres = {}\n", drawn.spheres);
+    if (drawn.crystal) {
+        line("crystal-share", drawn.crystal->share, "of the area");
+        line("crystal-spacing", drawn.crystal->spacing, "a");
+        line("crystal-periods", drawn.crystal->periods, "-");
+    }
     line("amplitude", drawn.amplitude, "a");
     line("phase", drawn.phase, "periods");
     text += fmt::format("walls-seen = {}\nseed = {}\n", drawn.walls_seen, drawn.seed);

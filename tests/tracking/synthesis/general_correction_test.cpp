@@ -63,6 +63,66 @@ TEST(GeneralCorrection, WeightsAreThoseOfTheDiscsThatTheyAreFor) {
     EXPECT_EQ(sharp.doubt, general.doubt);
 }
 
+TEST(GeneralCorrection, TellsTheMeanPatternOfEitherKindFromTheOther) {
+    const GeneralCorrection& general = general_correction();
+    ResidualPattern::Numbers mirrors{};
+    ResidualPattern::Numbers rims{};
+    std::copy(general.mirrors.mean.begin(), general.mirrors.mean.end(), mirrors.begin());
+    std::copy(general.rims.mean.begin(), general.rims.mean.end(), rims.begin());
+    EXPECT_EQ(general.unlikeness(mirrors), 0);
+    EXPECT_GT(general.unlikeness(rims), 3);
+    EXPECT_GT(general.log_odds(mirrors), 5);
+    EXPECT_LT(general.log_odds(rims), -5);
+}
+
+// Two kinds on one number: ln of the ratio of two normal densities.
+TEST(GeneralCorrection, LogOddsAreThoseOfTwoNormalDistributions) {
+    constexpr std::size_t n = ResidualPattern::kNumbers;
+    GeneralCorrection general;
+    general.mirrors = {std::vector<double>(n, 0.0), std::vector<double>(n * n, 0.0), 0};
+    general.rims = general.mirrors;
+    general.rims.mean[0] = 2;
+    general.mirrors.weights[0] = 1 / (0.5 * 0.5);
+    general.mirrors.log_determinant = 2 * std::log(0.5);
+    general.rims.weights[0] = 1 / (3.0 * 3.0);
+    general.rims.log_determinant = 2 * std::log(3.0);
+    const auto density = [](double x, double mean, double sigma) {
+        return std::exp(-0.5 * (x - mean) * (x - mean) / (sigma * sigma)) / sigma;
+    };
+    for (const double x : {-1.0, 0.3, 1.5}) {
+        ResidualPattern::Numbers numbers{};
+        numbers[0] = x;
+        EXPECT_NEAR(general.log_odds(numbers), std::log(density(x, 0, 0.5) / density(x, 2, 3)),
+                    1e-12);
+        EXPECT_NEAR(general.unlikeness(numbers), std::abs(x) / 0.5 / std::sqrt(double{n}), 1e-12);
+    }
+}
+
+TEST(ResidualPattern, IsOfTheRingsWithinASphereAndOfTheMisfit) {
+    BiasTerms::Terms terms{};
+    constexpr std::size_t first = BiasTerms::kDistances;
+    for (std::size_t ring = 0; ring < BiasTerms::kRings; ++ring) {
+        terms.x[first + ring] = ring % 2 == 0 ? 1.0F : -2.0F;
+    }
+    ResidualPattern pattern;
+    pattern.add(terms);
+    const auto numbers = pattern.numbers(0.05);
+    for (std::size_t ring = 0; ring + 1 < ResidualPattern::kRings; ++ring) {
+        EXPECT_NEAR(numbers[ring], -1, 1e-12);
+    }
+    const double mean = (3 * 1.0 + 2 * 4.0) / 5;
+    for (std::size_t ring = 0; ring < ResidualPattern::kRings; ++ring) {
+        const double square = ring % 2 == 0 ? 1 : 4;
+        EXPECT_NEAR(numbers[ResidualPattern::kRings - 1 + ring], 0.5 * std::log(square / mean),
+                    1e-12);
+    }
+    EXPECT_NEAR(numbers.back(), std::log(0.05), 1e-12);
+    terms.x[first + ResidualPattern::kRings] = 1e3F;  // beyond the sphere
+    ResidualPattern other;
+    other.add(terms);
+    EXPECT_EQ(other.numbers(0.05), numbers);
+}
+
 TEST(GeneralCorrection, DoesNotHoldForDiscsUnlikeThoseLearnedFrom) {
     const GeneralCorrection& general = general_correction();
     EXPECT_EQ(general.refused({0.88 * 16, 0.11 * 16}, 16), "");
@@ -146,6 +206,8 @@ TEST(GeneralCorrection, BringsTheMirrorsOfAnotherRayTracerNearerToTheirPlaces) {
     EXPECT_EQ(one.moved, two.moved);
     EXPECT_EQ(one.expected, two.expected);
     EXPECT_EQ(one.unlikeness, two.unlikeness);
+    EXPECT_EQ(one.log_odds, two.log_odds);
+    EXPECT_GT(two.log_odds, 0);
     Located corrected = found;
     correct_bias(correction, darkness, locator.residual(), kScale, corrected, 2);
     for (const double least_shift : {0.0, 1.0}) {
@@ -176,6 +238,12 @@ TEST(CorrectionJudgement, BesideErrorsThatAreZeroOrNotKnownIsThatItIsTooLarge) {
     EXPECT_TRUE(judgement.is_too_large());
     judgement.expected = std::nan("");
     EXPECT_TRUE(judgement.is_too_large());
+    EXPECT_FALSE(judgement.is_unlike());
+    judgement.log_odds = -1000;
+    EXPECT_TRUE(judgement.is_unlike());
+    judgement.log_odds = std::nan("");
+    EXPECT_TRUE(judgement.is_unlike());
+    judgement.log_odds = 0;
     judgement.unlikeness = std::nan("");
     EXPECT_TRUE(judgement.is_unlike());
 }

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "simulate/md/state/initial_state.h"
 #include "simulate/render/optics/raytrace.h"
 
 namespace grainfield::pipelines {
@@ -64,6 +65,38 @@ TEST(DrawnScene, FillsItsRanges) {
         EXPECT_LT(parts.front(), 0.01) << law.name;
         EXPECT_GT(parts.back(), 0.99) << law.name;
         EXPECT_NEAR(parts[n / 2], 0.5, 0.056) << law.name;
+    }
+}
+
+TEST(DrawnScene, HasACrystalInTheShareAskedForAndIsOtherwiseTheSame) {
+    constexpr int n = 2000;
+    int crystals = 0;
+    for (int i = 0; i < n; ++i) {
+        const DrawnScene liquid = draw_scene(3, i, SceneSize::full);
+        EXPECT_FALSE(liquid.crystal.has_value());
+        DrawnScene drawn = draw_scene(3, i, SceneSize::full, 0.25);
+        if (drawn.crystal) {
+            ++crystals;
+            EXPECT_GE(drawn.crystal->share, 0.1);
+            EXPECT_LE(drawn.crystal->share, 0.5);
+            EXPECT_GE(drawn.crystal->spacing, 0.76);
+            EXPECT_LE(drawn.crystal->spacing, 0.86);
+            EXPECT_GE(drawn.crystal->periods, 1);
+            EXPECT_LE(drawn.crystal->periods, 10);
+            drawn.crystal.reset();
+            drawn.density = liquid.density;
+        }
+        EXPECT_EQ(drawn, liquid);
+    }
+    EXPECT_NEAR(crystals, 0.25 * n, 5 * std::sqrt(0.25 * 0.75 * n));
+}
+
+TEST(DrawnScene, WithACrystalFitsIntoItsCellWhateverIsDrawn) {
+    for (int i = 0; i < 200; ++i) {
+        const SceneSize size = i % 2 == 0 ? SceneSize::small : SceneSize::full;
+        const simulate::MdOptions md = layer_of(draw_scene(4, i, size, 1));
+        EXPECT_EQ(md.initial.layout, simulate::InitialLayout::square);
+        EXPECT_NO_THROW(simulate::make_initial_state(md, 1)) << i;
     }
 }
 

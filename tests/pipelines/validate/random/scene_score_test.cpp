@@ -79,6 +79,11 @@ TEST(SceneScore, WritesItsCameraAsToml) {
     EXPECT_NE(text.find("scale = 12.25  # [px/a]\n"), std::string::npos) << text;
     EXPECT_NE(text.find("panel-distance = 10  # [a]\n"), std::string::npos);
     EXPECT_NE(text.find("walls-seen = true\n"), std::string::npos);
+    EXPECT_EQ(text.find("crystal"), std::string::npos);
+    drawn.crystal = {.share = 0.25, .spacing = 0.8, .periods = 3};
+    const std::string crystal = toml_of(drawn);
+    EXPECT_NE(crystal.find("crystal-share = 0.25  # [of the area]\n"), std::string::npos);
+    EXPECT_NE(crystal.find("crystal-periods = 3  # [-]\n"), std::string::npos) << crystal;
 }
 
 }  // namespace

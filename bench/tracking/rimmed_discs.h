@@ -1,0 +1,20 @@
+#pragma once
+
+#include <span>
+
+#include "core/frame.h"
+#include "core/support/random.h"
+#include "core/vec3.h"
+
+namespace grainfield::bench {
+
+/// A frame of opaque discs with a bright rim, seen by a camera that is drawn at random: discs of
+/// .84–1.02 a, cores of .6–.95 of that, rims of 0–.9 of the bright field, faint ones more often,
+/// even or brighter outwards, blur .02–.13 a, noise .5–5 % (logarithmic). Higher spheres hide lower
+/// ones. 8 bit.
+///
+/// `spheres`: x and y [px], z in any unit. `scale`: a [px].
+Image rimmed_discs(std::span<const Vec3> spheres, double scale, int width, int height,
+                   RandomStream& random);
+
+}  // namespace grainfield::bench
