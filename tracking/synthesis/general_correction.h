@@ -111,8 +111,8 @@ struct CorrectionJudgement {
     /// Of 415 frames of mirrors 2.9 at most; beyond this it is neither kind.
     static constexpr double kMostUnlike = 4.7;
     /// Steel spheres are taken to be a hundred times as usual as discs with a rim. Of cameras left
-    /// out mirrors have 1.8 at least, discs with a rim -4.9 at most; of other frames, 120 of mirrors
-    /// more than this, 402 of discs with a rim -11 at most.
+    /// out mirrors have 1.8 at least, discs with a rim -4.9 at most; of other frames, 120 of
+    /// mirrors more than this, 402 of discs with a rim -11 at most.
     static constexpr double kLeastOdds = -4.6;
 };
 
