@@ -134,7 +134,7 @@ std::string words(const Session& session, const TrackJobResult& result, const La
     text += fmt::format(
         "  work       of each frame {:.1f} updates a sphere, {:.1f} joint steps, {:.0f} trials of "
         "another sphere, {:.1f} kept\n",
-        work.disc_updates / std::max(1.0, summary.particles_mean), work.joint_steps, work.trials,
+        work.disc_updates / std::max(1.0, work.discs), work.joint_steps, work.trials,
         work.trials_kept);
     for (const PlannedStage& stage : session.plan.skipped()) {
         text += fmt::format("  skipped    {}: {}\n", stage.stage, stage.reason);
@@ -187,7 +187,8 @@ ordered_json facts(const TrackJobResult& result, const LabUnits& lab) {
     facts["ms_per_frame"] = {{"detect", ms.detect}, {"refine", ms.refine}, {"link", ms.link},
                              {"read", ms.read},     {"write", ms.write},   {"wall", ms.wall}};
     const auto& work = summary.work_per_frame;
-    facts["work_per_frame"] = {{"disc_updates", work.disc_updates},
+    facts["work_per_frame"] = {{"discs", work.discs},
+                               {"disc_updates", work.disc_updates},
                                {"joint_steps", work.joint_steps},
                                {"gain_maps", work.gain_maps},
                                {"trials", work.trials},

@@ -114,6 +114,28 @@ FilmBias undecided(const char* what, RunPlan& plan) {
     return {std::nullopt, {.moved = {}, .reason = what}};
 }
 
+/// What tells that spheres are no mirrors; empty: nothing does.
+std::string not_as_mirrors(const CorrectionJudgement& judgement) {
+    if (!(judgement.unlikeness <= CorrectionJudgement::kMostUnlike)) {
+        return fmt::format(
+            "what discs leave is {:.1f} spreads from that of mirrors, {:.1f} at most",
+            judgement.unlikeness, CorrectionJudgement::kMostUnlike);
+    }
+    if (judgement.is_unlike()) {
+        return fmt::format(
+            "what discs leave is as of discs with a rim: the log odds of mirrors are "
+            "{:.1f}, {:.1f} at least",
+            judgement.log_odds, CorrectionJudgement::kLeastOdds);
+    }
+    if (judgement.is_too_large()) {
+        return fmt::format(
+            "the general correction would move them by {:.4f} a RMS beside errors of "
+            "{:.4f} a, by 1.5 times as much at most",
+            judgement.moved, judgement.expected);
+    }
+    return {};
+}
+
 /// That of many cameras, if it holds for the film.
 FilmBias general_bias(FrameSource& source, const TrackOptions& options, const ImageModel& model,
                       std::int64_t first, int threads, RunPlan& plan) {
@@ -137,15 +159,8 @@ FilmBias general_bias(FrameSource& source, const TrackOptions& options, const Im
                                    judgement.spheres, kLeastSpheres),
                        plan);
     }
-    if (judgement.is_unlike() || judgement.is_too_large()) {
-        return without(
-            fmt::format("these look like no mirrors above a panel: what discs leave is {:.1f} "
-                        "spreads from that of mirrors, {:.1f} at most, with log odds of {:.0f} "
-                        "against discs with a rim, {:.0f} at least, and the general correction "
-                        "would move them by {:.4f} a RMS beside errors of {:.4f} a",
-                        judgement.unlikeness, CorrectionJudgement::kMostUnlike, judgement.log_odds,
-                        CorrectionJudgement::kLeastOdds, judgement.moved, judgement.expected),
-            plan);
+    if (const std::string unlike = not_as_mirrors(judgement); !unlike.empty()) {
+        return without("these look like no mirrors above a panel: " + unlike, plan);
     }
     BiasDecision decision{.source = BiasSource::general,
                           .cameras = general.cameras,

@@ -278,7 +278,8 @@ void Locator::settle_and_judge(Frame& frame) {
 void Locator::search(Frame& frame) {
     // A warm frame has all its spheres, as a rule: they settle before any is looked for.
     if (frame.found.warm) settle_and_judge(frame);
-    // Of mirrors much is left everywhere, and what is missing beside others is looked for below.
+    // Where edges meet by another rule the product leaves much everywhere. What is missing beside
+    // others is looked for below.
     const auto misses = [&] {
         return frame.follows && !model_.is_product()
                    ? frame.search.misses_whole_ones(*frame.residual)

@@ -42,6 +42,7 @@ void judge(const Located& found, const Frame& frame, TrackSummary& summary,
 
 void add(const Located& found, FrameWork& work) {
     ++work.frames;
+    work.discs += static_cast<double>(found.fitted.size());
     work.disc_updates += static_cast<double>(found.steps + found.coarse_steps);
     work.joint_steps += found.joint_steps;
     work.gain_maps += found.passes - found.maps_skipped;
@@ -61,8 +62,8 @@ void average(TrackSummary& summary, double particles, const LinkSummary& links) 
         *t /= n;
     }
     FrameWork& work = summary.work_per_frame;
-    for (double* sum : {&work.disc_updates, &work.joint_steps, &work.gain_maps, &work.trials,
-                        &work.trials_kept}) {
+    for (double* sum : {&work.discs, &work.disc_updates, &work.joint_steps, &work.gain_maps,
+                        &work.trials, &work.trials_kept}) {
         *sum /= std::max(1.0, work.frames);
     }
     if (links.consecutive > 0) {

@@ -18,12 +18,13 @@ struct FrameTimes {
     double wall = 0;  ///< by the clock [ms]; less than the sum where frames are fitted side by side
 };
 
-/// What it took to fit a frame, mean over those that were fitted.
+/// What it took to fit a frame, without the search for cores: mean over those that were fitted.
 struct FrameWork {
     double frames = 0;        ///< that were fitted
-    double disc_updates = 0;  ///< Newton steps of one disc, in sweeps or at once
+    double discs = 0;         ///< of the model
+    double disc_updates = 0;  ///< Newton steps of one disc, on blocks of a coarse search too
     double joint_steps = 0;   ///< of all discs at once
-    double gain_maps = 0;     ///< passes in which the residual did not make a map needless
+    double gain_maps = 0;     ///< of the search; a second look makes its own
     double trials = 0;        ///< discs added on trial …
     double trials_kept = 0;   ///< … that stayed
 };

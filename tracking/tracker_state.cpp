@@ -72,8 +72,9 @@ void transfer(NumberArchive& archive, FrameTimes& times) {
 }
 
 void transfer(NumberArchive& archive, FrameWork& work) {
-    auto& [frames, disc_updates, joint_steps, gain_maps, trials, trials_kept] = work;
-    archive.members<FrameWork>(frames, disc_updates, joint_steps, gain_maps, trials, trials_kept);
+    auto& [frames, discs, disc_updates, joint_steps, gain_maps, trials, trials_kept] = work;
+    archive.members<FrameWork>(frames, discs, disc_updates, joint_steps, gain_maps, trials,
+                               trials_kept);
 }
 
 void transfer(NumberArchive& archive, TrackSummary& summary) {

@@ -60,7 +60,7 @@ struct Lesson {
     Eigen::VectorXd lacks, error;  ///< truth − found, and its standard error [a]
     Eigen::VectorXd least;         ///< error that the noise of the camera alone makes [a]
     std::vector<std::size_t> overlap;
-    std::optional<ResidualPattern::Numbers> mirrors = {}, rims = {};  ///< empty: too few spheres
+    std::optional<ResidualPattern::Numbers> mirrors = {}, rims = {};  ///< empty: pattern_of
 };
 
 double scale_in(const fs::path& file) {
@@ -75,8 +75,9 @@ constexpr int kLeastSpheres = 100;
 /// Less beside the noise is no misfit to learn a pattern from.
 constexpr double kLeastMisfit = 0.5;
 
-/// As it is judged (judge_correction). Empty: the frame cannot be calibrated, holds too few
-/// spheres, or discs explain it.
+/// By pixels, as judge_correction sees it. Empty: the frame cannot be calibrated, holds fewer than
+/// kLeastSpheres, its discs have an unusual size, or they leave less than kLeastMisfit of the noise
+/// of a pixel. Blocks have less noise, so that `track` judges some frames more.
 std::optional<ResidualPattern::Numbers> pattern_of(const Image& counts, double scale,
                                                    const TrackOptions& options) {
     CalibrationOptions calibration;
@@ -377,8 +378,10 @@ void print_patterns(const std::vector<Lesson>& lessons) {
             if (const auto& p = lessons[k].mirrors) {
                 unlike.push_back(others.unlikeness(*p));
                 odds.push_back(others.log_odds(*p));
-                if (odds.back() < 0)
-                    fmt::print("odds {:.1f} of {}\n", odds.back(), lessons[k].name);
+                if (odds.back() < 0) {
+                    fmt::print("mirrors as discs with a rim: log odds {:.1f}, {}\n", odds.back(),
+                               lessons[k].name);
+                }
             }
             if (const auto& p = lessons[k].rims) {
                 rims_unlike.push_back(others.unlikeness(*p));

@@ -305,6 +305,7 @@ TEST(FilmBias, OfSilhouettesIsLeftOutAndThatIsAWarningOnlyWhereOneWasAskedFor) {
 
 // Of a size and with a misfit that mirrors may have: the pattern of what discs leave tells them.
 TEST(FilmBias, OfDiscsWithARimIsLeftOutByPixelsAndByBlocks) {
+    int only_by_pattern = 0;
     for (const double scale : {10.0, 18.0}) {
         for (const double rim : {0.35, 0.45}) {
             const Image frame = rimmed(scale, rim);
@@ -316,12 +317,18 @@ TEST(FilmBias, OfDiscsWithARimIsLeftOutByPixelsAndByBlocks) {
             RunPlan plan;
             const auto calibrated = calibrate(frame, calibration, rims.detection, {}, 2, plan);
             ASSERT_TRUE(calibrated.has_value());
+            const CorrectionJudgement judgement =
+                judge_correction(general_correction(), frame, calibrated->model.in_pixels(),
+                                 rims.detection, {}, scale, 2);
+            EXPECT_LT(judgement.log_odds, CorrectionJudgement::kLeastOdds) << scale << ' ' << rim;
+            only_by_pattern += judgement.is_too_large() ? 0 : 1;
             SameFrames source(frame, 1);
             const FilmBias found = bias_of_film(source, rims, calibrated->model, 0, 2, plan);
             EXPECT_FALSE(found.correction.has_value()) << scale << ' ' << rim;
             EXPECT_THAT(found.decision.reason, HasSubstr("no mirrors above a panel"));
         }
     }
+    EXPECT_GE(only_by_pattern, 2);
 }
 
 TEST(FilmBias, OfTooFewSpheresToJudgeItIsLeftOut) {

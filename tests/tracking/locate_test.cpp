@@ -11,6 +11,7 @@
 #include "tests/support/layer_frames.h"
 #include "tests/support/position_score.h"
 #include "tracking/calibrate/calibration.h"
+#include "tracking/model/known_models.h"
 #include "tracking/point_grid.h"
 #include "tracking/score/position_bounds.h"
 
@@ -253,6 +254,31 @@ TEST(Locate, SpheresThatCameOrWentAreSeenInTheNextFrame) {
     // The map of likelihood gain was computed around them, not everywhere.
     EXPECT_GT(warm.maps_in_part, 0);
     EXPECT_EQ(warm.maps_in_part + warm.maps_skipped, warm.passes);
+}
+
+// The search is left out there unless a whole sphere may be missing; the second look finds others.
+TEST(Locate, WhereEdgesMeetByAnotherRuleSpheresThatCameAreSeenInTheNextFrame) {
+    testing::CrystalPatch patch;
+    patch.radius = 0.25;
+    patch.spacing = 0.8;
+    patch.clearance = 1;
+    const auto scene = testing::crystal_in_liquid(320, 320, 16, 0.65, patch, 3);
+    Image darkness = testing::tanh_frame(scene, 16, 1.2, 0.02, 1);
+    for (float& v : darkness.pixels()) v = (200 - v) / 170;
+    for (const OverlapRule* rule : overlap_rules()) {
+        if (rule->is_product()) continue;
+        Locator locator(320, 320, {{16, 1.2}, *rule}, 2);
+        const Located whole = locator.locate(darkness, {}, {}, scene.position, 0.3);
+        EXPECT_TRUE(whole.warm);
+        std::vector<Vec2> start = scene.position;
+        // One in the crystal, beside its neighbours, and one in the liquid.
+        start.erase(start.begin() + static_cast<std::ptrdiff_t>(scene.crystal_begin + 30));
+        start.erase(start.begin() + 40);
+        const Located found = locator.locate(darkness, {}, {}, start, 0.3);
+        EXPECT_TRUE(found.warm);
+        EXPECT_EQ(found.position.size(), whole.position.size());
+        EXPECT_LT(difference(found, whole), 0.05);
+    }
 }
 
 TEST(Locate, AStartThatLeavesMuchUnexplainedIsForgotten) {

@@ -74,11 +74,13 @@ TEST(TrackSummary, SaysWhatTheFittedFramesTook) {
     found.trials = 8;
     found.trials_kept = 2;
     TrackSummary summary;
-    summary.frames = 5;  // three of them corrupt
+    summary.frames = 5;  // three of them repeat another or are blank
+    found.fitted.resize(30);
     add(found, summary.work_per_frame);
     add({}, summary.work_per_frame);
     average(summary, 100, {});
     EXPECT_EQ(summary.work_per_frame.frames, 2);
+    EXPECT_EQ(summary.work_per_frame.discs, 15);
     EXPECT_EQ(summary.work_per_frame.disc_updates, 50);
     EXPECT_EQ(summary.work_per_frame.joint_steps, 1.5);
     EXPECT_EQ(summary.work_per_frame.gain_maps, 2);

@@ -140,11 +140,11 @@ Level level(const JointFit& fit, const ResidualBlocks& residual) {
             median + (spread > 0 ? std::min(kSpreads * spread, kMedians * median) : median)};
 }
 
-/// Whether there are places to try. If so, all discs are drawn where they are. Where much of the
-/// image is unusual, as in layers of mirrors, some are there, and the map that shows them is not
-/// made twice.
-bool has_candidates(JointFit& fit, DiscCorrelation& correlation, double least,
-                    const ResidualBlocks& residual) {
+/// Whether there may be places to try. If so, all discs are drawn where they are. Where much of the
+/// image is unusual, as in layers of mirrors, the map that shows them is made after that, and not
+/// twice.
+bool may_have_candidates(JointFit& fit, DiscCorrelation& correlation, double least,
+                         const ResidualBlocks& residual) {
     const double unusual = level(fit, residual).unusual;
     const std::vector<PixelBlock> blocks = residual.holding(unusual);
     if (blocks.empty()) return false;
@@ -165,7 +165,7 @@ SecondLook look_again(JointFit& fit, DiscCorrelation& correlation, double separa
     SecondLook look;
     if (fit.positions().empty() || noise <= 0) return look;
     const double least = kSignificance * kSignificance * noise * noise;
-    if (!has_candidates(fit, correlation, least, residual)) return look;
+    if (!may_have_candidates(fit, correlation, least, residual)) return look;
     const double share = std::max(kLeastGain, evidence / kPoorModel);
     const double diameter = fit.disc().diameter;
     const int width = fit.darkness().width();

@@ -88,7 +88,9 @@ class SphereSearch {
     /// Whether a sphere might be missing, judged from what is left of the image. Counts as a pass
     /// if none can be.
     bool misses_any(const ResidualBlocks& residual);
-    /// Whether one might be missing that nothing else explains. A second look finds the others.
+    /// Whether one might be missing that explains half of what an isolated one does, beyond the
+    /// usual misfit about it. Of every_sphere, a second look finds the others. Counts as
+    /// misses_any().
     bool misses_whole_ones(const ResidualBlocks& residual);
 
     /// Sweeps until nothing moves. Two discs that come together then are one: the weaker one goes

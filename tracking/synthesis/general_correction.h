@@ -15,13 +15,14 @@
 
 namespace grainfield::tracking {
 
-/// What discs leave over within the spheres of a frame: the first moments h_1 of the residual on
-/// the inner rings of BiasTerms, and the misfit.
+/// What discs leave over in a part of a frame: the first moments h_1 of the residual on the inner
+/// rings of BiasTerms about each sphere, and the misfit of the whole part.
 ///
 ///   ⟨h(ρ_k) · h(ρ_{k+1})⟩ / RMS RMS for neighbouring rings, then ln of the RMS on each ring over
 ///   that of these rings, then ln of the misfit [contrast].
 ///
-/// Outer rings depend on where spheres are: in a layer with few overlaps they hold little.
+/// Outer rings depend on where spheres are: in a layer with few overlaps they hold little. The
+/// misfit is less where less of the part is covered.
 class ResidualPattern {
  public:
     static constexpr std::size_t kRings = 5;  ///< up to 0.75 a
@@ -37,13 +38,14 @@ class ResidualPattern {
     std::array<double, kRings - 1> products_{};  ///< with the next ring
 };
 
-/// Patterns of one kind of spheres, as a normal distribution over cameras and layers.
+/// Patterns of one kind of spheres, as a normal distribution over cameras and layers. A twentieth
+/// of the variance of each number is added to its covariance.
 struct PatternKind {
     std::vector<double> mean;
     std::vector<double> weights;  ///< inverse covariance, row by row
     double log_determinant = 0;   ///< of the covariance
 
-    /// Squared distance from the mean, in spreads, summed over the numbers.
+    /// Squared distance from the mean by the inverse covariance (Mahalanobis).
     double squared_distance(const ResidualPattern::Numbers& numbers) const;
 };
 
@@ -80,7 +82,8 @@ struct GeneralCorrection {
 
     /// Why it does not hold for discs of that size [px]; empty: it does. `diameter`: a [px].
     std::string refused(const DiscProfile& disc, double diameter) const;
-    /// How far a pattern is from the mean of mirrors, RMS in units of their spread [-].
+    /// Distance of a pattern from the mean of mirrors by the inverse covariance, over √(numbers): 1
+    /// RMS for mirrors [-].
     double unlikeness(const ResidualPattern::Numbers& numbers) const;
     /// ln of how much likelier it is of mirrors than of discs with a rim.
     double log_odds(const ResidualPattern::Numbers& numbers) const;
@@ -97,22 +100,22 @@ std::string write_general_correction(const GeneralCorrection& general);
 
 /// Whether the general correction holds for a frame.
 struct CorrectionJudgement {
-    int spheres = 0;        ///< that were looked at
-    double moved = 0;       ///< by the correction, RMS per axis [a]
-    double expected = 0;    ///< RMS of their standard errors, misfit included [a]
-    double unlikeness = 0;  ///< GeneralCorrection::unlikeness
-    double log_odds = 0;    ///< GeneralCorrection::log_odds
-    ResidualPattern::Numbers pattern = {};
+    int spheres = 0;                        ///< that were looked at
+    double moved = 0;                       ///< by the correction, RMS per axis [a]
+    double expected = 0;                    ///< RMS of their standard errors, misfit included [a]
+    double unlikeness = 0;                  ///< GeneralCorrection::unlikeness
+    double log_odds = 0;                    ///< GeneralCorrection::log_odds
+    ResidualPattern::Numbers pattern = {};  ///< of the spheres that were looked at
 
     /// A correction is hardly larger than the errors that it corrects. On 40 frames of cameras that
     /// mirror the ratio was .7 to 1.2, on silhouettes in blurred light 2.6.
     bool is_too_large() const { return !(moved <= 1.5 * expected); }
+    /// Of neither kind, or rather of discs with a rim. Figures of both kinds:
+    /// docs/tracking/bias-correction.md.
     bool is_unlike() const { return !(unlikeness <= kMostUnlike && log_odds >= kLeastOdds); }
-    /// Of 415 frames of mirrors 2.9 at most; beyond this it is neither kind.
-    static constexpr double kMostUnlike = 4.7;
-    /// Steel spheres are taken to be a hundred times as usual as discs with a rim. Of cameras left
-    /// out mirrors have 1.8 at least, discs with a rim -4.9 at most; of other frames, 120 of
-    /// mirrors more than this, 402 of discs with a rim -11 at most.
+    static constexpr double kMostUnlike = 4;  ///< chosen; mirrors left out have 2.9 at most
+    /// As if mirrors were a hundred times as usual. Left out, discs with a rim have -4.9 at most;
+    /// two other frames of mirrors, one sharp and one small, have between this and -1.5.
     static constexpr double kLeastOdds = -4.6;
 };
 

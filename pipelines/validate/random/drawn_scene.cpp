@@ -59,13 +59,14 @@ DrawnScene draw_scene(std::uint64_t seed, std::int64_t index, SceneSize size, do
     drawn.amplitude = random.uniform(0.08, 0.2);
     drawn.phase = random.uniform();
     drawn.walls_seen = random.uniform() < 0.5;
-    RandomStream order(seed, "validate random crystals", static_cast<std::uint64_t>(index));
-    if (order.uniform() < crystals) {
-        const DrawnCrystal crystal{.share = order.uniform(0.1, 0.5),
-                                   .spacing = order.uniform(0.76, 0.86),
-                                   .periods = std::round(logarithmic(order, 1, 10))};
+    RandomStream crystals_drawn(seed, "validate random crystals",
+                                static_cast<std::uint64_t>(index));
+    if (crystals_drawn.uniform() < crystals) {
+        const DrawnCrystal crystal{.share = crystals_drawn.uniform(0.1, 0.5),
+                                   .spacing = crystals_drawn.uniform(0.76, 0.86),
+                                   .periods = std::round(logarithmic(crystals_drawn, 1, 10))};
         drawn.crystal = crystal;
-        drawn.density = density_with(crystal, drawn.spheres, order.uniform(0.5, 0.65));
+        drawn.density = density_with(crystal, drawn.spheres, crystals_drawn.uniform(0.5, 0.65));
     }
     drawn.seed = seed + 1000003 * static_cast<std::uint64_t>(index);
     return drawn;
@@ -92,7 +93,7 @@ simulate::MdOptions layer_of(const DrawnScene& drawn) {
         md.initial.layout = simulate::InitialLayout::square;
         md.initial.crystal_fraction = drawn.crystal->share;
         md.initial.crystal_spacing = drawn.crystal->spacing;
-        md.initial.temperature = 0.1;
+        md.initial.temperature = 0.1;  // as in data-samples/scene-raytrace.toml
         md.run.periods = drawn.crystal->periods;
         md.run.discard = drawn.crystal->periods - 1;
     }

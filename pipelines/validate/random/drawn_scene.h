@@ -18,7 +18,7 @@ enum class SceneSize {
 struct DrawnCrystal {
     double share = 0.3;     ///< of the area of the layer [-]
     double spacing = 0.81;  ///< of its projected square lattice [a]
-    double periods = 10;    ///< of the vibration before the picture; of many, and most melt
+    double periods = 10;    ///< the picture is taken in the last of them; after many it has melted
 
     friend bool operator==(const DrawnCrystal&, const DrawnCrystal&) = default;
 };
@@ -51,9 +51,12 @@ struct DrawnScene {
 /// three cameras with a pinhole 30–300 sides above (uniform in 1/distance), vignetting 0–.3, level
 /// 1–1.1, noise .5–5 % (logarithmic), stray light 0–.05, scale 8–24 px/a (logarithmic), density
 /// .9–1.2 per a², spheres by `size` (logarithmic), amplitude .08–.2 a, any phase, walls in sight or
-/// not. A share `crystals` of the layers has a crystal, on .1–.5 of the area and of spacing
-/// .76–.86 a, in a liquid of density .5–.65 per a², shaken for 1 to 10 periods (logarithmic);
-/// nothing else changes with it.
+/// not.
+///
+/// A share `crystals` of the layers has a crystal, on .1–.5 of the area and of spacing .76–.86 a.
+/// The liquid beyond 1 a from it has .5–.65 spheres per a². The picture is taken in the first to
+/// tenth period (logarithmic, rounded). Density, start and length of these layers follow from that;
+/// cameras and other layers are the same.
 DrawnScene draw_scene(std::uint64_t seed, std::int64_t index, SceneSize size, double crystals = 0);
 
 /// The layer: steel spheres between plates 1.94 a apart and hard walls, shaken at the experiment's

@@ -229,6 +229,7 @@ TEST(CorrectionJudgement, OfDiscsWithARimIsThatTheyAreUnlikeMirrors) {
         judge_correction(general_correction(), counts, calibration->model, {}, {}, 16, 2);
     EXPECT_GE(judgement.spheres, 200);
     EXPECT_TRUE(judgement.is_unlike()) << judgement.unlikeness;
+    EXPECT_LT(judgement.log_odds, CorrectionJudgement::kLeastOdds);
 }
 
 TEST(CorrectionJudgement, BesideErrorsThatAreZeroOrNotKnownIsThatItIsTooLarge) {

@@ -91,12 +91,21 @@ TEST(DrawnScene, HasACrystalInTheShareAskedForAndIsOtherwiseTheSame) {
     EXPECT_NEAR(crystals, 0.25 * n, 5 * std::sqrt(0.25 * 0.75 * n));
 }
 
-TEST(DrawnScene, WithACrystalFitsIntoItsCellWhateverIsDrawn) {
+// The start places whole rows, so that a small crystal is smaller than its share.
+TEST(DrawnScene, WithACrystalFitsIntoItsCellAndHasTheLiquidThatIsDrawn) {
     for (int i = 0; i < 200; ++i) {
         const SceneSize size = i % 2 == 0 ? SceneSize::small : SceneSize::full;
-        const simulate::MdOptions md = layer_of(draw_scene(4, i, size, 1));
+        const DrawnScene drawn = draw_scene(4, i, size, 1);
+        const simulate::MdOptions md = layer_of(drawn);
         EXPECT_EQ(md.initial.layout, simulate::InitialLayout::square);
         EXPECT_NO_THROW(simulate::make_initial_state(md, 1)) << i;
+        const double side = md.cell.length_x;
+        const double patch = std::sqrt(drawn.crystal->share) * (side - 2);
+        const double in_patch = std::pow(patch / drawn.crystal->spacing, 2);
+        const double beyond = side * side - std::pow(patch + 2, 2);
+        const double liquid = (static_cast<double>(drawn.spheres) - in_patch) / beyond;
+        EXPECT_GE(liquid, 0.5 - 1e-9) << i;
+        EXPECT_LE(liquid, 0.65 + 1e-9) << i;
     }
 }
 
