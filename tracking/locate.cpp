@@ -366,7 +366,9 @@ void Locator::fit_overlaps(Frame& frame) {
     for (int round = 1; round <= rounds; ++round) {
         const auto begin = Clock::now();
         product_image(original_, fit_.positions(), model_, threads_, seen_);
-        fit_.look_at(seen_, kSweepTolerance * model_.disc.edge_width);
+        // All discs are restless: a third of them go far, and a joint step that is made before they
+        // are swept is made twice.
+        fit_.look_at(seen_, 2 * kSweepTolerance * model_.disc.edge_width);
         frame.found.refine_seconds += seconds_since(begin);
         frame.search.forget_judgement();
         if (!settle(frame, round == rounds)) sweep_to_rest(frame);

@@ -255,17 +255,25 @@ void DiscCorrelation::add_gain(const PixelBlock& part, const PaddedImage& darkne
     }
 }
 
-Image DiscCorrelation::gain_in(const std::vector<PixelBlock>& places, const PaddedImage& darkness,
-                               const PaddedImage& transmission) const {
-    Image map(width_, height_);
+const Image& DiscCorrelation::gain_in(const std::vector<PixelBlock>& places,
+                                      const PaddedImage& darkness,
+                                      const PaddedImage& transmission) {
+    if (in_part_.size() == 0) in_part_ = Image(width_, height_);
+    // Most of the map is zero, and has been before.
+    for (const PixelBlock& part : parts_) {
+        for (int y = part.y0; y < part.y1; ++y) {
+            std::fill_n(in_part_.row(y) + part.x0, part.x1 - part.x0, 0.0F);
+        }
+    }
+    parts_.clear();
     for (const PixelBlock& place : places) {
         // Its neighbours too, for the shape of peaks at the rim.
-        add_gain({std::max(0, place.x0 / factor_ - 1), std::max(0, place.y0 / factor_ - 1),
-                  std::min(width_, (place.x1 - 1) / factor_ + 2),
-                  std::min(height_, (place.y1 - 1) / factor_ + 2)},
-                 darkness, transmission, map);
+        parts_.push_back({std::max(0, place.x0 / factor_ - 1), std::max(0, place.y0 / factor_ - 1),
+                          std::min(width_, (place.x1 - 1) / factor_ + 2),
+                          std::min(height_, (place.y1 - 1) / factor_ + 2)});
+        add_gain(parts_.back(), darkness, transmission, in_part_);
     }
-    return map;
+    return in_part_;
 }
 
 }  // namespace grainfield::tracking

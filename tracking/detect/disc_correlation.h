@@ -56,9 +56,10 @@ class DiscCorrelation {
     Image gain(const PaddedImage& darkness, const PaddedImage& transmission);
 
     /// The same where the blocks of the map lie in `places` or next to them, summed directly; zero
-    /// elsewhere. The cheaper way while `places` are a few per cent of the image.
-    Image gain_in(const std::vector<PixelBlock>& places, const PaddedImage& darkness,
-                  const PaddedImage& transmission) const;
+    /// elsewhere. The cheaper way while `places` are a few per cent of the image. Valid until the
+    /// next call.
+    const Image& gain_in(const std::vector<PixelBlock>& places, const PaddedImage& darkness,
+                         const PaddedImage& transmission);
 
     /// G of an isolated disc on a clear background: Σ P².
     double full_gain() const { return full_gain_; }
@@ -86,7 +87,9 @@ class DiscCorrelation {
     std::vector<float> taps_[2];    ///< P, P² summed over each block, 2 half + 1 a row
     std::vector<float> kernel_[3];  ///< real, since P is even; normalisation included
     std::vector<std::complex<float>> sum_;
-    Image norm_;  ///< 1 ⊗ P³
+    Image norm_;                     ///< 1 ⊗ P³
+    Image in_part_;                  ///< gain_in(); empty before the first call
+    std::vector<PixelBlock> parts_;  ///< of it, that are not zero
 };
 
 }  // namespace grainfield::tracking

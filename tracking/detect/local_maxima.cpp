@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+
+#include "tracking/point_grid.h"
 
 namespace grainfield::tracking {
 namespace {
@@ -42,15 +45,40 @@ Peak refine(const Image& map, int x, int y, float value) {
     return peak;
 }
 
+/// Of two that are closer the first one stays.
+std::vector<Peak> apart(const std::vector<Peak>& peaks, double separation) {
+    std::vector<Vec2> places;
+    for (const Peak& peak : peaks) places.push_back(peak.position);
+    const PointGrid grid(places, separation);
+    std::vector<char> stays(peaks.size(), 0);
+    std::vector<Peak> kept;
+    for (std::size_t k = 0; k < peaks.size(); ++k) {
+        bool is_crowded = false;
+        grid.near(places[k], separation,
+                  [&](std::uint32_t other, Vec2) { is_crowded = is_crowded || stays[other] != 0; });
+        if (is_crowded) continue;
+        stays[k] = 1;
+        kept.push_back(peaks[k]);
+    }
+    return kept;
+}
+
 }  // namespace
 
 std::vector<Peak> local_maxima(const Image& map, float threshold, double separation) {
+    constexpr int kTogether = 64;  // pixels of a row: most hold nothing
     std::vector<Peak> peaks;
     for (int y = 0; y < map.height(); ++y) {
         const float* row = map.row(y);
-        for (int x = 0; x < map.width(); ++x) {
-            if (row[x] > threshold && is_local_maximum(map, x, y, row[x])) {
-                peaks.push_back(refine(map, x, y, row[x]));
+        for (int first = 0; first < map.width(); first += kTogether) {
+            const int last = std::min(map.width(), first + kTogether);
+            int above = 0;
+#pragma omp simd reduction(+ : above)
+            for (int x = first; x < last; ++x) above += row[x] > threshold ? 1 : 0;
+            for (int x = first; above > 0 && x < last; ++x) {
+                if (row[x] > threshold && is_local_maximum(map, x, y, row[x])) {
+                    peaks.push_back(refine(map, x, y, row[x]));
+                }
             }
         }
     }
@@ -59,38 +87,7 @@ std::vector<Peak> local_maxima(const Image& map, float threshold, double separat
         if (a.position.y != b.position.y) return a.position.y < b.position.y;
         return a.position.x < b.position.x;
     });
-    if (separation <= 1) return peaks;
-
-    // Highest first onto a grid whose cells are one separation wide.
-    const int columns = static_cast<int>(map.width() / separation) + 3;
-    const int rows = static_cast<int>(map.height() / separation) + 3;
-    std::vector<std::vector<std::uint32_t>> cells(static_cast<std::size_t>(columns) *
-                                                  static_cast<std::size_t>(rows));
-    std::vector<Peak> kept;
-    for (const Peak& peak : peaks) {
-        const int cx = static_cast<int>((peak.position.x + 1) / separation) + 1;
-        const int cy = static_cast<int>((peak.position.y + 1) / separation) + 1;
-        bool crowded = false;
-        for (int y = std::max(0, cy - 1); y <= std::min(rows - 1, cy + 1) && !crowded; ++y) {
-            for (int x = std::max(0, cx - 1); x <= std::min(columns - 1, cx + 1) && !crowded; ++x) {
-                for (const std::uint32_t other :
-                     cells[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns) +
-                           static_cast<std::size_t>(x)]) {
-                    if (squared_norm(kept[other].position - peak.position) <
-                        separation * separation) {
-                        crowded = true;
-                        break;
-                    }
-                }
-            }
-        }
-        if (crowded) continue;
-        cells[static_cast<std::size_t>(std::min(cy, rows - 1)) * static_cast<std::size_t>(columns) +
-              static_cast<std::size_t>(std::min(cx, columns - 1))]
-            .push_back(static_cast<std::uint32_t>(kept.size()));
-        kept.push_back(peak);
-    }
-    return kept;
+    return separation > 1 ? apart(peaks, separation) : peaks;
 }
 
 }  // namespace grainfield::tracking

@@ -88,9 +88,9 @@ std::vector<Vec2> candidates(const JointFit& fit, DiscCorrelation& correlation, 
     const std::vector<PixelBlock> blocks = residual.holding(misfit);
     if (blocks.empty()) return {};
     const PaddedImage& darkness = fit.darkness();
-    const Image gain = are_few(blocks, darkness)
-                           ? correlation.gain_in(blocks, darkness, fit.transmission())
-                           : correlation.gain(darkness, fit.transmission());
+    const bool few = are_few(blocks, darkness);
+    const Image whole = few ? Image() : correlation.gain(darkness, fit.transmission());
+    const Image& gain = few ? correlation.gain_in(blocks, darkness, fit.transmission()) : whole;
     std::vector<Vec2> places;
     for (const Peak& peak : local_maxima(gain, static_cast<float>(least),
                                          kPeaks * fit.disc().diameter / correlation.factor())) {

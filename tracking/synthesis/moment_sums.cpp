@@ -41,73 +41,149 @@ constexpr Tag kTag;
 constexpr hn::RebindToSigned<Tag> kWhole;
 using Whole = hn::Vec<hn::RebindToSigned<Tag>>;
 
+/// Values of both images at all places of the rings, side by side: residual, darkness.
+struct RingValues {
+    alignas(64) std::array<float, 2 * MomentSums::kLanes * kAngles> value;
+
+    HWY_INLINE float* at(std::size_t angle, std::size_t ring) {
+        return &value[2 * (MomentSums::kLanes * angle + ring)];
+    }
+};
+
 /// Places between pixels, in images of one size.
 struct Between {
-    Whole column, row;
-    Vector right, below;  ///< shares of the next column and row
+    alignas(64) std::array<int, MomentSums::kLanes> column, row;
+    alignas(64) std::array<float, MomentSums::kLanes> right, below;  ///< shares of the next ones
 
-    HWY_INLINE Between(const PixelRows& image, Vector x, Vector y) {
+    HWY_INLINE void set(std::size_t lane, const PixelRows& image, Vector x, Vector y) {
         const Whole zero = hn::Zero(kWhole);
-        column = hn::Min(hn::Max(hn::ConvertTo(kWhole, x), zero), hn::Set(kWhole, image.width - 2));
-        row = hn::Min(hn::Max(hn::ConvertTo(kWhole, y), zero), hn::Set(kWhole, image.height - 2));
-        right = hn::Sub(x, hn::ConvertTo(kTag, column));
-        below = hn::Sub(y, hn::ConvertTo(kTag, row));
+        const Whole c =
+            hn::Min(hn::Max(hn::ConvertTo(kWhole, x), zero), hn::Set(kWhole, image.width - 2));
+        const Whole r =
+            hn::Min(hn::Max(hn::ConvertTo(kWhole, y), zero), hn::Set(kWhole, image.height - 2));
+        hn::Store(c, kWhole, &column[lane]);
+        hn::Store(r, kWhole, &row[lane]);
+        hn::Store(hn::Sub(x, hn::ConvertTo(kTag, c)), kTag, &right[lane]);
+        hn::Store(hn::Sub(y, hn::ConvertTo(kTag, r)), kTag, &below[lane]);
     }
 
-    HWY_INLINE Vector of(const PixelRows& image) const {
-        const Whole at =
-            hn::Add(hn::Mul(row, hn::Set(kWhole, static_cast<int>(image.stride))), column);
-        const float* next = image.first + image.stride;
-        const Vector a = hn::GatherIndex(kTag, image.first, at);
-        const Vector b = hn::GatherIndex(kTag, image.first + 1, at);
-        const Vector c = hn::GatherIndex(kTag, next, at);
-        const Vector d = hn::GatherIndex(kTag, next + 1, at);
-        const Vector upper = hn::MulAdd(right, hn::Sub(b, a), a);
-        const Vector lower = hn::MulAdd(right, hn::Sub(d, c), c);
-        return hn::MulAdd(below, hn::Sub(lower, upper), upper);
+    /// Residual and darkness at a place.
+    HWY_INLINE void read(std::size_t lane, const PixelRows& residual, const PixelRows& darkness,
+                         float* values) const {
+        const float* left = residual.first + row[lane] * residual.stride + column[lane];
+        const float* dark = darkness.first + row[lane] * darkness.stride + column[lane];
+#if HWY_TARGET == HWY_SCALAR
+        values[0] = value(lane, left, residual.stride);
+        values[1] = value(lane, dark, darkness.stride);
+#else
+        constexpr hn::Full128<float> kBoth;
+        constexpr hn::Full64<float> kPair;
+        const auto pairs = [&](const float* first, const float* second) HWY_ATTR {
+            return hn::Combine(kBoth, hn::LoadU(kPair, second), hn::LoadU(kPair, first));
+        };
+        const auto upper = pairs(left, dark);
+        const auto lower = pairs(left + residual.stride, dark + darkness.stride);
+        const auto level = hn::MulAdd(hn::Set(kBoth, below[lane]), hn::Sub(lower, upper), upper);
+        const auto first = hn::ConcatEven(kBoth, level, level);
+        const auto second = hn::ConcatOdd(kBoth, level, level);
+        const auto both = hn::MulAdd(hn::Set(kBoth, right[lane]), hn::Sub(second, first), first);
+        hn::StoreU(hn::LowerHalf(kPair, both), kPair, values);
+#endif
+    }
+
+#if HWY_TARGET == HWY_SCALAR
+    float value(std::size_t lane, const float* at, std::ptrdiff_t stride) const {
+        const float first = at[0] + below[lane] * (at[stride] - at[0]);
+        const float second = at[1] + below[lane] * (at[stride + 1] - at[1]);
+        return first + right[lane] * (second - first);
+    }
+#endif
+};
+
+/// Reading takes most of the time. Two pixels of both images are read at once, as vectors of
+/// scattered places are slower.
+HWY_INLINE void read_rings(const MomentPlaces& places, const MomentWaves& waves,
+                           RingValues& values) {
+    for (std::size_t k = 0; k < kAngles; ++k) {
+        Between between;
+        for (std::size_t lane = 0; lane < MomentSums::kLanes; lane += hn::Lanes(kTag)) {
+            const Vector radius = hn::Mul(hn::Set(kTag, static_cast<float>(kAngles)),
+                                          hn::Load(kTag, &places.radius[lane]));
+            between.set(
+                lane, places.darkness,
+                hn::MulAdd(radius, hn::Set(kTag, waves.cosine[k][1]), hn::Set(kTag, places.x)),
+                hn::MulAdd(radius, hn::Set(kTag, waves.sine[k][1]), hn::Set(kTag, places.y)));
+        }
+        for (std::size_t lane = 0; lane < MomentSums::kLanes; ++lane) {
+            between.read(lane, places.residual, places.darkness, values.at(k, lane));
+        }
+    }
+}
+
+/// Σ f e^{imθ} of one image, from sums over four angles at right angles to one another: turning by
+/// π/2 multiplies e^{imθ} by i^m.
+struct Sums {
+    Vector real[MomentSums::kOrders];
+    Vector imaginary[MomentSums::kOrders];
+
+    HWY_INLINE Sums() {
+        for (std::size_t m = 0; m < MomentSums::kOrders; ++m) {
+            real[m] = imaginary[m] = hn::Zero(kTag);
+        }
+    }
+
+    HWY_INLINE void add(const Vector* f, const MomentWaves& waves, std::size_t k) {
+        const auto cosine = [&](std::size_t m)
+                                HWY_ATTR { return hn::Set(kTag, waves.cosine[k][m]); };
+        const auto sine = [&](std::size_t m) HWY_ATTR { return hn::Set(kTag, waves.sine[k][m]); };
+        const Vector all = hn::Add(hn::Add(f[0], f[2]), hn::Add(f[1], f[3]));
+        const Vector across = hn::Sub(hn::Add(f[0], f[2]), hn::Add(f[1], f[3]));
+        const Vector a = hn::Sub(f[0], f[2]);
+        const Vector b = hn::Sub(f[1], f[3]);
+        real[0] = hn::MulAdd(all, cosine(0), real[0]);
+        // (a + ib) e^{iθ}
+        real[1] = hn::MulAdd(a, cosine(1), hn::NegMulAdd(b, sine(1), real[1]));
+        imaginary[1] = hn::MulAdd(a, sine(1), hn::MulAdd(b, cosine(1), imaginary[1]));
+        real[2] = hn::MulAdd(across, cosine(2), real[2]);
+        imaginary[2] = hn::MulAdd(across, sine(2), imaginary[2]);
+        // (a − ib) e^{3iθ}
+        real[3] = hn::MulAdd(a, cosine(3), hn::MulAdd(b, sine(3), real[3]));
+        imaginary[3] = hn::MulAdd(a, sine(3), hn::NegMulAdd(b, cosine(3), imaginary[3]));
+        real[4] = hn::MulAdd(all, cosine(4), real[4]);
+        imaginary[4] = hn::MulAdd(all, sine(4), imaginary[4]);
+    }
+
+    HWY_INLINE void store(std::size_t at, MomentSums::Moments& h) const {
+        for (std::size_t m = 0; m < MomentSums::kOrders; ++m) {
+            hn::StoreU(real[m], kTag, &h.real[m][at]);
+            hn::StoreU(imaginary[m], kTag, &h.imaginary[m][at]);
+        }
     }
 };
 
 void moments_about(const MomentPlaces& places, const MomentWaves& waves, MomentSums::Moments& h) {
-    constexpr std::size_t kOrders = MomentSums::kOrders;
+    static_assert(MomentSums::kOrders == 5 && kAngles % 4 == 0);
+    RingValues values;
+    read_rings(places, waves, values);
     for (std::size_t lane = 0; lane < MomentSums::kLanes; lane += hn::Lanes(kTag)) {
-        const Vector radius = hn::Mul(hn::Set(kTag, static_cast<float>(kAngles)),
-                                      hn::Load(kTag, &places.radius[lane]));
-        Vector real[2][kOrders];
-        Vector imaginary[2][kOrders];
-        for (int image = 0; image < 2; ++image) {
-            for (std::size_t m = 0; m < kOrders; ++m) {
-                real[image][m] = hn::Zero(kTag);
-                imaginary[image][m] = hn::Zero(kTag);
+        Sums residual;
+        Sums darkness;
+        for (std::size_t k = 0; k < kAngles / 4; ++k) {
+            Vector left[4];
+            Vector dark[4];
+            for (std::size_t quarter = 0; quarter < 4; ++quarter) {
+                const float* pair = values.at(k + quarter * (kAngles / 4), lane);
+                hn::LoadInterleaved2(kTag, pair, left[quarter], dark[quarter]);
+                if (places.is_transmission) {
+                    left[quarter] =
+                        hn::Add(left[quarter], hn::Sub(dark[quarter], hn::Set(kTag, 1.0F)));
+                }
             }
+            residual.add(left, waves, k);
+            darkness.add(dark, waves, k);
         }
-        for (std::size_t k = 0; k < kAngles; ++k) {
-            const Vector x =
-                hn::MulAdd(radius, hn::Set(kTag, waves.cosine[k][1]), hn::Set(kTag, places.x));
-            const Vector y =
-                hn::MulAdd(radius, hn::Set(kTag, waves.sine[k][1]), hn::Set(kTag, places.y));
-            const Between between(places.darkness, x, y);
-            const Vector darkness = between.of(places.darkness);
-            Vector residual = between.of(places.residual);
-            if (places.is_transmission) {
-                residual = hn::Add(residual, hn::Sub(darkness, hn::Set(kTag, 1.0F)));
-            }
-            for (std::size_t m = 0; m < kOrders; ++m) {
-                const Vector cosine = hn::Set(kTag, waves.cosine[k][m]);
-                real[0][m] = hn::MulAdd(residual, cosine, real[0][m]);
-                real[1][m] = hn::MulAdd(darkness, cosine, real[1][m]);
-                const Vector sine = hn::Set(kTag, waves.sine[k][m]);
-                imaginary[0][m] = hn::MulAdd(residual, sine, imaginary[0][m]);
-                imaginary[1][m] = hn::MulAdd(darkness, sine, imaginary[1][m]);
-            }
-        }
-        for (std::size_t image = 0; image < 2; ++image) {
-            const std::size_t at = image * MomentSums::kLanes + lane;
-            for (std::size_t m = 0; m < kOrders; ++m) {
-                hn::StoreU(real[image][m], kTag, &h.real[m][at]);
-                hn::StoreU(imaginary[image][m], kTag, &h.imaginary[m][at]);
-            }
-        }
+        residual.store(lane, h);
+        darkness.store(MomentSums::kLanes + lane, h);
     }
 }
 
