@@ -86,10 +86,7 @@ CoarseSearch::Approach CoarseSearch::approach(const PaddedImage& darkness,
     result.steps = approach_.refine(in_blocks(rough, blocks_), Drawing::roughly).steps;
     const ResidualBlocks residual(approach_.darkness(), approach_.transmission(),
                                   static_cast<int>(std::ceil(approach_.disc().reach())), threads_);
-    double wrong = 0;
-    for (const PixelBlock& b : residual.holding(0.5 * correlation_.full_gain() / kRowSpacing)) {
-        wrong += static_cast<double>(b.x1 - b.x0) * (b.y1 - b.y0);
-    }
+    const double wrong = area_of(residual.holding(0.5 * correlation_.full_gain() / kRowSpacing));
     result.is_near =
         wrong <= kMostWrong * approach_.darkness().width() * approach_.darkness().height();
     if (!result.is_near) return result;

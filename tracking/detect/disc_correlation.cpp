@@ -10,6 +10,8 @@ constexpr int kBlocksPerDiameter = 7;
 constexpr int kLargestFactor = 8;
 /// Share of a disc below which it says nothing.
 constexpr double kLeastVisible = 0.02;
+/// Share of the image above which transforms of all of it are cheaper than sums in the places.
+constexpr double kFewPlaces = 0.2;
 
 int blocks(int n, int factor) {
     return (n + factor - 1) / factor;
@@ -76,6 +78,10 @@ DiscCorrelation::DiscCorrelation(int width, int height, const DiscProfile& disc,
         }
     }
     set_visible({});
+}
+
+bool DiscCorrelation::are_few(const std::vector<PixelBlock>& places) const {
+    return area_of(places) <= kFewPlaces * pixels_x_ * pixels_y_;
 }
 
 void DiscCorrelation::set_visible(const VisiblePixels& visible) {

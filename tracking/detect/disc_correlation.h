@@ -56,10 +56,11 @@ class DiscCorrelation {
     Image gain(const PaddedImage& darkness, const PaddedImage& transmission);
 
     /// The same where the blocks of the map lie in `places` or next to them, summed directly; zero
-    /// elsewhere. The cheaper way while `places` are a few per cent of the image. Valid until the
-    /// next call.
+    /// elsewhere. Valid until the next call.
     const Image& gain_in(const std::vector<PixelBlock>& places, const PaddedImage& darkness,
                          const PaddedImage& transmission);
+    /// Whether that is cheaper than the gain of all: they cover a fifth of the image at most.
+    bool are_few(const std::vector<PixelBlock>& places) const;
 
     /// G of an isolated disc on a clear background: Σ P².
     double full_gain() const { return full_gain_; }

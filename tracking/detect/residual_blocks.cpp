@@ -9,6 +9,12 @@
 
 namespace grainfield::tracking {
 
+double area_of(const std::vector<PixelBlock>& blocks) {
+    double area = 0;
+    for (const PixelBlock& b : blocks) area += static_cast<double>(b.x1 - b.x0) * (b.y1 - b.y0);
+    return area;
+}
+
 ResidualBlocks::ResidualBlocks(const PaddedImage& darkness, const PaddedImage& transmission,
                                int block, int threads)
     : width_(darkness.width()),

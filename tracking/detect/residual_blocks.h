@@ -13,6 +13,9 @@ struct PixelBlock {
     int x0, y0, x1, y1;
 };
 
+/// Of all of them, none of which overlaps another one [px].
+double area_of(const std::vector<PixelBlock>& blocks);
+
 /// What the model leaves unexplained, by place: Σ (I − M)² over square blocks. One pass over the
 /// image.
 class ResidualBlocks {

@@ -45,8 +45,6 @@ constexpr double kJudged = 1.75;  // [D]
 constexpr double kPeaks = 0.25;  // [D]
 /// … and nearer than this to a place that was tried nothing is: less than half of it.
 constexpr double kTried = 0.15;  // [D]
-/// Share of the image above which transforms of all of it are cheaper than those of the places.
-constexpr double kFewPlaces = 0.2;
 
 struct Trial {
     Vec2 place;
@@ -76,19 +74,13 @@ double misfit_about(const JointFit& fit, Vec2 place, double half) {
     return sum;
 }
 
-bool are_few(const std::vector<PixelBlock>& blocks, const PaddedImage& image) {
-    double area = 0;
-    for (const PixelBlock& b : blocks) area += static_cast<double>(b.x1 - b.x0) * (b.y1 - b.y0);
-    return area <= kFewPlaces * image.width() * image.height();
-}
-
 /// Places to try, highest gain first.
 std::vector<Vec2> candidates(const JointFit& fit, DiscCorrelation& correlation, double misfit,
                              double least, const ResidualBlocks& residual) {
     const std::vector<PixelBlock> blocks = residual.holding(misfit);
     if (blocks.empty()) return {};
     const PaddedImage& darkness = fit.darkness();
-    const bool few = are_few(blocks, darkness);
+    const bool few = correlation.are_few(blocks);
     const Image whole = few ? Image() : correlation.gain(darkness, fit.transmission());
     const Image& gain = few ? correlation.gain_in(blocks, darkness, fit.transmission()) : whole;
     std::vector<Vec2> places;
@@ -148,7 +140,7 @@ bool may_have_candidates(JointFit& fit, DiscCorrelation& correlation, double lea
     const double unusual = level(fit, residual).unusual;
     const std::vector<PixelBlock> blocks = residual.holding(unusual);
     if (blocks.empty()) return false;
-    if (are_few(blocks, fit.darkness())) {
+    if (correlation.are_few(blocks)) {
         // The gain in a block depends on discs within two reaches.
         fit.draw_pending_near(residual.middles(blocks), 3 * residual.block());
         if (candidates(fit, correlation, unusual, least, residual).empty()) return false;

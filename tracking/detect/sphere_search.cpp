@@ -28,8 +28,6 @@ constexpr double kUnusual = 2;
 constexpr double kSurely = 0.5;
 /// Nearer than this to a rejected disc nothing is tried again: the gate of matching, D/4.
 constexpr double kSameAgain = 0.25;  // [D]
-/// Share of the image above which transforms of all of it are cheaper than those of the places.
-constexpr double kFewPlaces = 0.2;
 /// Share of the white noise in 3 × 3 blocks that is counted as noise. Its sum over n = 9 B² pixels
 /// scatters by sqrt(2/n), 4.7 % for blocks of 10 px: 0.9 is two standard deviations below its mean,
 /// so that in 98 % of all places no gain is overlooked for the noise.
@@ -263,14 +261,11 @@ Image SphereSearch::gain_above(const ResidualBlocks& residual, double least) {
         ++summary_.maps_skipped;
         return {};
     }
-    const PaddedImage& darkness = fit_.darkness();
-    double area = 0;
-    for (const PixelBlock& p : places) area += static_cast<double>(p.x1 - p.x0) * (p.y1 - p.y0);
-    if (area > kFewPlaces * darkness.width() * darkness.height()) {
-        return correlation_.gain(darkness, fit_.transmission());
+    if (!correlation_.are_few(places)) {
+        return correlation_.gain(fit_.darkness(), fit_.transmission());
     }
     ++summary_.maps_in_part;
-    return correlation_.gain_in(places, darkness, fit_.transmission());
+    return correlation_.gain_in(places, fit_.darkness(), fit_.transmission());
 }
 
 /// Where the model is not perfect, as on every real image, small gains are to be had anywhere.

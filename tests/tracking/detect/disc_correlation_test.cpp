@@ -63,6 +63,13 @@ TEST(DiscCorrelation, GainIsTheFallOfTheMisfitWhenOneDiscIsAdded) {
     }
 }
 
+TEST(DiscCorrelation, AFifthOfTheImageIsFewPlacesForSumsAndNoMore) {
+    const DiscCorrelation correlation(100, 50, kDisc, 2);
+    EXPECT_TRUE(correlation.are_few({}));
+    EXPECT_TRUE(correlation.are_few({{0, 0, 100, 5}, {0, 20, 50, 30}}));
+    EXPECT_FALSE(correlation.are_few({{0, 0, 100, 5}, {0, 20, 51, 30}}));
+}
+
 TEST(DiscCorrelation, GainOfAPartIsThatOfTheWhole) {
     const Image darkness = random_image(101, 83, 0, 1, 2);
     const Image transmission = random_image(101, 83, 0.1, 1, 3);

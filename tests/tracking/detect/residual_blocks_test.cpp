@@ -94,6 +94,11 @@ TEST(ResidualBlocks, WhatIsKnownToGoIsTakenFromItsOwnBlock) {
     EXPECT_TRUE(blocks.holding(10).empty());
 }
 
+TEST(PixelBlock, AreasOfBlocksAreAdded) {
+    EXPECT_EQ(area_of({}), 0);
+    EXPECT_EQ(area_of({{0, 0, 9, 9}, {9, 0, 67, 4}}), 81 + 58 * 4);
+}
+
 TEST(ResidualBlocks, UsualIsWhatMostDiscsHaveAround) {
     Scene scene = noisy(200, 150, 0.1);
     for (int y = 90; y < 110; ++y) {
