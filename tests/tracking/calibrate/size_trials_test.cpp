@@ -56,7 +56,7 @@ TEST(SizeTrials, LookAtAPartOfALargeFrame) {
 }
 
 TEST(SizeTrials, WithoutDiscsHaveNoBestOne) {
-    const Image counts = testing::noise_frame(300, 300, 120, 30, 3, 1);
+    const Image counts = testing::noise_frame(200, 200, 120, 30, 3, 1);
     RunPlan plan;
     std::vector<SizeCandidate> weighed;
     EXPECT_FALSE(best_trial(counts, fit_of(counts), plan, weighed));
