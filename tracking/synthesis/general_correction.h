@@ -111,7 +111,7 @@ struct CorrectionJudgement {
     /// mirror the ratio was .7 to 1.2, on silhouettes in blurred light 2.6.
     bool is_too_large() const { return !(moved <= 1.5 * expected); }
     /// Of neither kind, or rather of discs with a rim. Figures of both kinds:
-    /// docs/tracking/bias-correction.md.
+    /// docs/tracking/mirror-judge.md.
     bool is_unlike() const { return !(unlikeness <= kMostUnlike && log_odds >= kLeastOdds); }
     static constexpr double kMostUnlike = 4;  ///< chosen; mirrors left out have 2.9 at most
     /// As if mirrors were a hundred times as usual. Left out, discs with a rim have -4.9 at most;
