@@ -359,7 +359,18 @@ void Locator::compare_with_cores(Frame& frame) {
     if (!frame.is_settled) sweep_to_rest(frame);
 }
 
-/// Stage 6: the fit again on the image that the product of transmissions should see.
+/// Stage 6: where spheres have no room one disc takes the place of two. Warm frames start from
+/// those that stayed.
+void Locator::put_one_for_two(Frame& frame) {
+    if (frame.follows || frame.detection.goal != SearchGoal::every_sphere ||
+        !frame.search.put_one_for_two(sweeps_of(frame.refinement))) {
+        return;
+    }
+    settle_and_judge(frame);
+    if (!frame.is_settled) sweep_to_rest(frame);
+}
+
+/// Stage 7: the fit again on the image that the product of transmissions should see.
 void Locator::fit_overlaps(Frame& frame) {
     fit_.darkness().copy_to(original_);
     const int rounds = frame.follows ? kProductImagesWarm : kProductImages;
@@ -375,7 +386,7 @@ void Locator::fit_overlaps(Frame& frame) {
     }
 }
 
-/// Stage 7. Where it was seen now that doubtful spheres are false, all is searched again.
+/// Stage 8. Where it was seen now that doubtful spheres are false, all is searched again.
 void Locator::search_without_doubtful(Frame& frame) {
     if (frame.knew_doubtful || !frame.search.summary().doubtful_are_false) return;
     if (!model_.is_product()) {
@@ -393,7 +404,7 @@ void Locator::search_without_doubtful(Frame& frame) {
     if (!model_.is_product()) fit_overlaps(frame);
 }
 
-/// Stage 8. Discs at the border have explained what is dark there; half unseen, they are not
+/// Stage 9. Discs at the border have explained what is dark there; half unseen, they are not
 /// reported.
 Located Locator::report(Frame& frame) {
     Located& found = frame.found;
@@ -468,6 +479,7 @@ Located Locator::locate(const JointFit::WriteRow& darkness, const DetectionOptio
     frame.follows = frame.found.warm && step > 0;
     search(frame);
     compare_with_cores(frame);
+    put_one_for_two(frame);
     if (!model_.is_product()) fit_overlaps(frame);
     search_without_doubtful(frame);
     return report(frame);

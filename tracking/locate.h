@@ -68,10 +68,13 @@ Located in_frame(Located found, Binning blocks);
 /// 5. Cores: on a cold frame that the model does not describe well, a second search looks for
 ///    smaller and sharper discs, and where it finds other ones the better arrangement stays
 ///    (other_arrangement.h).
-/// 6. Overlaps: where the model is not the product of transmissions, 3. is repeated on the image
+/// 6. One for two: on a cold frame, where spheres have no room one disc takes the place of two
+///    (one_for_two.h).
+/// 7. Overlaps: where the model is not the product of transmissions, 3. is repeated on the image
 ///    that the product should see there (product_image.h): twice, on warm frames once.
-/// 7. Doubtful spheres: where most hardly had room (sphere_room.h), 2. to 6. once more without.
-/// 8. Report: positions, standard errors, residuals; unsettled and cut spheres are left out.
+/// 8. Doubtful spheres: where most hardly had room (sphere_room.h), 2. to 4. and 7. once more
+///    without.
+/// 9. Report: positions, standard errors, residuals; unsettled and cut spheres are left out.
 ///
 /// Pixels outside the image do not count.
 class Locator {
@@ -118,6 +121,7 @@ class Locator {
     void settle_and_judge(Frame& frame);
     bool is_searched_for_cores(const Frame& frame) const;
     void compare_with_cores(Frame& frame);
+    void put_one_for_two(Frame& frame);
     bool take_better(Frame& frame);
     void sweep_to_rest(Frame& frame);
     void fit_overlaps(Frame& frame);

@@ -114,6 +114,26 @@ ResidualBlocks residual_of(const JointFit& fit, const std::vector<double>& gain)
     return residual;
 }
 
+double misfit_about(const JointFit& fit, Vec2 place, double half) {
+    const PaddedImage& darkness = fit.darkness();
+    const int x0 = std::max(0, static_cast<int>(std::ceil(place.x - half)));
+    const int x1 = std::min(darkness.width(), static_cast<int>(std::floor(place.x + half)) + 1);
+    const int y0 = std::max(0, static_cast<int>(std::ceil(place.y - half)));
+    const int y1 = std::min(darkness.height(), static_cast<int>(std::floor(place.y + half)) + 1);
+    double sum = 0;
+    for (int y = y0; y < y1; ++y) {
+        const float* d = darkness.row(y);
+        const float* t = fit.transmission().row(y);
+        float row = 0;
+        for (int x = x0; x < x1; ++x) {
+            const float r = d[x] - 1.0F + t[x];
+            row += r * r;
+        }
+        sum += static_cast<double>(row);
+    }
+    return sum;
+}
+
 std::vector<Vec2> ResidualBlocks::middles(const std::vector<PixelBlock>& runs) const {
     std::vector<Vec2> middles;
     for (const PixelBlock& run : runs) {

@@ -66,4 +66,8 @@ class ResidualBlocks {
 /// the misfit about each disc (pending_gain; empty: none is pending).
 ResidualBlocks residual_of(const JointFit& fit, const std::vector<double>& gain = {});
 
+/// Σ (I − M)² over the square of half side `half` [px] about a place, as discs are drawn
+/// [contrast² px].
+double misfit_about(const JointFit& fit, Vec2 place, double half);
+
 }  // namespace grainfield::tracking

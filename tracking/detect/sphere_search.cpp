@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "tracking/detect/local_maxima.h"
+#include "tracking/detect/one_for_two.h"
 #include "tracking/detect/remainder.h"
 #include "tracking/detect/second_look.h"
 #include "tracking/detect/sphere_room.h"
@@ -360,6 +361,17 @@ bool SphereSearch::look_again(const RefinementOptions& refinement, const Residua
     if (look.steps > 0) forget_judgement();
     summary_.detect_seconds += seconds_since(begin);
     return look.steps > 0;
+}
+
+bool SphereSearch::put_one_for_two(const RefinementOptions& refinement) {
+    if (correction_ == nullptr || !options_.sphere_diameter || summary_.noise <= 0) return false;
+    const auto begin = Clock::now();
+    const OneForTwo put = try_one_for_two(fit_, cell(), *correction_, summary_.noise, refinement);
+    summary_.removed += put.kept;
+    summary_.steps += put.steps;
+    if (put.steps > 0) forget_judgement();
+    summary_.detect_seconds += seconds_since(begin);
+    return put.steps > 0;
 }
 
 void SphereSearch::finish(const RefinementOptions& refinement, Drawing drawing) {
