@@ -6,49 +6,14 @@
 #include <vector>
 
 #include "tracking/synthesis/mirror_optics.h"
+#include "tracking/synthesis/near_spheres.h"
 
 namespace grainfield::tracking {
-
-/// The spheres about one sphere, as the kernel reads them: whole vectors of lanes.
-struct NearSpheres {
-    static constexpr int kMost = 64;
-    int count = 0;  ///< lanes in use, a multiple of 16
-    float x[kMost], y[kMost], z[kMost];
-    std::int32_t id[kMost];  ///< −1: no sphere
-};
-
-/// Spheres whose displacement by a small amount can change what one ray sees.
-struct TouchedSpheres {
-    static constexpr int kMost = 24;
-    int count = 0;
-    std::int32_t id[kMost];
-
-    void add(std::int32_t sphere) {
-        for (int k = 0; k < count; ++k) {
-            if (id[k] == sphere) return;
-        }
-        if (count < kMost) id[count++] = sphere;
-    }
-};
-
-/// Spheres that a ray of the camera passes closely, and where along the ray.
-struct PassedSpheres {
-    static constexpr int kMost = 4;
-    int count = 0;
-    std::int32_t id[kMost];
-    float along[kMost];  ///< [a]
-
-    void add(std::int32_t sphere, float at) {
-        if (count == kMost) return;
-        id[count] = sphere;
-        along[count++] = at;
-    }
-};
 
 /// What the rays of one row of the camera meet first.
 struct FirstSpheres {
     std::vector<std::int32_t> first;  ///< −1: none
-    /// Spheres that a ray passes within MirrorScene::kTouch; empty where they are not wanted.
+    /// Spheres that a ray passes within kTouch; empty where they are not wanted.
     std::vector<PassedSpheres> passed;
     std::vector<float> distance;  ///< of the first hit along each ray [a]
     std::vector<float> lanes;     ///< room of the kernel
@@ -63,12 +28,6 @@ struct FirstSpheres {
     }
 };
 
-/// A sphere that is looked at elsewhere than where it is.
-struct MovedSphere {
-    std::int32_t id = -2;  ///< none; −1 is a lane of NearSpheres without a sphere
-    Point3 centre;
-};
-
 struct MirrorLayer;  // what the kernel reads
 
 /// Mirror-like spheres of diameter 1 seen from above, ray by ray.
@@ -78,9 +37,6 @@ struct MirrorLayer;  // what the kernel reads
 /// Cost: about 0.1 µs a ray and core. Thread-safe while nothing is moved.
 class MirrorScene {
  public:
-    static constexpr float kReach = 2.5F;  ///< of near(), in the plane [a]
-    /// A ray that passes a sphere nearer than this touches it [a].
-    static constexpr float kTouch = 0.035F;
     static constexpr std::size_t kMostOptics = 8;
 
     MirrorScene(std::vector<Point3> spheres, const MirrorOptics& optics);
@@ -88,7 +44,7 @@ class MirrorScene {
     const std::vector<Point3>& spheres() const { return spheres_; }
     const MirrorOptics& optics() const { return optics_; }
     void set_optics(const MirrorOptics& optics) { optics_ = optics; }
-    /// The spheres within kReach of one of them.
+    /// The spheres within NearSpheres::kReach of one of them.
     const NearSpheres& near(std::int32_t sphere) const {
         return near_[static_cast<std::size_t>(sphere)];
     }

@@ -71,7 +71,7 @@ TEST(MirrorScene, ARayIsStoppedByASphereBeyondThoseNearTheOneThatMirroredIt) {
     const std::vector<Point3> two = {{0, 0, 0}, {2, 0, -0.3F}};
     std::vector<Point3> three = two;
     three.push_back({4, 0, 0.2F});
-    EXPECT_GT(4, MirrorScene::kReach);
+    EXPECT_GT(4, NearSpheres::kReach);
     EXPECT_NEAR(seen(MirrorScene(two, kDark), rho, 0), reflectance(static_cast<double>(rho), 0.6),
                 1e-4);
     EXPECT_LT(seen(MirrorScene(three, kDark), rho, 0), 0.5);
