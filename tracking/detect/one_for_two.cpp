@@ -14,9 +14,9 @@
 namespace grainfield::tracking {
 namespace {
 
-/// Chosen, as are the next two, on eight of 40 cameras with crystals: of trials with at least three
-/// fewer that lack room, 222 of 237 are right where the misfit rises by less than 1.25, and 56 of
-/// 77 where it rises by 1.25 to 1.5. Of those with fewer than three it is half.
+/// Chosen, as are the next two, on eight of 40 cameras with crystals. Of trials after which at
+/// least three fewer lack room, 222 of 239 are right where the misfit rises by less than 1.25, and
+/// 56 of 77 where it rises by 1.25 to 1.5. Of the others it is half (docs/tracking/room.md).
 constexpr GrantedRoom kGranted{.corrected = 0.05, .fitted = 0.08};
 constexpr double kMostRise = 1.25;  // usual misfits
 constexpr int kLeastFewer = 3;
