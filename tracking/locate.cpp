@@ -359,10 +359,11 @@ void Locator::compare_with_cores(Frame& frame) {
     if (!frame.is_settled) sweep_to_rest(frame);
 }
 
-/// Stage 6: where spheres have no room one disc takes the place of two. Warm frames start from
-/// those that stayed.
+/// Stage 6: where spheres have no room one disc takes the place of two. Warm frames, and those that
+/// are fitted again for their light, start from what stayed.
 void Locator::put_one_for_two(Frame& frame) {
-    if (frame.follows || frame.detection.goal != SearchGoal::every_sphere ||
+    if (frame.follows || frame.detection.cores == CoreSearch::never ||
+        frame.detection.goal != SearchGoal::every_sphere ||
         !frame.search.put_one_for_two(sweeps_of(frame.refinement))) {
         return;
     }

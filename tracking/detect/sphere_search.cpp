@@ -367,11 +367,13 @@ bool SphereSearch::put_one_for_two(const RefinementOptions& refinement) {
     if (correction_ == nullptr || !options_.sphere_diameter || summary_.noise <= 0) return false;
     const auto begin = Clock::now();
     const OneForTwo put = try_one_for_two(fit_, cell(), *correction_, summary_.noise, refinement);
+    summary_.trials += put.trials;
+    summary_.trials_kept += put.kept;
     summary_.removed += put.kept;
     summary_.steps += put.steps;
-    if (put.steps > 0) forget_judgement();
+    if (put.trials > 0) forget_judgement();
     summary_.detect_seconds += seconds_since(begin);
-    return put.steps > 0;
+    return put.trials > 0;
 }
 
 void SphereSearch::finish(const RefinementOptions& refinement, Drawing drawing) {

@@ -86,7 +86,7 @@ class SphereSearch {
     bool look_again(const RefinementOptions& refinement, const ResidualBlocks& residual);
 
     /// Puts one disc in the place of two where spheres have no room (one_for_two.h), if a is known
-    /// and positions are corrected. Whether any disc took a step.
+    /// and positions are corrected. Whether any was tried.
     bool put_one_for_two(const RefinementOptions& refinement);
 
     /// Whether a sphere might be missing, judged from what is left of the image. Counts as a pass
