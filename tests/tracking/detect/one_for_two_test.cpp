@@ -42,6 +42,7 @@ Image frame_of(const std::vector<Vec2>& discs) {
 }
 
 constexpr int kRow = 13;
+constexpr int kMiddleRow = kRow / 2;
 constexpr double kSpacing = 0.76 * kA;
 constexpr double kFirst = 55;
 
@@ -59,7 +60,7 @@ std::vector<Vec2> crystal() {
 /// In the middle row six discs stand in the place of five.
 std::vector<Vec2> with_one_too_many() {
     std::vector<Vec2> discs;
-    const double middle = kFirst + kSpacing * (kRow / 2);
+    const double middle = kFirst + kSpacing * kMiddleRow;
     for (const Vec2 p : crystal()) {
         const double place = (p.x - kFirst) / kSpacing;
         if (std::abs(p.y - middle) < 1 && place > 3.5 && place < 8.5) continue;
