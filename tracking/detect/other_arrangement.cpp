@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "tracking/detect/residual_blocks.h"
 #include "tracking/point_grid.h"
 
 namespace grainfield::tracking {
@@ -62,26 +63,10 @@ std::vector<char> alone(const std::vector<Vec2>& points, const std::vector<Vec2>
     return is_alone;
 }
 
-/// Σ (I − M)² over the box of a cluster.
+/// Σ (I − M)² over the box of a cluster, and what lies near it.
 double misfit_about(const JointFit& fit, const Cluster& cluster) {
-    const PaddedImage& darkness = fit.darkness();
     const double far = kJudged * fit.disc().diameter;
-    const int x0 = std::max(0, static_cast<int>(std::ceil(cluster.low.x - far)));
-    const int x1 = std::min(darkness.width(), static_cast<int>(cluster.high.x + far) + 1);
-    const int y0 = std::max(0, static_cast<int>(std::ceil(cluster.low.y - far)));
-    const int y1 = std::min(darkness.height(), static_cast<int>(cluster.high.y + far) + 1);
-    double sum = 0;
-    for (int y = y0; y < y1; ++y) {
-        const float* d = darkness.row(y);
-        const float* t = fit.transmission().row(y);
-        float row = 0;
-        for (int x = x0; x < x1; ++x) {
-            const float r = d[x] - 1.0F + t[x];
-            row += r * r;
-        }
-        sum += static_cast<double>(row);
-    }
-    return sum;
+    return misfit_in(fit, cluster.low - Vec2{far, far}, cluster.high + Vec2{far, far});
 }
 
 /// Squared distance of a point from the box of a cluster.

@@ -114,12 +114,12 @@ ResidualBlocks residual_of(const JointFit& fit, const std::vector<double>& gain)
     return residual;
 }
 
-double misfit_about(const JointFit& fit, Vec2 place, double half) {
+double misfit_in(const JointFit& fit, Vec2 low, Vec2 high) {
     const PaddedImage& darkness = fit.darkness();
-    const int x0 = std::max(0, static_cast<int>(std::ceil(place.x - half)));
-    const int x1 = std::min(darkness.width(), static_cast<int>(std::floor(place.x + half)) + 1);
-    const int y0 = std::max(0, static_cast<int>(std::ceil(place.y - half)));
-    const int y1 = std::min(darkness.height(), static_cast<int>(std::floor(place.y + half)) + 1);
+    const int x0 = std::max(0, static_cast<int>(std::ceil(low.x)));
+    const int x1 = std::min(darkness.width(), static_cast<int>(std::floor(high.x)) + 1);
+    const int y0 = std::max(0, static_cast<int>(std::ceil(low.y)));
+    const int y1 = std::min(darkness.height(), static_cast<int>(std::floor(high.y)) + 1);
     double sum = 0;
     for (int y = y0; y < y1; ++y) {
         const float* d = darkness.row(y);
@@ -132,6 +132,10 @@ double misfit_about(const JointFit& fit, Vec2 place, double half) {
         sum += static_cast<double>(row);
     }
     return sum;
+}
+
+double misfit_about(const JointFit& fit, Vec2 place, double half) {
+    return misfit_in(fit, place - Vec2{half, half}, place + Vec2{half, half});
 }
 
 std::vector<Vec2> ResidualBlocks::middles(const std::vector<PixelBlock>& runs) const {

@@ -66,8 +66,9 @@ class ResidualBlocks {
 /// the misfit about each disc (pending_gain; empty: none is pending).
 ResidualBlocks residual_of(const JointFit& fit, const std::vector<double>& gain = {});
 
-/// Σ (I − M)² over the square of half side `half` [px] about a place, as discs are drawn
-/// [contrast² px].
+/// Σ (I − M)² over the pixels from `low` to `high` [px], as discs are drawn [contrast² px] …
+double misfit_in(const JointFit& fit, Vec2 low, Vec2 high);
+/// … and over the square of half side `half` [px] about a place.
 double misfit_about(const JointFit& fit, Vec2 place, double half);
 
 }  // namespace grainfield::tracking
