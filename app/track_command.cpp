@@ -176,10 +176,12 @@ ordered_json facts(const TrackJobResult& result, const LabUnits& lab) {
     facts["diameter_px"] = nullptr;
     facts["edge_width_px"] = nullptr;
     facts["binning"] = nullptr;
+    facts["binning_reason"] = nullptr;
     if (result.spheres) {
         facts["diameter_px"] = result.spheres->diameter;
         facts["edge_width_px"] = result.spheres->edge_width;
         facts["binning"] = result.spheres->binning;
+        facts["binning_reason"] = result.spheres->binning_reason;
     }
     add_units(facts, result, lab);
     facts["candidates"] = candidate_facts(result.weighed);

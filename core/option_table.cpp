@@ -120,8 +120,24 @@ void add_row(std::vector<Option>& rows, Option row, const void* field, Get get, 
 
 template <class Field>
 OptionValue value_or_auto(const std::optional<Field>& field) {
-    if (field) return *field;
-    return std::string(automatic);
+    if (!field) return std::string(automatic);
+    if constexpr (std::is_same_v<Field, int>) return std::int64_t{*field};
+    return *field;
+}
+
+/// A number that may be left to the program.
+template <class Number>
+void bind_or_auto(std::vector<Option>& rows, Option row, std::optional<Number>& field) {
+    row.may_be_auto = true;
+    add_row(
+        rows, std::move(row), &field, [&field] { return value_or_auto(field); },
+        [&field](const Option& option, const OptionValue& value) {
+            if (is_auto(value)) {
+                field.reset();
+            } else {
+                field = require<Number>(option, value);
+            }
+        });
 }
 
 template <class Integer>
@@ -192,6 +208,14 @@ void OptionTable::integer(std::string name, std::int64_t& field, std::string uni
         field);
 }
 
+void OptionTable::integer(std::string name, std::optional<int>& field, std::string unit,
+                          Range range, std::string meaning) {
+    bind_or_auto(
+        rows_,
+        make_row(std::move(name), std::move(unit), range, std::move(meaning), OptionKind::integer),
+        field);
+}
+
 void OptionTable::number(std::string name, double& field, std::string unit, Range range,
                          std::string meaning) {
     add_row(
@@ -205,18 +229,10 @@ void OptionTable::number(std::string name, double& field, std::string unit, Rang
 
 void OptionTable::number(std::string name, std::optional<double>& field, std::string unit,
                          Range range, std::string meaning) {
-    Option row =
-        make_row(std::move(name), std::move(unit), range, std::move(meaning), OptionKind::number);
-    row.may_be_auto = true;
-    add_row(
-        rows_, std::move(row), &field, [&field] { return value_or_auto(field); },
-        [&field](const Option& option, const OptionValue& value) {
-            if (is_auto(value)) {
-                field.reset();
-            } else {
-                field = require<double>(option, value);
-            }
-        });
+    bind_or_auto(
+        rows_,
+        make_row(std::move(name), std::move(unit), range, std::move(meaning), OptionKind::number),
+        field);
 }
 
 void OptionTable::text(std::string name, std::string& field, std::string meaning) {

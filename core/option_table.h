@@ -31,6 +31,9 @@ class OptionTable {
     void integer(std::string name, int& field, std::string unit, Range range, std::string meaning);
     void integer(std::string name, std::int64_t& field, std::string unit, Range range,
                  std::string meaning);
+    /// Empty means "auto".
+    void integer(std::string name, std::optional<int>& field, std::string unit, Range range,
+                 std::string meaning);
     void number(std::string name, double& field, std::string unit, Range range,
                 std::string meaning);
     /// Empty means "auto".

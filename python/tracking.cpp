@@ -82,11 +82,13 @@ py::dict dict_of(const TrackSummary& summary,
     dict["disc_diameter"] = py::none();
     dict["edge_width"] = py::none();
     dict["binning"] = py::none();
+    dict["binning_reason"] = py::none();
     dict["polarity"] = py::none();
     if (spheres) {
         dict["disc_diameter"] = spheres->diameter;
         dict["edge_width"] = spheres->edge_width;
         dict["binning"] = spheres->binning;
+        dict["binning_reason"] = spheres->binning_reason;
         dict["polarity"] = spheres->polarity == tracking::Polarity::dark ? "dark" : "bright";
     }
     return dict;
@@ -96,7 +98,7 @@ std::optional<pipelines::SphereImage> spheres_of(const Tracker& tracker) {
     if (!tracker.is_calibrated()) return std::nullopt;
     const tracking::ImageModel& model = tracker.model();
     return pipelines::SphereImage{model.polarity, model.disc.diameter, model.disc.edge_width,
-                                  tracker.binning().factor};
+                                  tracker.binning().factor, tracker.binning_reason()};
 }
 
 /// What a run of the tracker uses and makes.

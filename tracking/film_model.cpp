@@ -45,13 +45,17 @@ void require_blocks(int side, const FrameSource& source) {
                        .suggestion = "leave out track.binning, or give 1"});
 }
 
+constexpr const char* kAsKept = "as kept with the calibration";
+constexpr const char* kAsGiven = "as given";
+
 FilmModel calibrated(FrameSource& source, const TrackOptions& options, BinningUse binning,
-                     int threads, RunPlan& plan) {
+                     const std::string& reason, int threads, RunPlan& plan) {
     CalibrationOptions calibration = options.calibration;
     calibration.binning = binning;
     FilmModel model{.film = calibrate_film(source, calibration, options.detection,
                                            options.refinement, options.visible, threads, plan),
-                    .bias = {}};
+                    .bias = {},
+                    .binning_reason = reason};
     if (model.film.calibration) {
         model.bias = bias_of_film(source, options, model.film.calibration->model,
                                   model.film.weighed_at, threads, plan);
@@ -65,11 +69,12 @@ std::string in_blocks_words(int side) {
 
 FilmModel kept_model(FrameSource& source, const TrackOptions& options, int threads, RunPlan& plan) {
     FilmModel model{.film = use_kept(*options.kept, source, options.visible, threads, plan),
-                    .bias = {}};
+                    .bias = {},
+                    .binning_reason = kAsKept};
     const ImageModel& image = model.film.calibration->model;
     model.bias = bias_of_film(source, options, image, model.film.weighed_at, threads, plan);
     if (image.binning.is_none()) return model;
-    plan.run("blocks", in_blocks_words(image.binning.factor) + ", as kept with the calibration");
+    plan.run("blocks", in_blocks_words(image.binning.factor) + ", " + kAsKept);
     if (options.corrects_bias && model.bias.decision.source != BiasSource::general) {
         plan.warn(
             fmt::format("the kept calibration is of blocks of {0} x {0} px, which cost accuracy "
@@ -81,12 +86,12 @@ FilmModel kept_model(FrameSource& source, const TrackOptions& options, int threa
 }
 
 void say_given(const TrackOptions& options, RunPlan& plan) {
-    const int side = options.binning;
+    const int side = *options.binning;
     if (side == 1) {
-        plan.run("single pixels", "as given (track.binning)");
+        plan.run("single pixels", fmt::format("{} (track.binning)", kAsGiven));
         return;
     }
-    plan.run("blocks", in_blocks_words(side) + ", as given (track.binning)");
+    plan.run("blocks", fmt::format("{}, {} (track.binning)", in_blocks_words(side), kAsGiven));
     const double left = options.sphere_diameter.value_or(kLeastBlocks * side) / side;
     if (left >= kLeastBlocks - kNearlyWhole) return;
     plan.warn(
@@ -101,24 +106,27 @@ FilmModel tried_by_blocks(FrameSource& source, const TrackOptions& options, int 
     RunPlan attempt;
     FilmModel model = calibrated(
         source, options, {.factor = side, .widest_edge = kWidestEdge * *options.sphere_diameter},
-        threads, attempt);
-    if (!model.film.calibration) return calibrated(source, options, {}, threads, plan);
+        "mirror images, not resolution, limit positions", threads, attempt);
+    if (!model.film.calibration) {
+        return calibrated(source, options, {}, "by blocks no spheres were found", threads, plan);
+    }
     const bool is_binned = !model.film.calibration->model.binning.is_none();
     if (is_binned && model.bias.decision.source != BiasSource::general) {
-        plan.run("single pixels", "blocks were tried: " + model.bias.decision.reason);
-        return calibrated(source, options, {}, threads, plan);
+        const std::string reason = "blocks were tried: " + model.bias.decision.reason;
+        plan.run("single pixels", reason);
+        return calibrated(source, options, {}, reason, threads, plan);
     }
     plan.take(attempt);
     if (!is_binned) {
-        plan.run("single pixels",
-                 fmt::format("a first fit leaves little beside noise, or its edges are wider than "
-                             "{:g} of a sphere",
-                             kWidestEdge));
+        model.binning_reason = fmt::format(
+            "a first fit leaves little beside noise, or its edges are wider than {:g} of a sphere",
+            kWidestEdge);
+        plan.run("single pixels", model.binning_reason);
     } else {
-        plan.skip("single pixels",
-                  in_blocks_words(side) +
-                      ": mirror images, not resolution, limit positions (track.binning)",
-                  "half of the time");
+        plan.skip(
+            "single pixels",
+            fmt::format("{}: {} (track.binning)", in_blocks_words(side), model.binning_reason),
+            "half of the time");
     }
     return model;
 }
@@ -132,23 +140,23 @@ int mirror_blocks(double diameter) {
 FilmModel model_of_film(FrameSource& source, const TrackOptions& options, int threads,
                         RunPlan& plan) {
     if (options.kept) return kept_model(source, options, threads, plan);
-    if (options.binning > 0) {
-        require_blocks(options.binning, source);
+    if (options.binning) {
+        require_blocks(*options.binning, source);
         say_given(options, plan);
-        return calibrated(source, options, {options.binning}, threads, plan);
+        return calibrated(source, options, {*options.binning}, kAsGiven, threads, plan);
     }
     const std::string reason = not_by_blocks(options);
     if (!reason.empty()) {
         plan.run("single pixels", reason);
-        return calibrated(source, options, {}, threads, plan);
+        return calibrated(source, options, {}, reason, threads, plan);
     }
     const int side = mirror_blocks(*options.sphere_diameter);
     if (!options.corrects_bias) {
-        plan.run("blocks",
-                 fmt::format("whether frames are fitted by blocks of {0} x {0} px is seen "
-                             "on the first usable frame",
-                             side));
-        return calibrated(source, options, {}, threads, plan);
+        const std::string undecided = fmt::format(
+            "whether frames are fitted by blocks of {0} x {0} px is seen on the first usable frame",
+            side);
+        plan.run("blocks", undecided);
+        return calibrated(source, options, {}, undecided, threads, plan);
     }
     return tried_by_blocks(source, options, side, threads, plan);
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "core/frame_source.h"
 #include "core/run_plan.h"
 #include "tracking/calibrate/film_calibration.h"
@@ -10,8 +12,9 @@ namespace grainfield::tracking {
 
 /// What all frames of a film are fitted with, and what their positions are corrected with.
 struct FilmModel {
-    FilmCalibration film;  ///< of pixels, or of blocks of them (ImageModel::binning)
-    FilmBias bias;         ///< undecided where nothing could be calibrated
+    FilmCalibration film;             ///< of pixels, or of blocks of them (ImageModel::binning)
+    FilmBias bias;                    ///< undecided where nothing could be calibrated
+    std::string binning_reason = {};  ///< why frames are fitted by these blocks, or by pixels
 };
 
 /// Side of the largest blocks, four at most, that leave eight to a sphere of diameter a [px].

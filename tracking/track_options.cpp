@@ -79,7 +79,7 @@ void require_mirrors(const TrackOptions& options) {
 void require_pixels(const TrackOptions& options) {
     if (!needs_pixels(options)) return;
     const int kept = options.kept ? options.kept->model.binning.factor : 1;
-    const int blocks = options.binning > 0 ? options.binning : kept;
+    const int blocks = options.binning.value_or(kept);
     if (blocks == 1 && kept == 1) return;
     throw OptionError(
         {.problem = "frames are rendered pixel by pixel, and cannot be compared with blocks",
@@ -95,24 +95,25 @@ void require_pixels(const TrackOptions& options) {
 /// Throws OptionError where blocks are too large for the spheres, or others than a kept
 /// calibration is of.
 void require_useful_blocks(const TrackOptions& options) {
-    if (options.binning == 0) return;
-    if (options.kept && options.binning != options.kept->model.binning.factor) {
+    if (!options.binning) return;
+    const int given = *options.binning;
+    if (options.kept && given != options.kept->model.binning.factor) {
         throw OptionError(
             {.problem = "a kept calibration is of blocks of its own",
-             .actual = fmt::format("track.binning is {}", options.binning),
+             .actual = fmt::format("track.binning is {}", given),
              .expected = fmt::format("{}, as calibrated", options.kept->model.binning.factor),
              .suggestion = "leave out the option, or calibrate again"});
     }
     const std::optional<double> known =
         options.sphere_diameter ? options.sphere_diameter : options.calibration.diameter;
-    if (!known || options.binning == 1 || *known >= kLeastBlocks * options.binning) return;
-    throw OptionError({.problem = "blocks are too large for the spheres",
-                       .actual = fmt::format("track.binning is {}, of spheres of {:g} px",
-                                             options.binning, *known),
-                       .expected = fmt::format("{} at most, which leaves {:g} blocks to a sphere",
-                                               std::max(1, static_cast<int>(*known / kLeastBlocks)),
-                                               kLeastBlocks),
-                       .suggestion = "give less, or leave out track.binning"});
+    if (!known || given == 1 || *known >= kLeastBlocks * given) return;
+    throw OptionError(
+        {.problem = "blocks are too large for the spheres",
+         .actual = fmt::format("track.binning is {}, of spheres of {:g} px", given, *known),
+         .expected =
+             fmt::format("{} at most, which leaves {:g} blocks to a sphere",
+                         std::max(1, static_cast<int>(*known / kLeastBlocks)), kLeastBlocks),
+         .suggestion = "give less, or leave out track.binning"});
 }
 
 }  // namespace
@@ -131,9 +132,9 @@ std::vector<OptionTable> describe(TrackOptions& options) {
         "rendered with the optics of the film (10 to 40 s of a core), kept with its calibration; "
         "no: not at all; auto: as learned from other cameras, where spheres look like mirrors");
     track.integer(
-        "binning", options.binning, "px", {0, 32},
+        "binning", options.binning, "px", {1, 32},
         "fit frames by blocks of that many pixels a side, which takes less time; 1: pixel "
-        "by pixel; 0: as many as leave 8 to a sphere, 4 at most, where it is a mirror");
+        "by pixel; auto: as many as leave 8 to a sphere, 4 at most, where it is a mirror");
     track.integer("stretch", options.stretch, "frames", {2, 1e9},
                   "frames that start from one another; then the search begins afresh, so that "
                   "parts of a film give what the whole film gives");

@@ -28,8 +28,9 @@ struct TrackOptions {
     bool synthesis = false;                 ///< positions and heights from rendered images
     SynthesisOptions synthesis_options;     ///< layers.height, where given, is the height
     std::optional<bool> correct_bias;       ///< true: learned from the film; empty: the general one
-    int binning = 0;  ///< frames are fitted by blocks of that many pixels a side; 0: model_of_film
-    std::int64_t stretch = 200;           ///< [frames] that start from one another
+    std::optional<int> binning;  ///< side of the blocks that frames are fitted by [px]; empty: as
+                                 ///< model_of_film decides
+    std::int64_t stretch = 200;  ///< [frames] that start from one another
     std::optional<FrameSpan> part;        ///< measured, not linked; empty: all, and linked
     VisiblePixels visible;                ///< pixels that are looked at
     std::optional<KeptCalibration> kept;  ///< instead of a calibration on this film

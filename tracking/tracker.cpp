@@ -53,6 +53,7 @@ Tracker::Tracker(FrameSource& source, const TrackOptions& options, RunPlan& plan
     }
     FilmModel film = model_of_film(source, options_, threads_, plan);
     film_ = std::move(film.film);
+    binning_reason_ = std::move(film.binning_reason);
     if (!is_calibrated()) return;
     if (options_.keeps) {
         // Films that use it do not know where the spheres of this one were.

@@ -97,6 +97,8 @@ class Tracker {
     const ImageModel& model() const { return *model_; }
     /// How frames are seen where they are fitted. Call only if is_calibrated().
     Binning binning() const { return fitted_model().binning; }
+    /// Why frames are fitted by these blocks, or by pixels.
+    const std::string& binning_reason() const { return binning_reason_; }
     /// Tells calibrations apart: the frame used and the numbers of the model. Empty without one.
     std::vector<double> calibration_numbers() const;
     /// All that are looked at: the part's, and those of its first stretch before it.
@@ -215,6 +217,7 @@ class Tracker {
     std::optional<FilmSynthesis> synthesis_;
     std::optional<BiasCorrection> bias_;
     BiasDecision bias_decision_;
+    std::string binning_reason_;
 };
 
 }  // namespace grainfield::tracking

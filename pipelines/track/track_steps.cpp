@@ -106,7 +106,7 @@ std::optional<SphereImage> spheres_of(const Tracker& tracker) {
     if (!tracker.is_calibrated()) return std::nullopt;
     const tracking::ImageModel& model = tracker.model();
     return SphereImage{model.polarity, model.disc.diameter, model.disc.edge_width,
-                       tracker.binning().factor};
+                       tracker.binning().factor, tracker.binning_reason()};
 }
 
 void warn_of_units(const tracking::TrackOptions& options, const FrameSource& frames,

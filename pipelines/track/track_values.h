@@ -32,9 +32,10 @@ struct TrackJobOptions {
 /// The spheres as the calibrated image model has them.
 struct SphereImage {
     tracking::Polarity polarity = tracking::Polarity::dark;
-    double diameter = 0;    ///< apparent D [px]
-    double edge_width = 0;  ///< w [px]
-    int binning = 1;        ///< frames were fitted by blocks of that many pixels a side
+    double diameter = 0;              ///< apparent D [px]
+    double edge_width = 0;            ///< w [px]
+    int binning = 1;                  ///< frames were fitted by blocks of that many pixels a side
+    std::string binning_reason = {};  ///< why by these
 };
 
 /// What tracking, or the part of it until a signal, did.

@@ -166,8 +166,8 @@ def track(film: Any, diameter: float | None = None, *, fps: float | None = None,
     -------
     Trajectory
         Positions in pixels. `summary` has disc_diameter and edge_width [px], polarity,
-        residual_rms [contrast], frames, particles_mean, and binning: the side of the blocks
-        of pixels that frames were fitted by [px].
+        residual_rms [contrast], frames, particles_mean, binning: the side of the blocks
+        of pixels that frames were fitted by [px], and binning_reason: why by these.
 
     Raises
     ------

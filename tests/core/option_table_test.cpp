@@ -105,6 +105,26 @@ TEST(OptionTable, AFlagMayBeAutoWhereItIsDeclared) {
     EXPECT_THROW(t.find("plain")->set_from_text("auto"), OptionError);
 }
 
+TEST(OptionTable, AWholeNumberMayBeLeftToTheProgram) {
+    std::optional<int> binning;
+    OptionTable t("track");
+    t.integer("binning", binning, "px", {1, 32}, "side of the blocks");
+    const Option& row = *t.find("binning");
+    EXPECT_EQ(to_text(row.default_value), "auto");
+    row.set_from_text("2");
+    EXPECT_EQ(binning, 2);
+    EXPECT_EQ(row.get(), OptionValue(std::int64_t{2}));
+    t.set("binning", std::int64_t{3});
+    EXPECT_EQ(binning, 3);
+    for (const char* other : {"0", "33", "2.5", "automatic"}) {
+        EXPECT_THROW(row.set_from_text(other), OptionError) << other;
+    }
+    EXPECT_EQ(binning, 3) << "what is refused changes nothing";
+    row.set_from_text("auto");
+    EXPECT_EQ(binning, std::nullopt);
+    EXPECT_EQ(to_text(row.get()), "auto");
+}
+
 TEST(OptionTable, ANumberMayBeFollowedByItsUnit) {
     std::optional<double> diameter;
     std::vector<double> lengths;

@@ -67,6 +67,8 @@ TEST_F(Pipeline, TrackFindsEveryDiscAndTheirSizeWithoutAnyOption) {
     EXPECT_NEAR(summary["edge_width_px"].get<double>(), testing::kEdgeWidth, 0.1);
     // The noise is 2 % of the contrast.
     EXPECT_NEAR(summary["residual_rms"].get<double>(), 0.02, 0.005);
+    EXPECT_EQ(summary["binning"], 1);
+    EXPECT_THAT(summary["binning_reason"].get<std::string>(), HasSubstr("true diameter"));
 }
 
 TEST_F(Pipeline, ExportedPointsHaveTheAgreedColumnsAndOneRowPerParticleAndFrame) {

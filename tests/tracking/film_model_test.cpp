@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -68,7 +69,7 @@ const Image& discs() {
     return frame;
 }
 
-TrackOptions options(int binning = 0) {
+TrackOptions options(std::optional<int> binning = {}) {
     TrackOptions options;
     options.sphere_diameter = kScale;
     options.binning = binning;
@@ -102,6 +103,7 @@ TEST(FilmModel, OfMirrorsIsOfBlocksWhereEightAreLeftToASphere) {
     EXPECT_EQ(mirror.side(), 2);
     EXPECT_EQ(mirror.model.bias.decision.source, BiasSource::general);
     EXPECT_THAT(mirror.skipped(), Contains("single pixels"));
+    EXPECT_THAT(mirror.model.binning_reason, HasSubstr("mirror images"));
 }
 
 TEST(FilmModel, TakesTheLargestBlocksThatLeaveEightToASphere) {
@@ -134,7 +136,9 @@ TEST(FilmModel, OfWideEdgesIsOfPixels) {
 TEST(FilmModel, IsOfPixelsWhereNoCorrectionCanHold) {
     TrackOptions unknown = options();
     unknown.sphere_diameter.reset();
-    EXPECT_EQ(seen(mirrors(), unknown).side(), 1);
+    const Seen pixels = seen(mirrors(), unknown);
+    EXPECT_EQ(pixels.side(), 1);
+    EXPECT_THAT(pixels.model.binning_reason, HasSubstr("true diameter"));
     TrackOptions unwanted = options();
     unwanted.correct_bias = false;
     EXPECT_EQ(seen(mirrors(), unwanted).side(), 1);
@@ -145,7 +149,9 @@ TEST(FilmModel, IsOfPixelsWhereNoCorrectionCanHold) {
 
 TEST(FilmModel, IsOfTheBlocksThatWereAskedFor) {
     EXPECT_EQ(seen(mirrors(), options(1)).side(), 1);
-    EXPECT_EQ(seen(discs(), options(2)).side(), 2);
+    const Seen blocks = seen(discs(), options(2));
+    EXPECT_EQ(blocks.side(), 2);
+    EXPECT_EQ(blocks.model.binning_reason, "as given");
 }
 
 TEST(FilmModel, OfBlocksSaysLengthsInPixels) {
@@ -229,7 +235,7 @@ TEST(FilmModel, OfAKeptCalibrationIsOfItsBlocks) {
     second.binning = 1;
     EXPECT_THROW(require_consistent(second), OptionError);
     // Rendered frames need pixels.
-    second.binning = 0;
+    second.binning.reset();
     second.synthesis = true;
     EXPECT_THROW(require_consistent(second), OptionError);
 }
