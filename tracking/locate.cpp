@@ -402,6 +402,8 @@ void Locator::search_without_doubtful(Frame& frame) {
         settle_and_judge(frame);
     }
     if (!frame.is_settled) sweep_to_rest(frame);
+    // What was put right may have been put back.
+    put_one_for_two(frame);
     if (!model_.is_product()) fit_overlaps(frame);
 }
 

@@ -15,7 +15,8 @@ struct Peak {
 
 /// Pixels larger than `threshold` and than their eight neighbours (the first in reading order on
 /// plateaus), at least `separation` apart: of two closer peaks the higher one stays. Sorted by
-/// value, highest first; ties by position. O(pixels + peaks log peaks).
+/// value, highest first; ties by position. O(pixels + peaks log peaks) where no more than a few
+/// peaks lie within `separation` of one.
 std::vector<Peak> local_maxima(const Image& map, float threshold, double separation);
 
 }  // namespace grainfield::tracking

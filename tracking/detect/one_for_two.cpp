@@ -1,6 +1,7 @@
 #include "tracking/detect/one_for_two.h"
 
 #include <algorithm>
+#include <numbers>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -23,12 +24,12 @@ constexpr double kMostRise = 1.25;  // usual misfits
 constexpr int kLeastFewer = 3;
 /// What one disc of noise may take from the misfit, in σ² (second_look.h).
 constexpr double kLeastRise = 36;
-constexpr int kRounds = 16;
+constexpr int kRounds = 32;
 constexpr int kSweeps = 30;
 /// The discs about a trial that go back with it, and those that are judged.
 constexpr double kAbout = 2.5;  // [D]
-/// Trials of one round are so far apart that none moves a neighbour of another one.
-constexpr double kApart = 2 * kAbout;  // [D]
+/// Trials of one round are so far apart that their squares do not meet, nor even their corners.
+constexpr double kApart = 2 * std::numbers::sqrt2 * kAbout;  // [D]
 /// Two that are farther apart are two spheres.
 constexpr double kPair = 0.95;  // [D]
 /// No place is tried that is nearer than this to one that was.
@@ -51,12 +52,6 @@ struct Arrangement {
         for (std::uint32_t j = 0; j < lacks_room.size(); ++j) grid.add(fit.positions()[j], j);
     }
 
-    int lacking_about(Vec2 place, double distance) const {
-        int n = 0;
-        grid.near(place, distance, [&](std::uint32_t j, Vec2) { n += lacks_room[j]; });
-        return n;
-    }
-
     std::optional<std::uint32_t> nearest(std::uint32_t j, Vec2 place, double distance) const {
         std::optional<std::uint32_t> best;
         double least = distance * distance;
@@ -75,8 +70,8 @@ struct Trial {
     Vec2 gone_from;
     std::uint32_t partner;
     double misfit = 0;  ///< before, as the next
-    int lacking = 0;
-    std::vector<std::pair<std::uint32_t, Vec2>> neighbours = {};
+    int lacking = 0;    ///< of the one that goes and its neighbours
+    std::vector<std::pair<std::uint32_t, Vec2>> neighbours = {};  ///< within 2.5 D of the middle
 };
 
 std::vector<Trial> choose_trials(JointFit& fit, const Arrangement& now, PointGrid& tried) {
@@ -103,9 +98,9 @@ std::vector<Trial> choose_trials(JointFit& fit, const Arrangement& now, PointGri
                     .gone = j,
                     .gone_from = place,
                     .partner = *partner,
-                    .misfit = misfit_about(fit, middle, kAbout * diameter),
-                    .lacking = now.lacking_about(middle, kAbout * diameter)};
+                    .misfit = misfit_about(fit, middle, kAbout * diameter)};
         now.grid.near(middle, kAbout * diameter, [&](std::uint32_t other, Vec2 p) {
+            trial.lacking += now.lacks_room[other];
             if (other != j) trial.neighbours.emplace_back(other, p);
         });
         trials.push_back(std::move(trial));
@@ -134,7 +129,8 @@ std::int64_t keep_the_better(JointFit& fit, const std::vector<Trial>& trials,
     std::vector<const Trial*> failed;
     for (const Trial& trial : trials) {
         const double rise = misfit_about(fit, trial.middle, about) - trial.misfit;
-        const int fewer = trial.lacking - now.lacking_about(trial.middle, about);
+        int fewer = trial.lacking;
+        for (const auto& [j, place] : trial.neighbours) fewer -= now.lacks_room[j];
         if (!(rise < most_rise && fewer >= kLeastFewer)) failed.push_back(&trial);
     }
     for (const Trial* trial : failed) {

@@ -23,13 +23,14 @@ struct OneForTwo {
 /// to the middle of the two. All about it take sweeps. The row is then right or too short. It stays
 /// so if
 ///
-///   within 2.5 D at least three discs fewer lack room, the one that went among them, and
+///   of the discs that were within 2.5 D at least three fewer lack room, the one that went among
+///   them, and
 ///   the misfit Σ (I − M)² over the square of half side 2.5 D rises by 1.25 of the usual one, or
 ///   by 36 σ², at most.
 ///
 /// The usual one is the median over three blocks by three about each disc, less the noise
-/// (ResidualBlocks). Else all go back. Trials 5 D apart are made at once, those that explain least
-/// first, in 16 rounds at most. docs/tracking/room.md has what was measured.
+/// (ResidualBlocks). Else all go back. Trials 7.1 D apart are made at once, those that explain
+/// least first, in 32 rounds at most. docs/tracking/room.md has what was measured.
 ///
 /// `cell.diameter` > 0 [px]; `correction`: of positions, by which room is judged; `noise` σ > 0
 /// [contrast]; `refinement`: tolerance of the sweeps, and their number if less than 30. A frame

@@ -108,7 +108,7 @@ struct CorrectionJudgement {
     ResidualPattern::Numbers pattern = {};  ///< of the spheres that were looked at
 
     /// A correction is hardly larger than the errors that it corrects. On 40 frames of cameras that
-    /// mirror the ratio was .7 to 1.2, on silhouettes in blurred light 2.6.
+    /// mirror the ratio was .7 to 1.3, on silhouettes in blurred light 2.6.
     bool is_too_large() const { return !(moved <= 1.5 * expected); }
     /// Of neither kind, or rather of discs with a rim. Figures of both kinds:
     /// docs/tracking/mirror-judge.md.

@@ -42,7 +42,8 @@ class MomentSums {
         float x, y;
     };
 
-    /// `radii` [px], ascending. Images are read between pixels, and as their border beyond it.
+    /// `radii` [px], ascending; all rings lie in the images, which are read between pixels. Beyond
+    /// the middles of the last two pixels the line through them goes on.
     /// `residual`: an image, to which darkness − 1 is added if `is_transmission`.
     static Moments moments(const PixelRows& darkness, const PixelRows& residual,
                            bool is_transmission, const std::array<float, kRings>& radii, float x,

@@ -57,17 +57,18 @@ std::vector<Vec2> crystal() {
     return discs;
 }
 
-/// In the middle row six discs stand in the place of five.
-std::vector<Vec2> with_one_too_many() {
-    std::vector<Vec2> discs;
-    const double middle = kFirst + kSpacing * kMiddleRow;
-    for (const Vec2 p : crystal()) {
-        const double place = (p.x - kFirst) / kSpacing;
-        if (std::abs(p.y - middle) < 1 && place > 3.5 && place < 8.5) continue;
-        discs.push_back(p);
-    }
-    for (int k = 0; k < 6; ++k) {
-        discs.push_back({kFirst + kSpacing * (4 + 0.8 * k), middle});
+/// In each of these rows six discs stand in the place of five.
+std::vector<Vec2> with_one_too_many(const std::vector<int>& rows = {kMiddleRow}) {
+    std::vector<Vec2> discs = crystal();
+    for (const int row : rows) {
+        const double y = kFirst + kSpacing * row;
+        discs.erase(std::remove_if(discs.begin(), discs.end(),
+                                   [&](Vec2 p) {
+                                       const double place = (p.x - kFirst) / kSpacing;
+                                       return std::abs(p.y - y) < 1 && place > 3.5 && place < 8.5;
+                                   }),
+                    discs.end());
+        for (int k = 0; k < 6; ++k) discs.push_back({kFirst + kSpacing * (4 + 0.8 * k), y});
     }
     return discs;
 }
@@ -108,6 +109,25 @@ TEST(OneForTwo, MendsARowWithOneTooMany) {
     EXPECT_EQ(mended.summary.kept, 1);
     ASSERT_EQ(mended.after.size(), shown.size());
     EXPECT_LT(farthest(shown, mended.after), 0.02 * kA);
+}
+
+TEST(OneForTwo, MendsRowsInTheSameRoundThatAreFarApart) {
+    const std::vector<Vec2> shown = crystal();
+    const Tried mended = tried(shown, with_one_too_many({1, kRow - 2}));
+    EXPECT_EQ(mended.before.size(), shown.size() + 2);
+    EXPECT_EQ(mended.summary.kept, 2);
+    ASSERT_EQ(mended.after.size(), shown.size());
+    EXPECT_LT(farthest(shown, mended.after), 0.02 * kA);
+}
+
+TEST(OneForTwo, MendsARowBesideOneThatThePictureShows) {
+    const std::vector<Vec2> shown = with_one_too_many({1});
+    const Tried mended = tried(shown, with_one_too_many({1, kRow - 2}));
+    EXPECT_EQ(mended.before.size(), shown.size() + 1);
+    EXPECT_GT(mended.summary.trials, mended.summary.kept);
+    EXPECT_EQ(mended.summary.kept, 1);
+    ASSERT_EQ(mended.after.size(), shown.size());
+    EXPECT_LT(farthest(shown, mended.after), 0.05 * kA);
 }
 
 TEST(OneForTwo, TriesNothingWhereAllHaveRoom) {
