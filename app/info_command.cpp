@@ -18,6 +18,7 @@
 #include "pipelines/lab.h"
 #include "pipelines/track/calibration_file.h"
 #include "pipelines/track/stored_bias.h"
+#include "pipelines/track/stored_binning.h"
 #include "report/text.h"
 
 namespace grainfield::app {
@@ -143,14 +144,24 @@ Summary describe_snapshots(const std::filesystem::path& path, const char* kind) 
     sheet.add_info(snapshots->info(), has_diameter);
     if (snapshots->count() > 0) {
         const Snapshot first = snapshots->read(0);
-        sheet.add("particles_first", "particles", first.size(),
-                  fmt::format("{} in the first frame, {}", first.size(),
-                              first.id.empty() ? "not linked" : "linked"));
+        sheet.add(
+            "particles_first", "particles", first.size(),
+            fmt::format("{} in the {} frame, {}", first.size(),
+                        snapshots->count() == 1 ? "only" : "first",
+                        first.id.empty() || snapshots->count() == 1 ? "not linked" : "linked"));
         sheet.add_box(first.box,
                       has_diameter ? name(snapshots->info().length_unit) : "in their unit");
     }
     if (const auto* file = dynamic_cast<const io::TrajectoryFile*>(snapshots.get())) {
         sheet.add_lab(file->info(), pipelines::lab_units_in(file->curves()));
+        if (const auto blocks = pipelines::stored_binning(file->curves())) {
+            sheet.add(
+                "binning", "pixels", blocks->side,
+                fmt::format("fitted {}: {}",
+                            blocks->side == 1 ? std::string("one by one")
+                                              : fmt::format("by blocks of {0} x {0}", blocks->side),
+                            blocks->reason));
+        }
         if (const auto bias = pipelines::stored_bias(file->curves())) {
             sheet.add("bias", "bias", bias_facts(*bias), "positions " + in_words(*bias));
         }

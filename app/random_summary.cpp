@@ -82,14 +82,24 @@ ordered_json random_facts(const pipelines::RandomValidationResult& result) {
 
 std::string random_text(const std::string& output,
                         const pipelines::RandomValidationResult& result) {
-    std::string text = fmt::format("{}: {} scenes\n  {:<22}{:>10}{:>10}\n", output,
+    std::string text = fmt::format("{}: {} scenes\n  {:<22}{:>12}{:>12}\n", output,
                                    result.scenes.size(), "", "median", "worst");
+    std::int64_t missed = 0;
+    std::int64_t spurious = 0;
+    std::int64_t spheres = 0;
+    for (const SceneScore& scene : result.scenes) {
+        missed += scene.missed;
+        spurious += scene.spurious;
+        spheres += scene.spheres;
+    }
     for (const SceneQuantity& q : pipelines::scene_quantities()) {
         const SceneSpread spread = pipelines::spread_of(result.scenes, q);
         const std::string name = q.unit.empty() ? q.label : q.label + " [" + q.unit + "]";
-        text += fmt::format("  {:<22}{:>10}{:>10}\n", name, number_text(spread.median, "{:.5g}"),
-                            number_text(spread.worst, "{:.5g}"));
+        text += fmt::format("  {:<22}{:>12}{:>12}{}\n", name, number_text(spread.median, "{:.5g}"),
+                            number_text(spread.worst, "{:.5g}"),
+                            q.right.empty() ? "" : "   right: " + q.right);
     }
+    text += fmt::format("  all: {} missed and {} false of {}\n", missed, spurious, spheres);
     if (!result.scenes.empty()) {
         const SceneScore& worst =
             *std::min_element(result.scenes.begin(), result.scenes.end(), pipelines::is_worse);

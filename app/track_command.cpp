@@ -120,6 +120,12 @@ std::string words(const Session& session, const TrackJobResult& result, const La
     if (result.bias && result.bias->source != tracking::BiasSource::none) {
         text += fmt::format("  bias       positions {}\n", in_words(*result.bias));
     }
+    if (summary.strict_frames + summary.mended > 0) {
+        text += fmt::format(
+            "  room       of {} frames {} take spheres that explain little for false, as most have "
+            "no room; one sphere for two in {} places\n",
+            summary.frames, summary.strict_frames, summary.mended);
+    }
     text += synthesis_in_words(summary.synthesis);
     const auto& ms = summary.ms_per_frame;
     const std::string synthesis =
@@ -195,6 +201,7 @@ ordered_json facts(const TrackJobResult& result, const LabUnits& lab) {
                                {"gain_maps", work.gain_maps},
                                {"trials", work.trials},
                                {"trials_kept", work.trials_kept}};
+    facts["room"] = {{"strict_frames", summary.strict_frames}, {"mended", summary.mended}};
     facts["residual_rms"] = nullptr;
     if (result.has_residual()) facts["residual_rms"] = summary.residual_rms;
     facts["layers"] = nullptr;

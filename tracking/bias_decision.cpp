@@ -28,7 +28,8 @@ std::string in_words(const BiasDecision& decision) {
         case BiasSource::general:
             return fmt::format(
                 "corrected for mirror images of neighbours by {:.4f} a RMS, as learned from {} "
-                "other cameras; of cameras left out, errors fell from {:.4f} to {:.4f} a",
+                "other cameras; on test cameras, not on this film, errors fell from {:.4f} to "
+                "{:.4f} a",
                 decision.moved.value_or(0), decision.cameras, decision.before, decision.after);
         case BiasSource::film:
             return fmt::format(

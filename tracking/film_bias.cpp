@@ -53,8 +53,9 @@ std::string not_for_this_film(const TrackOptions& options, const ImageModel& mod
             left, model.noise);
     }
     if (!model.binning.is_none() && diameter < kLeastBlocks) {
-        return fmt::format("blocks of {} px leave {:.1f} to a sphere, and it was learned from 8 on",
-                           model.binning.factor, diameter);
+        return fmt::format(
+            "blocks of {} px leave {:.1f} to a sphere, the correction was learned from 8 on",
+            model.binning.factor, diameter);
     }
     return general_correction().refused(model.disc, diameter);
 }
@@ -130,8 +131,8 @@ std::string not_as_mirrors(const CorrectionJudgement& judgement) {
     if (judgement.is_too_large()) {
         return fmt::format(
             "the general correction would move them by {:.4f} a RMS beside errors of "
-            "{:.4f} a, by 1.5 times as much at most",
-            judgement.moved, judgement.expected);
+            "{:.4f} a, by {:g} times as much at most",
+            judgement.moved, judgement.expected, CorrectionJudgement::kMostMoved);
     }
     return {};
 }

@@ -15,8 +15,9 @@ constexpr double kNearlyWhole = 0.01;  // a diameter that was rounded down count
 constexpr int kLargestBlock = 4;       // [px]; larger ones were not measured
 // Where edges are wider, eight blocks to a sphere find fewer: at .143 a as many as pixels, at .156
 // a 26 of 10,781 are missed in place of 5.
-constexpr double kWidestEdge = 0.15;  // [a]
-constexpr int kLeastFrame = 32;       // [blocks] across, of any use
+constexpr double kWidestEdge = 0.15;     // [a]
+constexpr double kSteelDiameter = 0.88;  // D of polished steel over a panel [a]
+constexpr int kLeastFrame = 32;          // [blocks] across, of any use
 
 /// Why blocks are not tried; empty: they are.
 std::string not_by_blocks(const TrackOptions& options) {
@@ -73,7 +74,10 @@ FilmModel kept_model(FrameSource& source, const TrackOptions& options, int threa
                     .binning_reason = kAsKept};
     const ImageModel& image = model.film.calibration->model;
     model.bias = bias_of_film(source, options, image, model.film.weighed_at, threads, plan);
-    if (image.binning.is_none()) return model;
+    if (image.binning.is_none()) {
+        plan.run("single pixels", kAsKept);
+        return model;
+    }
     plan.run("blocks", in_blocks_words(image.binning.factor) + ", " + kAsKept);
     if (options.corrects_bias && model.bias.decision.source != BiasSource::general) {
         plan.warn(
@@ -85,19 +89,32 @@ FilmModel kept_model(FrameSource& source, const TrackOptions& options, int threa
     return model;
 }
 
-void say_given(const TrackOptions& options, RunPlan& plan) {
+FilmModel by_given_blocks(FrameSource& source, const TrackOptions& options, int threads,
+                          RunPlan& plan) {
     const int side = *options.binning;
     if (side == 1) {
         plan.run("single pixels", fmt::format("{} (track.binning)", kAsGiven));
-        return;
+    } else {
+        plan.run("blocks", fmt::format("{}, {} (track.binning)", in_blocks_words(side), kAsGiven));
     }
-    plan.run("blocks", fmt::format("{}, {} (track.binning)", in_blocks_words(side), kAsGiven));
-    const double left = options.sphere_diameter.value_or(kLeastBlocks * side) / side;
-    if (left >= kLeastBlocks - kNearlyWhole) return;
-    plan.warn(
-        fmt::format("blocks of {0} x {0} px leave {1:.1f} to a sphere: below {2:g} positions "
-                    "get worse, and their errors are too small",
-                    side, left, kLeastBlocks));
+    FilmModel model = calibrated(source, options, {side}, kAsGiven, threads, plan);
+    if (side == 1) return model;
+    if (!model.film.calibration) {
+        plan.warn(fmt::format(
+            "by blocks of {0} x {0} px no spheres were found: leave out track.binning", side));
+        return model;
+    }
+    // Where the true diameter is not known, discs stand for it.
+    const double left = options.sphere_diameter
+                            ? *options.sphere_diameter / side
+                            : model.film.calibration->model.disc.diameter / kSteelDiameter;
+    if (left < kLeastBlocks - kNearlyWhole) {
+        plan.warn(fmt::format(
+            "blocks of {0} x {0} px leave {1:.1f} to a sphere: below {2:g} positions get worse, "
+            "and are not corrected for mirror images",
+            side, left, kLeastBlocks));
+    }
+    return model;
 }
 
 /// By blocks where the general correction then holds; else by pixels.
@@ -108,7 +125,9 @@ FilmModel tried_by_blocks(FrameSource& source, const TrackOptions& options, int 
         source, options, {.factor = side, .widest_edge = kWidestEdge * *options.sphere_diameter},
         "mirror images, not resolution, limit positions", threads, attempt);
     if (!model.film.calibration) {
-        return calibrated(source, options, {}, "by blocks no spheres were found", threads, plan);
+        const std::string reason = "by blocks no spheres were found";
+        plan.run("single pixels", reason);
+        return calibrated(source, options, {}, reason, threads, plan);
     }
     const bool is_binned = !model.film.calibration->model.binning.is_none();
     if (is_binned && model.bias.decision.source != BiasSource::general) {
@@ -118,9 +137,15 @@ FilmModel tried_by_blocks(FrameSource& source, const TrackOptions& options, int 
     }
     plan.take(attempt);
     if (!is_binned) {
-        model.binning_reason = fmt::format(
-            "a first fit leaves little beside noise, or its edges are wider than {:g} of a sphere",
-            kWidestEdge);
+        const ImageModel& image = model.film.calibration->model;
+        const double width = image.disc.edge_width / *options.sphere_diameter;
+        model.binning_reason =
+            width > kWidestEdge
+                ? fmt::format("edges are {:.3f} a wide, {:g} a at most", width, kWidestEdge)
+                : fmt::format(
+                      "a first fit of blocks leaves little beside noise, or has edges "
+                      "wider than {:g} a",
+                      kWidestEdge);
         plan.run("single pixels", model.binning_reason);
     } else {
         plan.skip(
@@ -142,8 +167,7 @@ FilmModel model_of_film(FrameSource& source, const TrackOptions& options, int th
     if (options.kept) return kept_model(source, options, threads, plan);
     if (options.binning) {
         require_blocks(*options.binning, source);
-        say_given(options, plan);
-        return calibrated(source, options, {*options.binning}, kAsGiven, threads, plan);
+        return by_given_blocks(source, options, threads, plan);
     }
     const std::string reason = not_by_blocks(options);
     if (!reason.empty()) {

@@ -30,8 +30,8 @@ int mirror_blocks(double diameter);
 /// accuracy, and are fitted pixel by pixel: a is unknown, a first fit leaves less than twice the
 /// noise or has edges wider than .15 a, no correction is wanted or holds, or a part needs pixels
 /// (needs_pixels). Where it is seen late that the correction does not hold, the film is calibrated
-/// again. `track.binning` overrules all this. A kept calibration is of its own blocks, with a
-/// warning where the correction does not hold.
+/// again. A number as `track.binning` overrules all this. A kept calibration is of its own blocks,
+/// with a warning where the correction does not hold.
 ///
 /// `options`: consistent (require_consistent). What was decided goes into `plan`. Throws
 /// OptionError where track.binning leaves fewer than 32 blocks across a frame, and what

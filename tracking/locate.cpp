@@ -416,6 +416,7 @@ Located Locator::report(Frame& frame) {
     found.settled_detection = summary.settled_detection && !frame.is_unsure;
     found.trials = summary.trials;
     found.trials_kept = summary.trials_kept;
+    found.mended = summary.mended;
     found.evidence = summary.evidence;
     found.doubtful_are_false = summary.doubtful_are_false;
     found.noise = summary.noise;

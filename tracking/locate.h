@@ -39,6 +39,7 @@ struct Located {
     int maps_in_part = 0;          ///< computed only where the residual can hold a sphere
     std::int64_t trials = 0;       ///< discs added on trial (second_look.h)
     std::int64_t trials_kept = 0;  ///< … that stayed
+    std::int64_t mended = 0;       ///< … of them where one disc took the place of two
     int joint_steps = 0;           ///< Newton steps of all discs at once
     int arrangements = 0;          ///< places where a search for cores found other discs
     int arrangements_taken = 0;    ///< … that explained the frame better
@@ -72,7 +73,7 @@ Located in_frame(Located found, Binning blocks);
 ///    (one_for_two.h).
 /// 7. Overlaps: where the model is not the product of transmissions, 3. is repeated on the image
 ///    that the product should see there (product_image.h): twice, on warm frames once.
-/// 8. Doubtful spheres: where most hardly had room (sphere_room.h), 2. to 4. and 7. once more
+/// 8. Doubtful spheres: where most hardly had room (sphere_room.h), 2. to 4., 6. and 7. once more
 ///    without.
 /// 9. Report: positions, standard errors, residuals; unsettled and cut spheres are left out.
 ///

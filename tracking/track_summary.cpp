@@ -21,6 +21,8 @@ void judge(const Located& found, const Frame& frame, TrackSummary& summary,
     summary.noise += found.noise;
     summary.unsettled += found.unsettled;
     summary.rejected += found.rejected;
+    summary.strict_frames += found.doubtful_are_false ? 1 : 0;
+    summary.mended += found.mended;
     if (!found.settled_detection) {
         plan.warn("some frames still gained or lost spheres when the search was ended");
     }

@@ -38,6 +38,9 @@ struct TrackSummary {
     double step_rms = 0;         ///< RMS displacement between consecutive frames [px]; 0: one frame
     std::int64_t unsettled = 0;  ///< spheres still moving after the last sweep, all frames
     std::int64_t rejected = 0;   ///< of those, left out: they moved by more than their error
+    /// Frames in which all spheres that explain little were taken for false, as most had no room.
+    std::int64_t strict_frames = 0;
+    std::int64_t mended = 0;            ///< rows where one sphere took the place of two, all frames
     std::int64_t warm_frames = 0;       ///< started from the positions of the frame before
     std::int64_t repeated = 0;          ///< frames that repeat the one before: not fitted again
     std::int64_t poor_frames = 0;       ///< that the image model explains badly

@@ -31,7 +31,7 @@ namespace grainfield::tracking {
 
 /// What a saved run of the tracker calls itself (Checkpoint::kind), with the version of what it
 /// holds.
-inline constexpr const char* kTrackStateKind = "track 7";
+inline constexpr const char* kTrackStateKind = "track 8";
 
 /// How a long run is saved now and then, and taken up again.
 struct TrackResumption {

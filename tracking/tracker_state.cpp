@@ -55,12 +55,12 @@ void transfer(NumberArchive& archive, LinkState& state) {
 void transfer(NumberArchive& archive, Located& found) {
     auto& [position, error, residual, edge_residual, explained, residual_rms, correlation, noise,
            passes, added, removed, coarse_steps, steps, warm, approached, maps_skipped,
-           maps_in_part, trials, trials_kept, joint_steps, arrangements, arrangements_taken,
+           maps_in_part, trials, trials_kept, mended, joint_steps, arrangements, arrangements_taken,
            evidence, doubtful_are_false, fitted, unsettled, rejected, settled_detection,
            detect_seconds, refine_seconds] = found;
     archive.members<Located>(position, error, residual, edge_residual, explained, residual_rms,
                              correlation, noise, passes, added, removed, coarse_steps, steps, warm,
-                             approached, maps_skipped, maps_in_part, trials, trials_kept,
+                             approached, maps_skipped, maps_in_part, trials, trials_kept, mended,
                              joint_steps, arrangements, arrangements_taken, evidence,
                              doubtful_are_false, fitted, unsettled, rejected, settled_detection,
                              detect_seconds, refine_seconds);
@@ -79,12 +79,13 @@ void transfer(NumberArchive& archive, FrameWork& work) {
 
 void transfer(NumberArchive& archive, TrackSummary& summary) {
     auto& [frames, frames_corrupt, frames_missing, particles_mean, residual_rms, noise, step_rms,
-           unsettled, rejected, warm_frames, repeated, poor_frames, worst_frame, worst_residual,
-           dimmest, brightest, layers, synthesis, ms_per_frame, work_per_frame] = summary;
-    archive.members<TrackSummary>(frames, frames_corrupt, frames_missing, particles_mean,
-                                  residual_rms, noise, step_rms, unsettled, rejected, warm_frames,
-                                  repeated, poor_frames, worst_frame, worst_residual, dimmest,
-                                  brightest, layers, synthesis, ms_per_frame, work_per_frame);
+           unsettled, rejected, strict_frames, mended, warm_frames, repeated, poor_frames,
+           worst_frame, worst_residual, dimmest, brightest, layers, synthesis, ms_per_frame,
+           work_per_frame] = summary;
+    archive.members<TrackSummary>(
+        frames, frames_corrupt, frames_missing, particles_mean, residual_rms, noise, step_rms,
+        unsettled, rejected, strict_frames, mended, warm_frames, repeated, poor_frames, worst_frame,
+        worst_residual, dimmest, brightest, layers, synthesis, ms_per_frame, work_per_frame);
 }
 
 void Tracker::transfer(NumberArchive& archive, Run& run) {

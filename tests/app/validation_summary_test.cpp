@@ -76,7 +76,8 @@ TEST(RandomSummary, ADashStandsForWhatNoSceneGave) {
     result.scenes = {lost};
     const std::string text = random_text("page.html", result);
     EXPECT_THAT(text, Not(HasSubstr("nan")));
-    EXPECT_THAT(text, HasSubstr("–         –\n"));
+    EXPECT_THAT(text, HasSubstr("–           –\n"));
+    EXPECT_THAT(text, HasSubstr("all: 300 missed and 0 false of 300\n"));
 }
 
 }  // namespace

@@ -25,10 +25,23 @@ struct Request {
     int size = 640;
     double diameter = 12;
     std::uint64_t seed = 1;
+    bool wants_help = false;
 };
+
+constexpr const char* kUsage =
+    "usage: make-layer-frames OUTDIR [--frames N] [--size PX] [--diameter PX] [--seed N]\n"
+    "  OUTDIR      folder for frame_0000.tif … and truth.csv\n"
+    "  --frames    number of frames (default 40)\n"
+    "  --size      width and height of a frame [px] (default 640, 64 at least)\n"
+    "  --diameter  of a sphere [px] (default 12, 4 at least)\n"
+    "  --seed      of places, steps and noise (default 1)\n";
 
 Request parse(int argc, char** argv) {
     Request request;
+    if (argc == 2 && (std::string(argv[1]) == "--help" || std::string(argv[1]) == "-h")) {
+        request.wants_help = true;
+        return request;
+    }
     for (int i = 1; i < argc; ++i) {
         const std::string word = argv[i];
         if (word.rfind("--", 0) != 0) {
@@ -49,8 +62,8 @@ Request parse(int argc, char** argv) {
             throw std::invalid_argument("unknown option " + word);
     }
     if (request.folder.empty() || request.frames < 1 || request.size < 64 || request.diameter < 4) {
-        throw std::invalid_argument(
-            "usage: make-layer-frames OUTDIR [--frames N] [--size PX] [--diameter PX] [--seed N]");
+        throw std::invalid_argument(std::string("a folder, or a value, is missing or too small\n") +
+                                    kUsage);
     }
     return request;
 }
@@ -108,7 +121,12 @@ void make_frames(const Request& request) {
 
 int main(int argc, char** argv) {
     try {
-        make_frames(parse(argc, argv));
+        const Request request = parse(argc, argv);
+        if (request.wants_help) {
+            std::cout << kUsage;
+        } else {
+            make_frames(request);
+        }
     } catch (const std::exception& error) {
         std::cerr << "make-layer-frames: " << error.what() << '\n';
         return EXIT_FAILURE;

@@ -31,9 +31,9 @@ TEST(TrackerCheckpoint, EveryMemberOfWhatWasLocatedSurvives) {
     {
         auto& [position, error, residual, edge_residual, explained, residual_rms, correlation,
                noise, passes, added, removed, coarse_steps, steps, warm, approached, maps_skipped,
-               maps_in_part, trials, trials_kept, joint_steps, arrangements, arrangements_taken,
-               evidence, doubtful_are_false, fitted, unsettled, rejected, settled_detection,
-               detect_seconds, refine_seconds] = before;
+               maps_in_part, trials, trials_kept, mended, joint_steps, arrangements,
+               arrangements_taken, evidence, doubtful_are_false, fitted, unsettled, rejected,
+               settled_detection, detect_seconds, refine_seconds] = before;
         position = {{1, 2}};
         error = {{3, 4}};
         residual = {5};
@@ -44,7 +44,7 @@ TEST(TrackerCheckpoint, EveryMemberOfWhatWasLocatedSurvives) {
         correlation = 24;
         std::tie(passes, maps_skipped, maps_in_part) = std::tuple{8, 9, 10};
         std::tie(arrangements, arrangements_taken) = std::tuple{22, 23};
-        std::tie(trials_kept, joint_steps) = std::tuple{26, 27};
+        std::tie(trials_kept, joint_steps, mended) = std::tuple{26, 27, 28};
         std::tie(added, removed, coarse_steps, steps, trials, unsettled, rejected) =
             std::tuple{11, 12, 13, 14, 15, 16, 17};
         std::tie(warm, approached, doubtful_are_false, settled_detection) =
@@ -57,6 +57,7 @@ TEST(TrackerCheckpoint, EveryMemberOfWhatWasLocatedSurvives) {
     EXPECT_EQ(after.trials, 15);
     EXPECT_EQ(after.trials_kept, 26);
     EXPECT_EQ(after.joint_steps, 27);
+    EXPECT_EQ(after.mended, 28);
     EXPECT_EQ(after.arrangements_taken, 23);
     EXPECT_EQ(after.evidence, 0.3);
     EXPECT_TRUE(after.doubtful_are_false);

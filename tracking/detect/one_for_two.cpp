@@ -24,7 +24,7 @@ constexpr double kMostRise = 1.25;  // usual misfits
 constexpr int kLeastFewer = 3;
 /// What one disc of noise may take from the misfit, in σ² (second_look.h).
 constexpr double kLeastRise = 36;
-constexpr int kRounds = 32;
+constexpr int kMostRounds = 32;
 constexpr int kSweeps = 30;
 /// The discs about a trial that go back with it, and those that are judged.
 constexpr double kAbout = 2.5;  // [D]
@@ -43,7 +43,8 @@ struct Arrangement {
     Arrangement(const JointFit& fit, const SphereCell& cell, const BiasCorrection& correction)
         : lacks_room(fit.positions().size(), 0),
           grid(fit.darkness().width(), fit.darkness().height(), kAbout * fit.disc().diameter) {
-        const SphereRoom room(fit, cell, &correction);
+        SphereRoom room(fit, cell, &correction);
+        room.correct_all(fit.threads());
         parallel_for(static_cast<std::int64_t>(lacks_room.size()), fit.threads(),
                      [&](std::int64_t i) {
                          const auto j = static_cast<std::size_t>(i);
@@ -150,8 +151,8 @@ OneForTwo try_one_for_two(JointFit& fit, const SphereCell& cell, const BiasCorre
     RefinementOptions few = refinement;
     few.max_sweeps = std::min(refinement.max_sweeps, kSweeps);
     PointGrid tried(fit.darkness().width(), fit.darkness().height(), kTried * fit.disc().diameter);
-    for (int round = 0; round < kRounds; ++round) {
-        if (round == 0) fit.draw_pending();
+    fit.draw_pending();
+    for (; result.rounds < kMostRounds; ++result.rounds) {
         std::vector<Trial> trials = choose_trials(fit, Arrangement(fit, cell, correction), tried);
         if (trials.empty()) break;
         const ResidualBlocks left = residual_of(fit);

@@ -12,6 +12,7 @@ struct OneForTwo {
     std::int64_t trials = 0;  ///< discs taken away
     std::int64_t kept = 0;    ///< … that stayed away
     std::int64_t steps = 0;   ///< disc updates done
+    int rounds = 0;           ///< of trials that were made at once
 };
 
 /// Puts one disc in the place of two where spheres have no room between the plates.
@@ -29,13 +30,15 @@ struct OneForTwo {
 ///   by 36 σ², at most.
 ///
 /// The usual one is the median over three blocks by three about each disc, less the noise
-/// (ResidualBlocks). Else all go back. Trials 7.1 D apart are made at once, those that explain
+/// (ResidualBlocks). Else those within 2.5 D go back, and all
+/// settle. Trials 7.1 D apart are made at once, those that explain
 /// least first, in 32 rounds at most. docs/tracking/room.md has what was measured.
 ///
 /// `cell.diameter` > 0 [px]; `correction`: of positions, by which room is judged; `noise` σ > 0
 /// [contrast]; `refinement`: tolerance of the sweeps, and their number if less than 30. A frame
-/// where all have room costs one judgement of room, and draws all discs where they are. Independent
-/// of the number of threads.
+/// where all have room costs one judgement of room, and draws all discs where they are. A round
+/// costs two judgements, some 4 µs a disc each, and the sweeps. Independent of the number of
+/// threads.
 OneForTwo try_one_for_two(JointFit& fit, const SphereCell& cell, const BiasCorrection& correction,
                           double noise, const RefinementOptions& refinement);
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -26,6 +27,10 @@ class SphereRoom {
     /// `cell.diameter` > 0. `correction` may be null.
     SphereRoom(const JointFit& fit, const SphereCell& cell, const BiasCorrection* correction);
 
+    /// Corrects all positions at once. Where most discs are asked about it saves what each of them
+    /// would cost its neighbours. The fit must not change afterwards.
+    void correct_all(int threads);
+
     /// Whether positions of disc j and of all its neighbours are corrected.
     bool is_corrected(std::size_t j) const;
     /// Of disc j beside those of `present` (all where it is empty).
@@ -35,15 +40,16 @@ class SphereRoom {
     static constexpr double kMostCorrected = 0.15;
 
  private:
-    std::vector<Vec2> neighbours(std::size_t j, const std::vector<char>& present) const;
-    bool is_corrected(Vec2 place, const std::vector<Vec2>& neighbours) const;
-    Vec2 corrected(Vec2 p) const;
+    std::vector<std::uint32_t> neighbours(std::size_t j, const std::vector<char>& present) const;
+    bool is_corrected(std::size_t j, const std::vector<std::uint32_t>& neighbours) const;
+    Vec2 corrected(std::uint32_t j) const;
 
     const JointFit& fit_;
     SphereCell cell_;
     double reach_;  ///< a neighbour may come nearer by what both are corrected [px]
     PointGrid discs_;
     std::optional<BiasCorrector> corrector_;
+    std::vector<Vec2> corrected_ = {};  ///< empty: each is corrected when it is asked for
 };
 
 }  // namespace grainfield::tracking

@@ -369,6 +369,7 @@ bool SphereSearch::put_one_for_two(const RefinementOptions& refinement) {
     const OneForTwo put = try_one_for_two(fit_, cell(), *correction_, summary_.noise, refinement);
     summary_.trials += put.trials;
     summary_.trials_kept += put.kept;
+    summary_.mended += put.kept;
     summary_.removed += put.kept;
     summary_.steps += put.steps;
     if (put.trials > 0) forget_judgement();

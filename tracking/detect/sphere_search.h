@@ -119,6 +119,7 @@ class SphereSearch {
         int maps_in_part = 0;           ///< computed only where the residual can hold a sphere
         std::int64_t trials = 0;        ///< discs added on trial
         std::int64_t trials_kept = 0;   ///< … that stayed
+        std::int64_t mended = 0;        ///< … of them where one disc took the place of two
         bool settled_detection = true;  ///< the last pass changed nothing
         double evidence = 0;            ///< share of an isolated one's misfit that all explain
         /// Most that explained less than 0.25 of an isolated one hardly had room: all are false.

@@ -144,8 +144,11 @@ std::string GeneralCorrection::refused(const DiscProfile& disc, double diameter)
     if (is_beyond(apparent, least_diameter, most_diameter)) {
         return fmt::format(
             "discs are {:.3f} a wide, those of the cameras that it was learned from {:.3f} to "
-            "{:.3f} a",
-            apparent, least_diameter, most_diameter);
+            "{:.3f} a{}",
+            apparent, least_diameter, most_diameter,
+            apparent > most_diameter
+                ? "; if spheres mirror their neighbours, is track.sphere-diameter too small?"
+                : "");
     }
     return {};
 }

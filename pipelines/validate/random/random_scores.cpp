@@ -24,11 +24,12 @@ double wrong_share(const SceneScore& scene) {
 const std::vector<SceneQuantity>& scene_quantities() {
     static const std::vector<SceneQuantity> all{
         {"recall", "Recall", "", true, [](const SceneScore& s) { return s.recall(); }},
-        {"false_share", "False / true", "", false,
+        {"false_share", "False a true sphere", "", false,
          [](const SceneScore& s) { return s.false_share(); }},
         {"rmse_a", "RMSE", "a", false, [](const SceneScore& s) { return s.rmse; }},
-        {"pull_rms", "Pull", "", false, [](const SceneScore& s) { return s.pull_rms; }},
-        {"within_2_sigma", "Within 2σ", "", true, [](const SceneScore& s) { return s.within; }},
+        {"pull_rms", "Pull", "", false, [](const SceneScore& s) { return s.pull_rms; }, "1"},
+        {"within_2_sigma", "Within 2σ", "", true, [](const SceneScore& s) { return s.within; },
+         "0.954"},
         {"residual_rms", "Residual", "contrast", false,
          [](const SceneScore& s) { return s.residual; }},
         {"us_per_sphere", "Time a sphere", "µs", false,

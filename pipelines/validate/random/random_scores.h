@@ -16,6 +16,7 @@ struct SceneQuantity {
     std::string unit;
     bool is_least_worst = false;  ///< the smallest value is the worst; else the largest
     std::function<double(const SceneScore&)> of;
+    std::string right = {};  ///< the value where errors are as reported; empty: the best is right
 };
 
 /// Recall, share of false spheres, RMSE, pulls, share within 2σ, residual, time a sphere.

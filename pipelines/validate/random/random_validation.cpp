@@ -129,7 +129,12 @@ void plan_random_validation(const ValidateJobOptions& options, Job& job) {
     const RandomOptics& random = asked_for(options);
     job.plan.run("draw",
                  fmt::format("{} cameras and layers, from seed {}", random.scenes, job.seed));
-    job.plan.run("simulate", "40 periods of each layer");
+    job.plan.run("simulate",
+                 random.crystals > 0
+                     ? fmt::format("40 periods of each layer; {:.0f} % of them begin with "
+                                   "a crystal and are pictured in the first ten",
+                                   100 * random.crystals)
+                     : std::string("40 periods of each layer"));
     job.plan.run("render", "ray-traced, one frame each");
     job.plan.run("track", "calibrates on each frame");
     job.plan.run("score", "matched within D/4, D = 0.88 a");

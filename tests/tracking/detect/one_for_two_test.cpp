@@ -116,6 +116,7 @@ TEST(OneForTwo, MendsRowsInTheSameRoundThatAreFarApart) {
     const Tried mended = tried(shown, with_one_too_many({1, kRow - 2}));
     EXPECT_EQ(mended.before.size(), shown.size() + 2);
     EXPECT_EQ(mended.summary.kept, 2);
+    EXPECT_LT(mended.summary.rounds, mended.summary.trials);
     ASSERT_EQ(mended.after.size(), shown.size());
     EXPECT_LT(farthest(shown, mended.after), 0.02 * kA);
 }
