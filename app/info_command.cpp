@@ -154,13 +154,10 @@ Summary describe_snapshots(const std::filesystem::path& path, const char* kind) 
     }
     if (const auto* file = dynamic_cast<const io::TrajectoryFile*>(snapshots.get())) {
         sheet.add_lab(file->info(), pipelines::lab_units_in(file->curves()));
-        if (const auto blocks = pipelines::stored_binning(file->curves())) {
-            sheet.add(
-                "binning", "pixels", blocks->side,
-                fmt::format("fitted {}: {}",
-                            blocks->side == 1 ? std::string("one by one")
-                                              : fmt::format("by blocks of {0} x {0}", blocks->side),
-                            blocks->reason));
+        if (const auto side = pipelines::stored_binning(file->curves())) {
+            sheet.add("binning", "pixels", *side,
+                      *side == 1 ? std::string("fitted one by one")
+                                 : fmt::format("fitted by blocks of {0} x {0}", *side));
         }
         if (const auto bias = pipelines::stored_bias(file->curves())) {
             sheet.add("bias", "bias", bias_facts(*bias), "positions " + in_words(*bias));

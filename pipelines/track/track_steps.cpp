@@ -157,10 +157,7 @@ void add_curves(const TrackJobResult& result, KeptTracks& tracks) {
     }
     if (const auto units = curve_of(result.lab)) tracks.add_curve(*units);
     if (result.camera) tracks.add_curve(curve_of(*result.camera));
-    if (result.spheres) {
-        tracks.add_curve(
-            curve_of(FittedBlocks{result.spheres->binning, result.spheres->binning_reason}));
-    }
+    if (result.spheres) tracks.add_curve(binning_curve(result.spheres->binning));
     if (result.bias) tracks.add_curve(curve_of(*result.bias));
     if (summary.synthesis.frames > 0) tracks.add_curve(synthesis_curve(summary.synthesis));
 }

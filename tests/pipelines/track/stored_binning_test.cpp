@@ -7,31 +7,24 @@
 namespace grainfield::pipelines {
 namespace {
 
-const FittedBlocks kBlocks{2, "as given"};
-
 TEST(StoredBinning, IsReadAsItWasDecided) {
-    for (const FittedBlocks& blocks : {kBlocks, FittedBlocks{1, "bright spheres"}}) {
-        EXPECT_EQ(stored_binning({curve_of(blocks)}), blocks);
-    }
+    for (const int side : {1, 2, 32}) EXPECT_EQ(stored_binning({binning_curve(side)}), side);
 }
 
 TEST(StoredBinning, OfATrajectoryThatDoesNotSayIsEmpty) {
     EXPECT_FALSE(stored_binning({}).has_value());
-    Curve other = curve_of(kBlocks);
+    Curve other = binning_curve(2);
     other.name = "camera";
     EXPECT_FALSE(stored_binning({other}).has_value());
 }
 
 TEST(StoredBinning, ThatIsDamagedIsEmpty) {
-    Curve without_words = curve_of(kBlocks);
-    without_words.text_columns.clear();
-    EXPECT_FALSE(stored_binning({without_words}).has_value());
     for (const double wrong : {std::numeric_limits<double>::quiet_NaN(), -1.0, 1e9}) {
-        Curve damaged = curve_of(kBlocks);
+        Curve damaged = binning_curve(2);
         damaged.columns[0].values = {wrong};
         EXPECT_FALSE(stored_binning({damaged}).has_value()) << wrong;
     }
-    Curve empty = curve_of(kBlocks);
+    Curve empty = binning_curve(2);
     empty.columns[0].values.clear();
     EXPECT_FALSE(stored_binning({empty}).has_value());
 }

@@ -8,6 +8,7 @@
 #include "core/errors.h"
 #include "io/h5/trajectory_file.h"
 #include "pipelines/track/stored_bias.h"
+#include "pipelines/track/stored_binning.h"
 #include "tests/pipelines/interrupted_run.h"
 #include "tests/support/disc_sequence.h"
 #include "tests/support/position_score.h"
@@ -62,9 +63,10 @@ TEST_F(TrackJob, WritesWhereTheDiscsAreWithTheCalibrationAndThePictures) {
         EXPECT_EQ(found.id, file.read(0).id) << "nothing comes or goes";
     }
     EXPECT_EQ(file.previews().size(), 2U);
-    ASSERT_EQ(file.curves().size(), 2U);
+    ASSERT_EQ(file.curves().size(), 3U);
     EXPECT_EQ(file.curves()[0].find("apparent_diameter")->values[0], result.spheres->diameter);
     EXPECT_EQ(stored_bias(file.curves()), result.bias) << "why there is none";
+    EXPECT_EQ(stored_binning(file.curves()), result.spheres->binning);
     EXPECT_EQ(folder_.entries(), 1U) << "no checkpoint and no log";
 }
 
