@@ -30,9 +30,9 @@ struct OneForTwo {
 ///   by 36 σ², at most.
 ///
 /// The usual one is the median over three blocks by three about each disc, less the noise
-/// (ResidualBlocks). Else those within 2.5 D go back, and all
-/// settle. Trials 7.1 D apart are made at once, those that explain
-/// least first, in 32 rounds at most. docs/tracking/room.md has what was measured.
+/// (ResidualBlocks). Else those within 2.5 D go back, and all settle. Trials 7.1 D apart are made
+/// at once, those that explain least first, in 32 rounds at most. docs/tracking/room.md has what
+/// was measured.
 ///
 /// `cell.diameter` > 0 [px]; `correction`: of positions, by which room is judged; `noise` σ > 0
 /// [contrast]; `refinement`: tolerance of the sweeps, and their number if less than 30. A frame
