@@ -199,7 +199,11 @@ std::vector<ParticleMap> make_maps(const std::vector<Results>& runs, const MapBu
     return maps;
 }
 
-std::string map_json(const ParticleMap& map) {
+std::string map_image(const ParticleMap& map) {
+    return map.png.empty() ? "" : "data:image/png;base64," + base64(map.png);
+}
+
+std::string map_json(const ParticleMap& map, bool with_image) {
     const double margin = 0.5 * map.diameter;
     const std::array<double, 2> x{map.x[0] - margin, map.x[1] + margin};
     const std::array<double, 2> y{map.y[0] - margin, map.y[1] + margin};
@@ -226,7 +230,6 @@ std::string map_json(const ParticleMap& map) {
     for (const Layer layer : map.layer) {
         layers.push_back(layer == Layer::unknown ? 255 : static_cast<std::uint8_t>(layer));
     }
-    const std::string image = map.png.empty() ? "" : "data:image/png;base64," + base64(map.png);
     nlohmann::json places = nlohmann::json::array();
     for (const Place& place : map.places) places.push_back({place.position.x, place.position.y});
     nlohmann::json phase;
@@ -243,7 +246,7 @@ std::string map_json(const ParticleMap& map) {
                                 {"is_field", map.is_field},
                                 {"diameter", map.diameter},
                                 {"imageSize", {map.image_size[0], map.image_size[1]}},
-                                {"image", image},
+                                {"image", with_image ? map_image(map) : ""},
                                 {"pointsX", {x[0], x[1]}},
                                 {"pointsY", {y[0], y[1]}},
                                 {"points", base64(points)},

@@ -33,13 +33,35 @@ std::string policy() {
            "; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'";
 }
 
+// Images of the runs after the first two follow the scripts: nothing in sight waits for them.
+bool image_follows(const PageContent& content, const ParticleMap& map) {
+    std::vector<std::size_t> runs;
+    for (const ParticleMap& other : content.maps) {
+        if (std::ranges::find(runs, other.run) == runs.end()) runs.push_back(other.run);
+    }
+    std::ranges::sort(runs);
+    return !map.png.empty() && std::ranges::find(runs, map.run) - runs.begin() >= 2;
+}
+
+// {"index among the maps": image}; empty where none follows.
+std::string following_images_json(const PageContent& content) {
+    nlohmann::json images;
+    for (std::size_t m = 0; m < content.maps.size(); ++m) {
+        const ParticleMap& map = content.maps[m];
+        if (image_follows(content, map)) images[std::to_string(m)] = map_image(map);
+    }
+    return images.empty() ? "" : images.dump();
+}
+
 std::string data_json(const PageContent& content) {
     std::string figures;
     for (const Figure& figure : content.figures) {
         if (figure.has_data()) figures += (figures.empty() ? "" : ",\n") + plotly_json(figure);
     }
     std::string maps;
-    for (const ParticleMap& map : content.maps) maps += (maps.empty() ? "" : ",\n") + map_json(map);
+    for (const ParticleMap& map : content.maps) {
+        maps += (maps.empty() ? "" : ",\n") + map_json(map, !image_follows(content, map));
+    }
     nlohmann::json colours = nlohmann::json::array();
     for (int level = 0; level < 255; ++level) colours.push_back(hex(viridis(level / 254.0)));
     nlohmann::json labels = nlohmann::json::array();
@@ -95,14 +117,17 @@ std::string page_html(const PageContent& content) {
     out += "<section><h2>How this was made</h2>\n";
     out += records_html(content.runs, content.labels) + "</section>\n</main>\n";
     out += "<script type=\"application/json\" id=\"report-data\">\n" + data_json(content);
-    out += "\n</script>\n<script>";
-    out += page_script;
-    if (has_space(content)) out.append("</script>\n<script>").append(space_script);
-    out += "</script>\n<!-- plotly.js, https://plotly.com/javascript\n\n";
+    out += "\n</script>\n<!-- plotly.js, https://plotly.com/javascript\n\n";
     out += plotly_licence;
     out += "-->\n<script>";
     out += plotly_script;
-    return out + "</script>\n</body>\n</html>\n";
+    if (has_space(content)) out.append("</script>\n<script>").append(space_script);
+    out.append("</script>\n<script>").append(page_script).append("</script>\n");
+    if (const std::string images = following_images_json(content); !images.empty()) {
+        out +=
+            "<script type=\"application/json\" id=\"report-images\">\n" + images + "\n</script>\n";
+    }
+    return out + "</body>\n</html>\n";
 }
 
 }  // namespace grainfield::report

@@ -1,7 +1,8 @@
 "use strict";
 // The page of a grainfield report: draws the figures with Plotly and the particle maps on a canvas
 // under Plotly's axes. All data come from the JSON block #report-data; texts are only ever set as
-// text. What is in sight is drawn first (data-opened: milliseconds until then), the rest one figure an
+// text. It runs as soon as it is read: images of runs that are not shown at first follow it, in the
+// block #report-images. What is in sight is drawn first (data-opened: milliseconds until then), the rest one figure an
 // idle moment. When everything is drawn <html> gets data-ready = number of plots; problems are
 // collected in data-errors.
 (() => {
@@ -170,6 +171,17 @@
 
   const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
 
+  // Resolved when the images that follow this script are known.
+  function followingImages(maps) {
+    const read = document.readyState !== "loading" ? Promise.resolve()
+      : new Promise((done) => document.addEventListener("DOMContentLoaded", done));
+    return read.then(() => {
+      const block = document.getElementById("report-images");
+      if (!block) return;
+      for (const [m, image] of Object.entries(JSON.parse(block.textContent))) maps[m].image = image;
+    });
+  }
+
   // Positions and colour levels of a map; particles of one level are drawn as one path.
   function unpack(map) {
     if (map.levels) return;
@@ -254,7 +266,7 @@
 
   // The pictures: one view a run, two side by side where there are several, on one scale of lengths.
   // Marks, colours, frame, zoom and lens are shared.
-  function drawMaps(maps, colours, labels) {
+  function drawMaps(maps, colours, labels, images) {
     const box = document.getElementById("map");
     if (!box) return Promise.resolve();
     const readout = box.querySelector(".readout");
@@ -694,7 +706,8 @@
     }
     const paintAll = () => views.forEach((view) => view.paint());
 
-    for (const view of views) view.pick.addEventListener("change", listRuns);
+    const listOthers = () => images.then(listRuns);
+    for (const view of views) view.pick.addEventListener("change", listOthers);
     slider.addEventListener("input", showFrame);
     select.colour.addEventListener("change", () => { colouring = select.colour.value; showColourBar(); paintAll(); views.forEach(tell); });
     for (const button of [select.trails, select.lens]) {
@@ -714,7 +727,7 @@
     const pick = (run) => {
       views[0].pick.value = String(run);
       box.scrollIntoView({ block: "nearest" });
-      return listRuns();
+      return listOthers();
     };
     drawGallery(maps, colours, labels, pick);
 
@@ -732,7 +745,7 @@
         const [m, p] = button.value.split(" ").map(Number);
         const map = maps[m];
         const view = views.find((v) => v.frames.includes(map)) || views[0];
-        if (!view.frames.includes(map)) { view.pick.value = String(map.run); await listRuns(); }
+        if (!view.frames.includes(map)) { view.pick.value = String(map.run); await listOthers(); }
         slider.value = String(view === views[0] ? view.frames.indexOf(map) : slider.value);
         await (view === views[0] ? showFrame() : view.show(map));
         const [x, y] = map.places[p];
@@ -884,15 +897,16 @@
     }
   }
 
-  document.addEventListener("DOMContentLoaded", async () => {
+  async function drawPage() {
     addCopying();
     try {
       const data = JSON.parse(document.getElementById("report-data").textContent);
       const tried = drawAlternatives(data.alternatives);
-      await drawFigures(data.figures, drawMaps(data.maps, data.colours, data.runs), () => {
+      const images = followingImages(data.maps);
+      await drawFigures(data.figures, drawMaps(data.maps, data.colours, data.runs, images), () => {
         root.dataset.opened = String(Math.round(performance.now()));
       });
-      await tried;
+      await Promise.all([tried, images]);
       root.dataset.milliseconds = String(Math.round(performance.now()));
       root.dataset.ready = String(document.querySelectorAll(".js-plotly-plot").length);
       const next = () => { const draw = waitingMaps.shift(); if (draw) { draw(); setTimeout(next, 0); } };
@@ -900,5 +914,6 @@
     } catch (error) {
       problem(String(error && error.stack || error));
     }
-  });
+  }
+  drawPage();
 })();

@@ -260,6 +260,27 @@ TEST_F(PageInChromium, ShowsThePictureInTheGalleryWhereNothingWasFound) {
         << dom.substr(dom.find("data-shades"), 40);
 }
 
+TEST_F(PageInChromium, ShowsThePictureOfARunThatIsChosenAsSoonAsThePageOpens) {
+    // Chosen before what follows the scripts is read: the view waits for its picture.
+    const sample::TemporaryFolder folder("chromium_following");
+    const std::vector<Results> runs{sample::results({1, 120, 40, true, "A"}),
+                                    sample::results({2, 120, 40, true, "B"}),
+                                    sample::results({3, 120, 40, true, "C"})};
+    const std::string dom = drawn(folder, runs, "", "1400,900", R"JS(
+        const choice = document.querySelector("#map .pick-run");
+        choice.value = "2";
+        choice.dispatchEvent(new Event("change"));
+        setTimeout(() => {
+            const canvas = document.querySelector("#map .stage canvas");
+            const all = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+            let drawn = 0;
+            for (let i = 3; i < all.length; i += 4) drawn += all[i] === 255;
+            document.body.dataset.drawn = String(drawn / (all.length / 4) > 0.3);
+        }, 3000);)JS");
+    EXPECT_THAT(dom, HasSubstr("data-drawn=\"true\""));
+    EXPECT_THAT(dom, Not(HasSubstr("data-errors")));
+}
+
 TEST_F(PageInChromium, DrawsEachParticleForEveryMarkAndColour) {
     const sample::TemporaryFolder folder("chromium_marks");
     std::vector<Results> runs{sample::results({1, 400, 100, true, "layer"})};

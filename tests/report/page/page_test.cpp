@@ -104,6 +104,26 @@ TEST(Page, DataSurviveAParser) {
     EXPECT_EQ(data["figures"][0]["runs"][0]["label"], run_labels(runs)[0]);
 }
 
+TEST(Page, PutsThePicturesThatAreNotShownAtFirstBehindTheScripts) {
+    std::vector<Results> runs;
+    for (std::uint64_t i = 1; i <= 3; ++i) {
+        runs.push_back(sample::results({i, 120, 40, true, "run " + std::to_string(i)}));
+    }
+    const std::string page = page_of(runs);
+    const auto data = nlohmann::json::parse(
+        between(page, "<script type=\"application/json\" id=\"report-data\">", "</script>"));
+    const auto images = nlohmann::json::parse(
+        between(page, "<script type=\"application/json\" id=\"report-images\">", "</script>"));
+    ASSERT_EQ(data["maps"].size(), 3U);
+    EXPECT_THAT(data["maps"][0]["image"].get<std::string>(), HasSubstr("data:image/png"));
+    EXPECT_THAT(data["maps"][1]["image"].get<std::string>(), HasSubstr("data:image/png"));
+    EXPECT_EQ(data["maps"][2]["image"], "");
+    ASSERT_EQ(images.size(), 1U);
+    EXPECT_THAT(images["2"].get<std::string>(), HasSubstr("data:image/png"));
+    EXPECT_LT(page.find(page_script), page.find("id=\"report-images\""));
+    EXPECT_THAT(page_of({runs[0], runs[1]}), Not(HasSubstr("id=\"report-images\"")));
+}
+
 TEST(Page, SaysInOneLineWhatOneFrameDoesNotGive) {
     const std::string page = page_of({sample::results({1, 120, 40, false, "A"})});
     EXPECT_THAT(page, HasSubstr("<summary>Not possible with one frame: "));
