@@ -230,6 +230,8 @@ std::string map_json(const ParticleMap& map, bool with_image) {
     for (const Layer layer : map.layer) {
         layers.push_back(layer == Layer::unknown ? 255 : static_cast<std::uint8_t>(layer));
     }
+    nlohmann::json image;
+    if (with_image) image = map_image(map);
     nlohmann::json places = nlohmann::json::array();
     for (const Place& place : map.places) places.push_back({place.position.x, place.position.y});
     nlohmann::json phase;
@@ -246,7 +248,7 @@ std::string map_json(const ParticleMap& map, bool with_image) {
                                 {"is_field", map.is_field},
                                 {"diameter", map.diameter},
                                 {"imageSize", {map.image_size[0], map.image_size[1]}},
-                                {"image", with_image ? map_image(map) : ""},
+                                {"image", image},
                                 {"pointsX", {x[0], x[1]}},
                                 {"pointsY", {y[0], y[1]}},
                                 {"points", base64(points)},

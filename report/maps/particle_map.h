@@ -59,7 +59,7 @@ std::vector<ParticleMap> make_maps(const std::vector<Results>& runs, const MapBu
 /// with identities uint32 of each (its lowest bits), with layers uint8 (0, 1, 255 unknown). Only
 /// where heights are known: uint16 z (65534 steps over `zRange`, 65535 unknown), its error in uint8
 /// hundredths of a diameter (254 and more as 254, 255 unknown), and the distance of the plates.
-/// Without image its place is empty: map_image() gives it.
+/// Without image it is null: map_image() gives it.
 std::string map_json(const ParticleMap& map, bool with_image = true);
 
 /// The image of a map as data URI; empty without one.

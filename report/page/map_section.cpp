@@ -113,6 +113,15 @@ std::string shares_of_views(const std::vector<ParticleMap>& maps,
 
 }  // namespace
 
+std::vector<std::size_t> runs_with_pictures(const PageContent& content) {
+    std::vector<std::size_t> runs;
+    for (std::size_t r = 0; r < content.runs.size(); ++r) {
+        if (std::ranges::any_of(content.maps, [&](const ParticleMap& map) { return map.run == r; }))
+            runs.push_back(r);
+    }
+    return runs;
+}
+
 std::string map_html(const PageContent& content) {
     const std::string heading = map_heading(content.maps);
     const bool has_particles = std::ranges::any_of(content.runs, [](const Results& run) {
@@ -122,11 +131,7 @@ std::string map_html(const PageContent& content) {
     if (content.maps.empty()) {
         return "<p class=\"absent\">No picture: the results hold no preview.</p>\n";
     }
-    std::vector<std::size_t> runs;
-    for (std::size_t r = 0; r < content.runs.size(); ++r) {
-        if (std::ranges::any_of(content.maps, [&](const ParticleMap& map) { return map.run == r; }))
-            runs.push_back(r);
-    }
+    const std::vector<std::size_t> runs = runs_with_pictures(content);
     std::string out = "<section class=\"pictures\"><h2>" + heading + "</h2>\n";
     out +=
         "<figure id=\"map\"><div class=\"controls\">\n"
@@ -152,8 +157,8 @@ std::string map_html(const PageContent& content) {
         only_fields ? "false" : "true");
     out += colour_bar(content.maps.front().order) + "</div>\n";
     out += "<div class=\"views\"" + shares_of_views(content.maps, runs) + ">\n";
-    const bool has_choice = runs.size() > 2;
-    for (std::size_t v = 0; v < std::min<std::size_t>(2, runs.size()); ++v) {
+    const bool has_choice = runs.size() > kMostViews;
+    for (std::size_t v = 0; v < std::min(kMostViews, runs.size()); ++v) {
         out += view_html(content, runs, runs[v], has_choice);
     }
     out +=

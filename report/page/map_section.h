@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
+#include <vector>
 
 #include "report/page/page_content.h"
 
@@ -11,5 +13,11 @@ namespace grainfield::report {
 /// particles and no picture, the sentence that says so. The pictures are filled in by the script of
 /// the page.
 std::string map_html(const PageContent& content);
+
+/// Pictures that are shown side by side.
+inline constexpr std::size_t kMostViews = 2;
+
+/// The runs that have pictures, in their order. The first kMostViews are shown when the page opens.
+std::vector<std::size_t> runs_with_pictures(const PageContent& content);
 
 }  // namespace grainfield::report

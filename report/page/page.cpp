@@ -1,5 +1,6 @@
 #include "report/page/page.h"
 
+#include <algorithm>
 #include <string_view>
 #include <vector>
 
@@ -33,34 +34,34 @@ std::string policy() {
            "; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'";
 }
 
-// Images of the runs after the first two follow the scripts: nothing in sight waits for them.
-bool image_follows(const PageContent& content, const ParticleMap& map) {
-    std::vector<std::size_t> runs;
-    for (const ParticleMap& other : content.maps) {
-        if (std::ranges::find(runs, other.run) == runs.end()) runs.push_back(other.run);
+// By map, whether its image follows the scripts: nothing in sight waits for it.
+std::vector<bool> images_that_follow(const PageContent& content) {
+    std::vector<std::size_t> shown = runs_with_pictures(content);
+    shown.resize(std::min(shown.size(), kMostViews));
+    std::vector<bool> follows;
+    for (const ParticleMap& map : content.maps) {
+        follows.push_back(!map.png.empty() && std::ranges::find(shown, map.run) == shown.end());
     }
-    std::ranges::sort(runs);
-    return !map.png.empty() && std::ranges::find(runs, map.run) - runs.begin() >= 2;
+    return follows;
 }
 
 // {"index among the maps": image}; empty where none follows.
-std::string following_images_json(const PageContent& content) {
+std::string following_images_json(const PageContent& content, const std::vector<bool>& follows) {
     nlohmann::json images;
-    for (std::size_t m = 0; m < content.maps.size(); ++m) {
-        const ParticleMap& map = content.maps[m];
-        if (image_follows(content, map)) images[std::to_string(m)] = map_image(map);
+    for (std::size_t m = 0; m < follows.size(); ++m) {
+        if (follows[m]) images[std::to_string(m)] = map_image(content.maps[m]);
     }
     return images.empty() ? "" : images.dump();
 }
 
-std::string data_json(const PageContent& content) {
+std::string data_json(const PageContent& content, const std::vector<bool>& follows) {
     std::string figures;
     for (const Figure& figure : content.figures) {
         if (figure.has_data()) figures += (figures.empty() ? "" : ",\n") + plotly_json(figure);
     }
     std::string maps;
-    for (const ParticleMap& map : content.maps) {
-        maps += (maps.empty() ? "" : ",\n") + map_json(map, !image_follows(content, map));
+    for (std::size_t m = 0; m < follows.size(); ++m) {
+        maps += (maps.empty() ? "" : ",\n") + map_json(content.maps[m], !follows[m]);
     }
     nlohmann::json colours = nlohmann::json::array();
     for (int level = 0; level < 255; ++level) colours.push_back(hex(viridis(level / 254.0)));
@@ -116,14 +117,15 @@ std::string page_html(const PageContent& content) {
     out += skipped_html(content.runs, content.labels, content.plan);
     out += "<section><h2>How this was made</h2>\n";
     out += records_html(content.runs, content.labels) + "</section>\n</main>\n";
-    out += "<script type=\"application/json\" id=\"report-data\">\n" + data_json(content);
+    const std::vector<bool> follows = images_that_follow(content);
+    out += "<script type=\"application/json\" id=\"report-data\">\n" + data_json(content, follows);
     out += "\n</script>\n<!-- plotly.js, https://plotly.com/javascript\n\n";
     out += plotly_licence;
     out += "-->\n<script>";
     out += plotly_script;
     if (has_space(content)) out.append("</script>\n<script>").append(space_script);
     out.append("</script>\n<script>").append(page_script).append("</script>\n");
-    if (const std::string images = following_images_json(content); !images.empty()) {
+    if (const std::string images = following_images_json(content, follows); !images.empty()) {
         out +=
             "<script type=\"application/json\" id=\"report-images\">\n" + images + "\n</script>\n";
     }

@@ -171,14 +171,15 @@
 
   const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
 
-  // Resolved when the images that follow this script are known.
+  // Resolved when the images that follow this script are known. Until then those of their maps are null.
   function followingImages(maps) {
     const read = document.readyState !== "loading" ? Promise.resolve()
       : new Promise((done) => document.addEventListener("DOMContentLoaded", done));
     return read.then(() => {
       const block = document.getElementById("report-images");
-      if (!block) return;
-      for (const [m, image] of Object.entries(JSON.parse(block.textContent))) maps[m].image = image;
+      for (const [m, image] of Object.entries(block ? JSON.parse(block.textContent) : {})) maps[m].image = image;
+    }).catch((error) => problem("images cannot be read: " + error)).then(() => {
+      for (const map of maps) map.image ??= "";
     });
   }
 
@@ -677,7 +678,10 @@
     }
 
     function listRuns() {
-      for (const view of views) view.frames = maps.filter((m) => m.run === Number(view.pick.value));
+      const framesOf = (view) => maps.filter((m) => m.run === Number(view.pick.value));
+      // Also at first: a browser that loads the page again chooses what was chosen.
+      if (views.flatMap(framesOf).some((m) => m.image === null)) return images.then(listRuns);
+      for (const view of views) view.frames = framesOf(view);
       const all = views.flatMap((view) => view.frames);
       slider.max = String(views[0].frames.length - 1);
       // The first frame that all of them have.
@@ -706,8 +710,7 @@
     }
     const paintAll = () => views.forEach((view) => view.paint());
 
-    const listOthers = () => images.then(listRuns);
-    for (const view of views) view.pick.addEventListener("change", listOthers);
+    for (const view of views) view.pick.addEventListener("change", listRuns);
     slider.addEventListener("input", showFrame);
     select.colour.addEventListener("change", () => { colouring = select.colour.value; showColourBar(); paintAll(); views.forEach(tell); });
     for (const button of [select.trails, select.lens]) {
@@ -727,7 +730,7 @@
     const pick = (run) => {
       views[0].pick.value = String(run);
       box.scrollIntoView({ block: "nearest" });
-      return listOthers();
+      return listRuns();
     };
     drawGallery(maps, colours, labels, pick);
 
@@ -745,7 +748,8 @@
         const [m, p] = button.value.split(" ").map(Number);
         const map = maps[m];
         const view = views.find((v) => v.frames.includes(map)) || views[0];
-        if (!view.frames.includes(map)) { view.pick.value = String(map.run); await listOthers(); }
+        if (!view.frames.includes(map)) { view.pick.value = String(map.run); await listRuns(); }
+        if (!view.frames.includes(map)) return;  // another run was chosen meanwhile
         slider.value = String(view === views[0] ? view.frames.indexOf(map) : slider.value);
         await (view === views[0] ? showFrame() : view.show(map));
         const [x, y] = map.places[p];
@@ -899,6 +903,7 @@
 
   async function drawPage() {
     addCopying();
+    if (document.querySelector(".space") && !root.dataset.space) problem("the view from the side did not start");
     try {
       const data = JSON.parse(document.getElementById("report-data").textContent);
       const tried = drawAlternatives(data.alternatives);

@@ -419,4 +419,5 @@
       v: down(map) * (detail.y - middle(map.y)) / map.diameter,
     });
   });
+  document.documentElement.dataset.space = "ready";  // page.js says so where it is missing
 })();
