@@ -106,6 +106,8 @@ std::vector<OptionTable> AnalyzeCommand::options() {
                "what the sides of the box are");
     own.text("wavevectors", wavevectors_,
              "table kx,ky of wavevectors in 1/a at which S(k) is measured besides its grid");
+    own.text("frames", job_.frames,
+             "which frames of the input, as FIRST:END:STEP: 100: leaves out the first 100");
     own.number("fps", job_.adjustment.frame_rate, "1/s", {1e-9, 1e9},
                "frame rate; auto: as the file says");
     own.number("sphere-diameter", job_.adjustment.particle_diameter, "length unit of the file",
@@ -158,8 +160,8 @@ void AnalyzeCommand::require_inputs(const Session& session) const {
 }
 
 std::vector<std::string> AnalyzeCommand::usual() const {
-    return {"output",   "label",       "fps",        "sphere-diameter", "box",
-            "boundary", "observables", "neighbours", "largest",         "threads"};
+    return {"output",   "label",       "frames",     "fps",     "sphere-diameter", "box",
+            "boundary", "observables", "neighbours", "largest", "threads"};
 }
 
 std::string AnalyzeCommand::default_output(const std::vector<std::filesystem::path>& inputs) const {

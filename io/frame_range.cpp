@@ -106,6 +106,11 @@ FrameSelection frame_selection(std::string_view range, std::int64_t count) {
     return parse_range(trimmed(range), count);
 }
 
+FrameSelection selection_of(std::string_view range, std::int64_t count) {
+    if (count == 0 && trimmed(range) == kAllFrames) return {};
+    return frame_selection(range, count);
+}
+
 FilmPart part_of_film(std::string_view range, std::string_view film, std::int64_t count) {
     const FrameSelection part = frame_selection(range, count);
     FilmPart found;

@@ -17,9 +17,11 @@
 #include "core/errors.h"
 #include "core/support/interrupt.h"
 #include "io/file_kind.h"
+#include "io/frame_range.h"
 #include "io/h5/results_file.h"
 #include "io/h5/trajectory_file.h"
 #include "io/open_snapshots.h"
+#include "io/selected_snapshots.h"
 #include "io/text/points_csv.h"
 #include "io/text/wavevector_csv.h"
 #include "pipelines/analyze/lengths.h"
@@ -65,11 +67,21 @@ void require_unit(const SnapshotSource& file, const fs::path& path, const Adjust
 /// A trajectory or table of points, as the adjustment says it is.
 struct Input {
     std::unique_ptr<SnapshotSource> file;
+    std::unique_ptr<io::SelectedSnapshots> selected;
     std::unique_ptr<AdjustedSnapshots> snapshots;
     const io::TrajectoryFile* trajectory = nullptr;  ///< the file, if it is one
 };
 
-Input open_input(const fs::path& path, const Adjustment& adjustment) {
+void say_selection(const io::FrameSelection& selection, std::int64_t count, RunPlan& plan) {
+    if (selection.count == count) return;
+    plan.run(
+        "frames",
+        fmt::format("{} of {}: {} to {} in steps of {}", selection.count, count, selection.first,
+                    selection.first + (selection.count - 1) * selection.step, selection.step));
+}
+
+Input open_input(const fs::path& path, const AnalyzeJobOptions& options, RunPlan& plan) {
+    const Adjustment& adjustment = options.adjustment;
     TrajectoryInfo hints;
     adjustment.apply_to(hints);
     std::optional<Box> box;
@@ -77,7 +89,10 @@ Input open_input(const fs::path& path, const Adjustment& adjustment) {
     if (box && adjustment.boundary) box->boundary = {*adjustment.boundary, *adjustment.boundary};
     Input input;
     input.file = io::open_snapshots(path, box, hints);
-    input.snapshots = std::make_unique<AdjustedSnapshots>(*input.file, adjustment);
+    const io::FrameSelection selection = io::selection_of(options.frames, input.file->count());
+    say_selection(selection, input.file->count(), plan);
+    input.selected = std::make_unique<io::SelectedSnapshots>(*input.file, selection);
+    input.snapshots = std::make_unique<AdjustedSnapshots>(*input.selected, adjustment);
     require_unit(*input.file, path, adjustment);
     input.trajectory = dynamic_cast<const io::TrajectoryFile*>(input.file.get());
     return input;
@@ -107,11 +122,17 @@ analysis::AnalysisOptions analysis_of(const AnalyzeJobOptions& options) {
 
 /// The frames that the tracker kept; where there are none, snapshots as it would choose them.
 std::vector<Preview> previews_of(const Input& input) {
-    if (input.trajectory != nullptr && !input.trajectory->previews().empty()) {
-        return input.trajectory->previews();
-    }
     AdjustedSnapshots& snapshots = *input.snapshots;
     if (snapshots.count() == 0) return {};
+    if (input.trajectory != nullptr) {
+        std::vector<Preview> kept = input.trajectory->previews();
+        const std::int64_t first = snapshots.read(0).frame;
+        const std::int64_t last = snapshots.read(snapshots.count() - 1).frame;
+        std::erase_if(kept, [&](const Preview& preview) {
+            return preview.snapshot.frame < first || preview.snapshot.frame > last;
+        });
+        if (!kept.empty()) return kept;
+    }
     constexpr std::int64_t usual = 3;  // as track keeps by default
     PreviewChoice choice(usual, snapshots.count());
     std::vector<Preview> previews;
@@ -133,7 +154,7 @@ std::string label_of(const Results& results, const fs::path& input) {
 
 Results measure(const AnalyzeJobOptions& options, const fs::path& path, Job& job) {
     const analysis::AnalysisOptions wanted = analysis_of(options);
-    const Input input = open_input(path, options.adjustment);
+    const Input input = open_input(path, options, job.plan);
     AdjustedSnapshots& snapshots = *input.snapshots;
     pass_warnings_on(input, options.adjustment, job.plan);
     Progress progress("analysing", snapshots.count(), "frames", job.verbosity);
@@ -173,10 +194,10 @@ void plan_analysis(const AnalyzeJobOptions& options, Job& job) {
     const io::FileKind kind = io::identify(path);
     require_possible(options, path, kind);
     if (kind == io::FileKind::field) {
-        plan_field_results(path, options.fields, job.plan);
+        plan_field_results(path, {options.fields, options.frames}, job.plan);
         return;
     }
-    const Input input = open_input(path, options.adjustment);
+    const Input input = open_input(path, options, job.plan);
     pass_warnings_on(input, options.adjustment, job.plan);
     analysis::plan_measurement(*input.snapshots, analysis_of(options), job.plan);
 }
@@ -188,7 +209,7 @@ Results run_analysis(const AnalyzeJobOptions& options, Job& job) {
     OutputFile output(options.output, job.overwrite);
     const analysis::AnalysisOptions& analysis = options.analysis;
     Results results = kind == io::FileKind::field
-                          ? field_results(path, options.fields,
+                          ? field_results(path, {options.fields, options.frames},
                                           {analysis.of<analysis::StructureFactorOptions>(),
                                            analysis.of<analysis::FitOptions>(),
                                            analysis.of<analysis::SyntheticOptions>()},

@@ -5,6 +5,7 @@
 
 #include "analysis/analysis.h"
 #include "core/results.h"
+#include "io/frame_range.h"
 #include "pipelines/analyze/adjusted_snapshots.h"
 #include "pipelines/field/field_results.h"
 #include "pipelines/job.h"
@@ -15,9 +16,10 @@ namespace grainfield::pipelines {
 /// points or a field file.
 struct AnalyzeJobOptions {
     std::filesystem::path output;
-    std::string label;                  ///< name in plots; empty: made from what the input says
-    Adjustment adjustment;              ///< of trajectories and points
-    std::filesystem::path wavevectors;  ///< table of wavevectors for S(k); empty: none
+    std::string label;                    ///< name in plots; empty: made from what the input says
+    std::string frames = io::kAllFrames;  ///< which of those in the file (io/frame_range.h)
+    Adjustment adjustment;                ///< of trajectories and points
+    std::filesystem::path wavevectors;    ///< table of wavevectors for S(k); empty: none
     FieldSamples fields = FieldSamples::accumulated;
     analysis::AnalysisOptions analysis;
 };

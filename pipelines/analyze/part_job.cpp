@@ -35,6 +35,14 @@ analysis::AnalysisOptions analysis_of(const AnalyzeJobOptions& options) {
     return analysis;
 }
 
+void require_all_frames(const AnalyzeJobOptions& options) {
+    if (options.frames == io::kAllFrames) return;
+    throw OptionError({.problem = "a part of a film is analysed as a whole",
+                       .actual = fmt::format("frames '{}'", options.frames),
+                       .expected = "no option 'frames' with option 'partial' or 'merge'",
+                       .suggestion = "choose the frames of a part when it is tracked"});
+}
+
 /// All that accumulators depend on. What was asked for is stored with them.
 Configuration configuration_of(const analysis::AnalysisOptions& analysis) {
     analysis::AnalysisOptions options = analysis;
@@ -112,6 +120,7 @@ std::vector<PartFile> checked_files(const std::vector<fs::path>& inputs,
 }  // namespace
 
 PartJobResult analyze_part(const AnalyzeJobOptions& options, Job& job) {
+    require_all_frames(options);
     const fs::path& path = job.inputs.front();
     std::error_code error;
     if (job.overwrite == Overwrite::refuse && fs::exists(options.output, error)) {
@@ -150,6 +159,7 @@ PartJobResult analyze_part(const AnalyzeJobOptions& options, Job& job) {
 }
 
 Results merge_parts(const AnalyzeJobOptions& options, Job& job) {
+    require_all_frames(options);
     OutputFile output(options.output, job.overwrite);
     const analysis::AnalysisOptions wanted = analysis_of(options);
     const std::vector<PartFile> files = checked_files(job.inputs, configuration_of(wanted));

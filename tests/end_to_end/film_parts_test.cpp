@@ -96,6 +96,9 @@ TEST_F(FilmParts, AnalysedApartAndMergedAreTheAnalysisInOnePiece) {
     const Outcome linked = analyze({whole_, "--partial"}, folder_ / "x.acc");
     EXPECT_EQ(linked.code, 3);
     EXPECT_THAT(linked.err, HasSubstr("is not a part of a film"));
+    const Outcome some = analyze({a_, "--partial", "--frames", "2:"}, folder_ / "x.acc");
+    EXPECT_EQ(some.code, 2);
+    EXPECT_THAT(some.err, HasSubstr("a part of a film is analysed as a whole"));
     EXPECT_EQ(analyze({a_, b_}, folder_ / "x.h5").code, 2) << "two inputs are not merged unasked";
 }
 

@@ -60,6 +60,63 @@ TEST(AnalyzeJob, MeasuresATableOfPointsAndWritesWhatItReturns) {
     EXPECT_EQ(job.outputs, std::vector<std::filesystem::path>{options.output});
 }
 
+TEST(AnalyzeJob, MeasuresTheFramesThatAreAskedFor) {
+    const testing::ScratchFolder folder;
+    io::TrajectoryWriter writer(folder / "t.h5", {}, Overwrite::force);
+    for (int f = 0; f < 6; ++f) {
+        Snapshot snapshot;
+        snapshot.frame = 3 * f;  // some are missing
+        snapshot.time = 3 * f;
+        snapshot.box.length = {100, 100};
+        for (int i = 0; i <= f; ++i) snapshot.position.push_back({10.0 * i + 5, 50});
+        writer.write(snapshot);
+    }
+    writer.finish({});
+    Job job;
+    job.inputs = {folder / "t.h5"};
+    AnalyzeJobOptions options;
+    options.output = folder / "r.h5";
+    options.analysis.observables = {"q4"};
+    options.frames = "2::2";
+    const Results results = run_analysis(options, job);
+    EXPECT_EQ(results.frames, 2);
+    EXPECT_EQ(results.particles_mean, 4) << "3 of frame 6 and 5 of frame 12";
+    ASSERT_EQ(results.previews.size(), 2U);
+    EXPECT_EQ(results.previews.back().snapshot.frame, 12);
+    EXPECT_EQ(results.previews.back().snapshot.time, 12);
+    EXPECT_THAT(job.plan.text(), ::testing::HasSubstr("2 of 6: 2 to 4 in steps of 2"));
+    options.frames = "6:";
+    options.output = folder / "none.h5";
+    EXPECT_THAT([&] { run_analysis(options, job); },
+                ::testing::ThrowsMessage<OptionError>(::testing::HasSubstr("within 0:6")));
+    EXPECT_EQ(folder.entries(), 2U) << "no output is begun";
+}
+
+TEST(AnalyzeJob, ShowsOfTheFramesThatTheTrackerKeptThoseThatAreAskedFor) {
+    const testing::ScratchFolder folder;
+    io::TrajectoryWriter writer(folder / "t.h5", {}, Overwrite::force);
+    for (int f = 0; f < 6; ++f) {
+        Preview preview;
+        preview.snapshot.frame = preview.frame.index = f;
+        preview.snapshot.time = f;
+        preview.snapshot.box.length = {100, 100};
+        preview.snapshot.position = {{50, 50}};
+        preview.frame.image = Image(4, 4);
+        writer.write(preview.snapshot);
+        if (f % 2 == 0) writer.add_preview(preview);
+    }
+    writer.finish({});
+    Job job;
+    job.inputs = {folder / "t.h5"};
+    AnalyzeJobOptions options;
+    options.output = folder / "r.h5";
+    options.analysis.observables = {"q4"};
+    options.frames = "1:4";
+    const Results results = run_analysis(options, job);
+    ASSERT_EQ(results.previews.size(), 1U);
+    EXPECT_EQ(results.previews.front().snapshot.frame, 2);
+}
+
 TEST(AnalyzeJob, NeedsThePeriodsOfAPeriodicTable) {
     const testing::ScratchFolder folder;
     Job job;
