@@ -254,15 +254,25 @@ std::span<const Phase> PhaseHistory::classes(std::int64_t id, std::int64_t& firs
     return tracks_[at->second].classes;
 }
 
-// What limits the meaning of the fractions; empty if nothing does.
-std::string PhaseHistory::remark() const {
+// The average of a few frames scatters more than that of a whole window, so that more particles
+// pass for solid.
+double PhaseHistory::least_frames() const {
+    double most = 0;
+    for (const Row& row : rows_) {
+        if (row.all > 0) most = std::max(most, row.frames);
+    }
+    return 0.5 * most;
+}
+
+// What limits the meaning of the fractions, means of so many windows; empty if nothing does.
+std::string PhaseHistory::remark(std::size_t windows) const {
     if (!window_.reason.empty()) return window_.reason;
     const bool averages = std::ranges::any_of(rows_, [](const Row& row) { return row.frames > 1; });
     if (!averages) {
         return fmt::format("no window of {:.4g} holds two frames: phase of one frame",
                            *window_.length);
     }
-    return rows_.size() == 1 ? "one window: no error from fluctuations" : "";
+    return windows == 1 ? "one window: no error from fluctuations" : "";
 }
 
 ObservableResult PhaseHistory::result() const {
@@ -285,12 +295,14 @@ ObservableResult PhaseHistory::result() const {
     Column liquid{"liquid_fraction", "-", "Liquid fraction", {}};
     MeanSeries solid_mean;
     MeanSeries liquid_mean;
+    const double least = least_frames();
     for (const Row& row : rows_) {
         if (row.all <= 0) continue;
         frame.values.push_back(static_cast<double>(row.frame));
         time.values.push_back(row.time);
         solid.values.push_back(row.solid / row.all);
         liquid.values.push_back(row.liquid / row.all);
+        if (row.frames < least) continue;
         solid_mean.add(row.solid / row.all);
         liquid_mean.add(row.liquid / row.all);
     }
@@ -300,7 +312,7 @@ ObservableResult PhaseHistory::result() const {
     }
     curve.columns = {frame, time, solid, liquid};
     result.curves = {curve};
-    const std::string why = remark();
+    const std::string why = remark(solid_mean.value.size());
     for (auto& [name, mean] :
          {std::pair{"solid_fraction", &solid_mean}, std::pair{"liquid_fraction", &liquid_mean}}) {
         Measurement m = mean->measurement(name, "-", std::nullopt, why);

@@ -103,7 +103,8 @@ class PhaseHistory {
     void count(Row& row, Phase phase) const;
     double key_of(double time) const;
     static void note(Track& track, std::int64_t window, Phase phase);
-    std::string remark() const;
+    double least_frames() const;
+    std::string remark(std::size_t windows) const;
     void note_fluctuation(const Track& track);
     void add_fluctuation(ObservableResult& result) const;
     void add_alone(const Sample& sample);

@@ -44,6 +44,24 @@ TEST(PhaseHistory, ClassifiesByTheTimeAverageNotByTheFrame) {
     EXPECT_EQ(r.find_curve("phase")->find("frame")->values, (std::vector<double>{0, 4}));
 }
 
+TEST(PhaseHistory, MeanFractionsAreOfWindowsWithHalfOfTheFramesOrMore) {
+    const auto fraction = [](int frames) {
+        // Two windows of four frames hold a liquid; every fourth frame looks solid.
+        PhaseHistory phases({}, seconds(), frames);
+        for (int f = 0; f < frames; ++f) {
+            phases.add({f, 0.1 * f, {0, 1}, {f % 4 == 0 ? 0.9F : 0.1F, 0.2F}});
+        }
+        const ObservableResult r = phases.result();
+        EXPECT_EQ(r.find_curve("phase")->find("frame")->values.size(),
+                  static_cast<std::size_t>((frames + 3) / 4))
+            << "all are drawn";
+        return *r.find_measurement("solid_fraction")->value;
+    };
+    EXPECT_EQ(fraction(8), 0);
+    EXPECT_EQ(fraction(9), 0) << "a window of one frame, which looks solid";
+    EXPECT_EQ(fraction(1), 0.5) << "the only one there is";
+}
+
 TEST(PhaseHistory, TakesTimeStampsThatGoBack) {
     PhaseHistory phases({}, seconds(), 3);
     phases.add({0, 5.0, {0}, {0.9F}});

@@ -2,6 +2,7 @@
 // beside it.
 #include <algorithm>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -15,12 +16,10 @@
 namespace grainfield::report {
 namespace {
 
-TEST(PageOpening, TakesLessThanASecondWith48Runs) {
-    if (!ChromiumSession::is_installed())
-        GTEST_SKIP() << "no Chromium here (Debian: apt-get install chromium)";
-    const sample::TemporaryFolder folder{"page_opening"};
+/// A report of that many runs.
+void write_page(std::uint64_t count, const sample::TemporaryFolder& folder) {
     std::vector<Results> runs;
-    for (std::uint64_t i = 1; i <= 48; ++i) {
+    for (std::uint64_t i = 1; i <= count; ++i) {
         runs.push_back(sample::results({i, 500, 130, true, "run " + std::to_string(i)}));
     }
     RunPlan plan;
@@ -31,18 +30,37 @@ TEST(PageOpening, TakesLessThanASecondWith48Runs) {
                   .hints = analysis::figure_hints(),
                   .titles = analysis::titles()},
                  folder / "report.html", folder / "figures", plan);
-    ChromiumSession browser(folder / "profile");
-    // Work of others on the host makes single ones slow.
+}
+
+/// Milliseconds until all in sight is drawn; the least of five, as work of others on the host makes
+/// single ones slow.
+double opening_time(const std::filesystem::path& page, ChromiumSession& browser) {
     double best = 1e9;
-    for (int i = 0; i < 5 && best > 1000; ++i) {
-        browser.open_page(folder / "report.html", 1366, 768);
+    for (int i = 0; i < 5; ++i) {
+        browser.open_page(page, 1366, 768);
         best = std::min(
             best,
             std::stod(
                 browser.evaluate("document.documentElement.dataset.opened").get<std::string>()));
     }
-    EXPECT_LE(best, 1000) << "milliseconds until all in sight is drawn";
+    return best;
+}
+
+// On a machine too slow for the second, a page of two runs is the measure.
+TEST(PageOpening, TakesLessThanASecondWith48Runs) {
+    if (!ChromiumSession::is_installed())
+        GTEST_SKIP() << "no Chromium here (Debian: apt-get install chromium)";
+    const sample::TemporaryFolder folder{"page_opening"};
+    const sample::TemporaryFolder small{"page_opening_of_two"};
+    write_page(48, folder);
+    write_page(2, small);
+    ChromiumSession browser(folder / "profile");
+    const double two = opening_time(small / "report.html", browser);
+    const double best = opening_time(folder / "report.html", browser);
     RecordProperty("milliseconds", static_cast<int>(best));
+    RecordProperty("milliseconds_of_two_runs", static_cast<int>(two));
+    constexpr double most = 2.5;  // 1.8 as measured, 2.8 before pictures followed the scripts
+    EXPECT_LE(best, std::max(1000.0, most * two)) << two << " for two runs";
     EXPECT_EQ(browser.evaluate("document.scrollingElement.scrollWidth <= "
                                "document.documentElement.clientWidth"),
               true)
