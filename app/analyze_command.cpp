@@ -107,7 +107,7 @@ std::vector<OptionTable> AnalyzeCommand::options() {
     own.text("wavevectors", wavevectors_,
              "table kx,ky of wavevectors in 1/a at which S(k) is measured besides its grid");
     own.text("frames", job_.frames,
-             "which frames of the input, as FIRST:END:STEP: 100: leaves out the first 100");
+             "which snapshots, counted from 0, as FIRST:END:STEP; '100:' leaves out the first 100");
     own.number("fps", job_.adjustment.frame_rate, "1/s", {1e-9, 1e9},
                "frame rate; auto: as the file says");
     own.number("sphere-diameter", job_.adjustment.particle_diameter, "length unit of the file",

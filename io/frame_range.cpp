@@ -106,8 +106,12 @@ FrameSelection frame_selection(std::string_view range, std::int64_t count) {
     return parse_range(trimmed(range), count);
 }
 
-FrameSelection selection_of(std::string_view range, std::int64_t count) {
-    if (count == 0 && trimmed(range) == kAllFrames) return {};
+bool selects_all(std::string_view range) {
+    return trimmed(range).empty() || trimmed(range) == kAllFrames;
+}
+
+FrameSelection selection_or_none(std::string_view range, std::int64_t count) {
+    if (count == 0 && selects_all(range)) return {};
     return frame_selection(range, count);
 }
 

@@ -9,6 +9,9 @@ namespace grainfield::io {
 
 constexpr const char* kAllFrames = "::";
 
+/// Whether the range is "" or "::".
+bool selects_all(std::string_view range);
+
 /// The frames "FIRST:END:STEP" of a source, as in a Python slice: END is excluded, negative numbers
 /// count from the end, any part may be left out; "7" is frame 7 alone, "" and "::" all.
 ///
@@ -30,8 +33,8 @@ struct FrameSelection {
 /// Of a source of `count` frames. Throws as select_frames does.
 FrameSelection frame_selection(std::string_view range, std::int64_t count);
 
-/// The same, but all of a source that has no frames is no error.
-FrameSelection selection_of(std::string_view range, std::int64_t count);
+/// The same, but all of a source without frames is no error.
+FrameSelection selection_or_none(std::string_view range, std::int64_t count);
 
 /// Part of a film: the film's frames in the source, and the positions of the part among them.
 struct FilmPart {

@@ -254,25 +254,32 @@ std::span<const Phase> PhaseHistory::classes(std::int64_t id, std::int64_t& firs
     return tracks_[at->second].classes;
 }
 
-// The average of a few frames scatters more than that of a whole window, so that more particles
-// pass for solid.
+// The least number of frames of a window that counts in the mean fractions: half of the median. The
+// average of fewer scatters more, so that more particles pass for solid.
 double PhaseHistory::least_frames() const {
-    double most = 0;
+    if (!window_.length) return 0;
+    std::vector<double> frames;
     for (const Row& row : rows_) {
-        if (row.all > 0) most = std::max(most, row.frames);
+        if (row.all > 0) frames.push_back(row.frames);
     }
-    return 0.5 * most;
+    if (frames.empty()) return 0;
+    const auto middle = frames.begin() + static_cast<std::ptrdiff_t>(frames.size() / 2);
+    std::ranges::nth_element(frames, middle);
+    return 0.5 * *middle;
 }
 
 // What limits the meaning of the fractions, means of so many windows; empty if nothing does.
-std::string PhaseHistory::remark(std::size_t windows) const {
+std::string PhaseHistory::remark(std::size_t windows, std::size_t left_out) const {
     if (!window_.reason.empty()) return window_.reason;
     const bool averages = std::ranges::any_of(rows_, [](const Row& row) { return row.frames > 1; });
     if (!averages) {
         return fmt::format("no window of {:.4g} holds two frames: phase of one frame",
                            *window_.length);
     }
-    return windows == 1 ? "one window: no error from fluctuations" : "";
+    const std::string few =
+        left_out == 0 ? "" : fmt::format("windows of few frames left out: {}", left_out);
+    if (windows > 1) return few;
+    return "one window: no error from fluctuations" + (few.empty() ? few : "; " + few);
 }
 
 ObservableResult PhaseHistory::result() const {
@@ -312,7 +319,8 @@ ObservableResult PhaseHistory::result() const {
     }
     curve.columns = {frame, time, solid, liquid};
     result.curves = {curve};
-    const std::string why = remark(solid_mean.value.size());
+    const std::string why =
+        remark(solid_mean.value.size(), solid.values.size() - solid_mean.value.size());
     for (auto& [name, mean] :
          {std::pair{"solid_fraction", &solid_mean}, std::pair{"liquid_fraction", &liquid_mean}}) {
         Measurement m = mean->measurement(name, "-", std::nullopt, why);

@@ -104,7 +104,7 @@ class PhaseHistory {
     double key_of(double time) const;
     static void note(Track& track, std::int64_t window, Phase phase);
     double least_frames() const;
-    std::string remark(std::size_t windows) const;
+    std::string remark(std::size_t windows, std::size_t left_out) const;
     void note_fluctuation(const Track& track);
     void add_fluctuation(ObservableResult& result) const;
     void add_alone(const Sample& sample);

@@ -55,6 +55,7 @@ void AdjustedSnapshots::look_at(const Snapshot& snapshot, std::int64_t index) {
     if (particles >= 0) return;
     particles = static_cast<std::int64_t>(snapshot.size());
     time_[static_cast<std::size_t>(index)] = snapshot.time;
+    frames_.insert(snapshot.frame);
     const Box& box = snapshot.box;
     // A disc that the edge of a frame cuts has its centre beside it; periodic boxes fold back.
     const double margin = 0.5 * info_.diameter;

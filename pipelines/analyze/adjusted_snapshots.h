@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <unordered_set>
 #include <vector>
 
 #include "core/trajectory.h"
@@ -37,6 +38,8 @@ class AdjustedSnapshots : public SnapshotSource {
     std::int64_t count() const override { return source_.count(); }
     Snapshot read(std::int64_t index) override;
 
+    /// Whether a snapshot with that frame number was read.
+    bool has_read(std::int64_t frame) const { return frames_.contains(frame); }
     /// Mean over the snapshots; reads those that were not read yet.
     double particles_mean();
     /// By all time stamps; reads those that were not read yet. Empty: fewer than two snapshots, or
@@ -51,10 +54,11 @@ class AdjustedSnapshots : public SnapshotSource {
     TrajectoryInfo info_;
     void look_at(const Snapshot& snapshot, std::int64_t index);
 
-    std::vector<std::int64_t> particles_;  ///< per snapshot, -1: not read yet
-    std::int64_t outside_ = 0;             ///< particles beside a walled box
-    Box box_;                              ///< that the first of them is beside
-    std::vector<double> time_;             ///< per snapshot, NaN: not read yet
+    std::vector<std::int64_t> particles_;      ///< per snapshot, -1: not read yet
+    std::int64_t outside_ = 0;                 ///< particles beside a walled box
+    Box box_;                                  ///< that the first of them is beside
+    std::vector<double> time_;                 ///< per snapshot, NaN: not read yet
+    std::unordered_set<std::int64_t> frames_;  ///< of those read
 };
 
 }  // namespace grainfield::pipelines

@@ -74,10 +74,11 @@ struct Input {
 
 void say_selection(const io::FrameSelection& selection, std::int64_t count, RunPlan& plan) {
     if (selection.count == count) return;
-    plan.run(
-        "frames",
-        fmt::format("{} of {}: {} to {} in steps of {}", selection.count, count, selection.first,
-                    selection.first + (selection.count - 1) * selection.step, selection.step));
+    const std::int64_t last = selection.first + (selection.count - 1) * selection.step;
+    const std::string steps =
+        selection.step == 1 ? "" : fmt::format(" in steps of {}", selection.step);
+    plan.run("frames", fmt::format("{} of {} snapshots: {} to {}{}, counted from 0",
+                                   selection.count, count, selection.first, last, steps));
 }
 
 Input open_input(const fs::path& path, const AnalyzeJobOptions& options, RunPlan& plan) {
@@ -89,7 +90,7 @@ Input open_input(const fs::path& path, const AnalyzeJobOptions& options, RunPlan
     if (box && adjustment.boundary) box->boundary = {*adjustment.boundary, *adjustment.boundary};
     Input input;
     input.file = io::open_snapshots(path, box, hints);
-    const io::FrameSelection selection = io::selection_of(options.frames, input.file->count());
+    const io::FrameSelection selection = io::selection_or_none(options.frames, input.file->count());
     say_selection(selection, input.file->count(), plan);
     input.selected = std::make_unique<io::SelectedSnapshots>(*input.file, selection);
     input.snapshots = std::make_unique<AdjustedSnapshots>(*input.selected, adjustment);
@@ -126,10 +127,8 @@ std::vector<Preview> previews_of(const Input& input) {
     if (snapshots.count() == 0) return {};
     if (input.trajectory != nullptr) {
         std::vector<Preview> kept = input.trajectory->previews();
-        const std::int64_t first = snapshots.read(0).frame;
-        const std::int64_t last = snapshots.read(snapshots.count() - 1).frame;
         std::erase_if(kept, [&](const Preview& preview) {
-            return preview.snapshot.frame < first || preview.snapshot.frame > last;
+            return !snapshots.has_read(preview.snapshot.frame);
         });
         if (!kept.empty()) return kept;
     }
@@ -147,9 +146,11 @@ std::vector<Preview> previews_of(const Input& input) {
     return previews;
 }
 
-/// Origin and control parameter where they are known, else the name of the file.
-std::string label_of(const Results& results, const fs::path& input) {
-    return results.identity.control ? legend_of(results.identity) : input.stem().string();
+/// Origin and control parameter where they are known, else the name of the file; and the frames.
+std::string label_of(const Results& results, const fs::path& input, const std::string& frames) {
+    const std::string name =
+        results.identity.control ? legend_of(results.identity) : input.stem().string();
+    return io::selects_all(frames) ? name : fmt::format("{}, frames {}", name, frames);
 }
 
 Results measure(const AnalyzeJobOptions& options, const fs::path& path, Job& job) {
@@ -170,7 +171,10 @@ Results measure(const AnalyzeJobOptions& options, const fs::path& path, Job& job
         if (!input.trajectory->record().command.empty()) {
             results.sources = {input.trajectory->record()};
         }
-        if (!input.trajectory->curves().empty()) {
+        const bool is_whole = snapshots.count() == input.file->count();
+        if (!is_whole && !input.trajectory->curves().empty()) {
+            job.plan.skip("series", "what the run wrote of itself is of all of it", "");
+        } else if (!input.trajectory->curves().empty()) {
             ObservableResult series = analysis::run_series(input.trajectory->curves());
             // The table of what a tracker calibrated is no series.
             if (series.reason.empty()) results.observables.push_back(std::move(series));
@@ -216,7 +220,7 @@ Results run_analysis(const AnalyzeJobOptions& options, Job& job) {
                                           job)
                           : measure(options, path, job);
     results.record = job.record();
-    results.label = options.label.empty() ? label_of(results, path) : options.label;
+    results.label = options.label.empty() ? label_of(results, path, options.frames) : options.label;
     throw_if_interrupted("analysis");
     io::write_results(std::move(output), results);
     job.outputs.push_back(options.output);

@@ -36,10 +36,10 @@ analysis::AnalysisOptions analysis_of(const AnalyzeJobOptions& options) {
 }
 
 void require_all_frames(const AnalyzeJobOptions& options) {
-    if (options.frames == io::kAllFrames) return;
+    if (io::selects_all(options.frames)) return;
     throw OptionError({.problem = "a part of a film is analysed as a whole",
                        .actual = fmt::format("frames '{}'", options.frames),
-                       .expected = "no option 'frames' with option 'partial' or 'merge'",
+                       .expected = "no option 'frames' with option 'partial' or option 'merge'",
                        .suggestion = "choose the frames of a part when it is tracked"});
 }
 

@@ -77,7 +77,7 @@ class ChosenFields {
  public:
     ChosenFields(const std::filesystem::path& path, const FieldChoice& choice, RunPlan& plan)
         : file_(path),
-          selected_(file_, io::selection_of(choice.frames, file_.count())),
+          selected_(file_, io::selection_or_none(choice.frames, file_.count())),
           accumulated_(takes_accumulated(file_, choice.samples)) {
         if (accumulated_ && selected_.count() < file_.count()) refuse_frames(choice);
         say_samples(file_, selected_.count(), accumulated_, plan);

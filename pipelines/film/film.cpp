@@ -302,7 +302,7 @@ Film open_film(Job& job, const FilmOptions& options, const tracking::TrackOption
     if (const auto* scale = dynamic_cast<const io::FrameScale*>(frames.get())) {
         film.pixel_mm = scale->pixel_mm();
     }
-    std::string range = options.frames.empty() ? "::" : options.frames;
+    std::string range = options.frames.empty() ? io::kAllFrames : options.frames;
     if (options.is_part) {
         film.part = io::part_of_film(options.frames, options.part_of, frames->count());
         const io::FrameSelection& whole = film.part->film;

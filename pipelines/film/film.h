@@ -19,7 +19,7 @@ namespace grainfield::pipelines {
 /// Which frames are looked at, and what is known of the picture besides the spheres.
 struct FilmOptions {
     std::optional<double> fps;  ///< [1/s]; empty: as the file says
-    std::string frames = "::";
+    std::string frames = io::kAllFrames;
     bool is_part = false;     ///< the frames are a part of the film
     std::string part_of;      ///< frames of the whole; empty: all, in steps alike
     std::vector<int> region;  ///< X,Y,WIDTH,HEIGHT [px]; empty: all

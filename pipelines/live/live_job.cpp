@@ -88,7 +88,7 @@ std::unique_ptr<io::LiveFrames> open_source(const LiveJobOptions& live, const Fi
     return io::open_live({.source = live.source,
                           .size = live.size,
                           .bit_depth = live.bit_depth,
-                          .frames = film.frames.empty() ? "::" : film.frames,
+                          .frames = film.frames.empty() ? io::kAllFrames : film.frames,
                           .queue = live.queue,
                           .waits = live.waits,
                           .longest_silence = live.longest_silence,

@@ -99,6 +99,8 @@ TEST_F(FilmParts, AnalysedApartAndMergedAreTheAnalysisInOnePiece) {
     const Outcome some = analyze({a_, "--partial", "--frames", "2:"}, folder_ / "x.acc");
     EXPECT_EQ(some.code, 2);
     EXPECT_THAT(some.err, HasSubstr("a part of a film is analysed as a whole"));
+    EXPECT_EQ(
+        analyze({"--merge", a_ + ".acc", b_ + ".acc", "--frames", "2:"}, folder_ / "x.h5").code, 2);
     EXPECT_EQ(analyze({a_, b_}, folder_ / "x.h5").code, 2) << "two inputs are not merged unasked";
 }
 

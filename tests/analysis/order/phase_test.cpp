@@ -44,22 +44,40 @@ TEST(PhaseHistory, ClassifiesByTheTimeAverageNotByTheFrame) {
     EXPECT_EQ(r.find_curve("phase")->find("frame")->values, (std::vector<double>{0, 4}));
 }
 
-TEST(PhaseHistory, MeanFractionsAreOfWindowsWithHalfOfTheFramesOrMore) {
+// Two particles: one is a liquid, the other looks solid in every fourth frame.
+ObservableResult liquid_of(const std::vector<double>& times) {
+    PhaseHistory phases({}, seconds(), static_cast<std::int64_t>(times.size()));
+    for (std::size_t f = 0; f < times.size(); ++f) {
+        phases.add(
+            {static_cast<std::int64_t>(f), times[f], {0, 1}, {f % 4 == 0 ? 0.9F : 0.1F, 0.2F}});
+    }
+    return phases.result();
+}
+
+TEST(PhaseHistory, MeanFractionsLeaveOutWindowsOfFewFrames) {
     const auto fraction = [](int frames) {
-        // Two windows of four frames hold a liquid; every fourth frame looks solid.
-        PhaseHistory phases({}, seconds(), frames);
-        for (int f = 0; f < frames; ++f) {
-            phases.add({f, 0.1 * f, {0, 1}, {f % 4 == 0 ? 0.9F : 0.1F, 0.2F}});
-        }
-        const ObservableResult r = phases.result();
+        std::vector<double> times;
+        for (int f = 0; f < frames; ++f) times.push_back(0.1 * f);  // four a window
+        const ObservableResult r = liquid_of(times);
         EXPECT_EQ(r.find_curve("phase")->find("frame")->values.size(),
                   static_cast<std::size_t>((frames + 3) / 4))
             << "all are drawn";
-        return *r.find_measurement("solid_fraction")->value;
+        return *r.find_measurement("solid_fraction");
     };
-    EXPECT_EQ(fraction(8), 0);
-    EXPECT_EQ(fraction(9), 0) << "a window of one frame, which looks solid";
-    EXPECT_EQ(fraction(1), 0.5) << "the only one there is";
+    EXPECT_EQ(*fraction(8).value, 0);
+    EXPECT_EQ(*fraction(9).value, 0) << "a window of one frame, which looks solid";
+    EXPECT_NE(fraction(9).reason.find("windows of few frames left out: 1"), std::string::npos);
+    EXPECT_EQ(fraction(10).reason.find("left out"), std::string::npos) << "half of the frames";
+    EXPECT_EQ(*fraction(1).value, 0.5) << "the only one there is";
+}
+
+TEST(PhaseHistory, MeanFractionsAreNotThoseOfOneDenseWindow) {
+    PhaseHistory phases({}, seconds(), 60);
+    for (int f = 0; f < 20; ++f) phases.add({f, 0.02 * f, {0}, {0.9F}});
+    for (int f = 20; f < 60; ++f) phases.add({f, 0.4 + 0.1 * (f - 20), {0}, {0.1F}});
+    const ObservableResult r = phases.result();
+    EXPECT_NEAR(*r.find_measurement("solid_fraction")->value, 1.0 / 11, 1e-12);
+    EXPECT_EQ(r.find_measurement("solid_fraction")->reason.find("left out"), std::string::npos);
 }
 
 TEST(PhaseHistory, TakesTimeStampsThatGoBack) {

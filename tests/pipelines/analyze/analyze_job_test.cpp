@@ -84,7 +84,7 @@ TEST(AnalyzeJob, MeasuresTheFramesThatAreAskedFor) {
     ASSERT_EQ(results.previews.size(), 2U);
     EXPECT_EQ(results.previews.back().snapshot.frame, 12);
     EXPECT_EQ(results.previews.back().snapshot.time, 12);
-    EXPECT_THAT(job.plan.text(), ::testing::HasSubstr("2 of 6: 2 to 4 in steps of 2"));
+    EXPECT_THAT(job.plan.text(), ::testing::HasSubstr("2 of 6 snapshots: 2 to 4 in steps of 2"));
     options.frames = "6:";
     options.output = folder / "none.h5";
     EXPECT_THAT([&] { run_analysis(options, job); },
@@ -115,6 +115,38 @@ TEST(AnalyzeJob, ShowsOfTheFramesThatTheTrackerKeptThoseThatAreAskedFor) {
     const Results results = run_analysis(options, job);
     ASSERT_EQ(results.previews.size(), 1U);
     EXPECT_EQ(results.previews.front().snapshot.frame, 2);
+    options.frames = "::4";
+    options.output = folder / "steps.h5";
+    const Results steps = run_analysis(options, job);
+    ASSERT_EQ(steps.previews.size(), 2U) << "frame 2 was kept, too, but not measured";
+    EXPECT_EQ(steps.previews.back().snapshot.frame, 4);
+    EXPECT_EQ(steps.label, "t, frames ::4");
+}
+
+TEST(AnalyzeJob, LeavesOutOfASpanWhatTheRunWroteOfItself) {
+    const testing::ScratchFolder folder;
+    io::TrajectoryWriter writer(folder / "t.h5", {}, Overwrite::force);
+    for (int f = 0; f < 4; ++f) {
+        Snapshot snapshot;
+        snapshot.frame = f;
+        snapshot.time = f;
+        snapshot.box.length = {100, 100};
+        snapshot.position = {{50, 50}};
+        writer.write(snapshot);
+    }
+    writer.add_curve({"md", "", {{"t", "-", "", {0, 1}}, {"energy", "-", "", {1, 2}}}, {}});
+    writer.finish({});
+    const auto has_series = [&](const std::string& frames, const std::string& output) {
+        Job job;
+        job.inputs = {folder / "t.h5"};
+        AnalyzeJobOptions options;
+        options.output = folder / output;
+        options.analysis.observables = {"q4"};
+        options.frames = frames;
+        return run_analysis(options, job).find("series") != nullptr;
+    };
+    EXPECT_TRUE(has_series("::", "whole.h5"));
+    EXPECT_FALSE(has_series("2:", "span.h5"));
 }
 
 TEST(AnalyzeJob, NeedsThePeriodsOfAPeriodicTable) {

@@ -46,8 +46,7 @@ double opening_time(const std::filesystem::path& page, ChromiumSession& browser)
     return best;
 }
 
-// On a machine too slow for the second, a page of two runs is the measure.
-TEST(PageOpening, TakesLessThanASecondWith48Runs) {
+TEST(PageOpening, OfManyRunsTakesASecondOnAMachineThatOpensTwoInFourTenths) {
     if (!ChromiumSession::is_installed())
         GTEST_SKIP() << "no Chromium here (Debian: apt-get install chromium)";
     const sample::TemporaryFolder folder{"page_opening"};
@@ -59,8 +58,9 @@ TEST(PageOpening, TakesLessThanASecondWith48Runs) {
     const double best = opening_time(folder / "report.html", browser);
     RecordProperty("milliseconds", static_cast<int>(best));
     RecordProperty("milliseconds_of_two_runs", static_cast<int>(two));
-    constexpr double most = 2.5;  // 1.8 as measured, 2.8 before pictures followed the scripts
-    EXPECT_LE(best, std::max(1000.0, most * two)) << two << " for two runs";
+    // A slower machine has longer, as it takes longer for two runs; but no page may take this long.
+    constexpr double longest = 2500;
+    EXPECT_LE(best, std::clamp(2.5 * two, 1000.0, longest)) << two << " for two runs";
     EXPECT_EQ(browser.evaluate("document.scrollingElement.scrollWidth <= "
                                "document.documentElement.clientWidth"),
               true)
