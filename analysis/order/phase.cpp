@@ -276,7 +276,7 @@ std::string PhaseHistory::remark(std::size_t windows, std::size_t left_out) cons
         return fmt::format("no window of {:.4g} holds two frames: phase of one frame",
                            *window_.length);
     }
-    const std::string few =
+    std::string few =
         left_out == 0 ? "" : fmt::format("windows of few frames left out: {}", left_out);
     if (windows > 1) return few;
     return "one window: no error from fluctuations" + (few.empty() ? few : "; " + few);
