@@ -160,8 +160,8 @@ void AnalyzeCommand::require_inputs(const Session& session) const {
 }
 
 std::vector<std::string> AnalyzeCommand::usual() const {
-    return {"output",   "label",       "frames",     "fps",     "sphere-diameter", "box",
-            "boundary", "observables", "neighbours", "largest", "threads"};
+    return {"output",   "frames",      "fps",        "sphere-diameter", "box",
+            "boundary", "observables", "neighbours", "largest",         "threads"};
 }
 
 std::string AnalyzeCommand::default_output(const std::vector<std::filesystem::path>& inputs) const {

@@ -92,7 +92,7 @@ void add_times(AdjustedSnapshots& snapshots, ObservableResult& lengths) {
     const std::optional<FilmTimes> times = snapshots.times();
     if (!times) return;
     lengths.measurements.push_back({"film_length", "time unit", times->length, std::nullopt, 0,
-                                    "from the first to the last time stamp"});
+                                    "from the first to the last time stamp, and one interval"});
     lengths.measurements.push_back({"frame_interval", "time unit", times->interval, std::nullopt, 0,
                                     "median of the time stamps"});
 }
