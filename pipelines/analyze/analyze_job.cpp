@@ -173,7 +173,8 @@ Results measure(const AnalyzeJobOptions& options, const fs::path& path, Job& job
         }
         const bool is_whole = snapshots.count() == input.file->count();
         if (!is_whole && !input.trajectory->curves().empty()) {
-            job.plan.skip("series", "its energies and collisions cover the whole run, not these frames", "");
+            job.plan.skip("series",
+                          "its energies and collisions cover the whole run, not these frames", "");
         } else if (!input.trajectory->curves().empty()) {
             ObservableResult series = analysis::run_series(input.trajectory->curves());
             // The table of what a tracker calibrated is no series.
