@@ -1,5 +1,5 @@
-// Time of a step of each scheme, 512 x 512, b = 4, nu = 0.01: medians of short repetitions taken in
-// turn, so that a change of the machine's load meets all alike.
+// Time of a step of each scheme, 512 x 512, b = 4, nu = 0.01, and of a line of 4,096 nodes: medians
+// of short repetitions taken in turn, so that a change of the machine's load meets all alike.
 //   bench.field.step [repetitions = 9]
 #include <algorithm>
 #include <chrono>
@@ -44,6 +44,21 @@ Row row(const std::string& name, FieldScheme scheme, bool twofold, int threads, 
             {}};
 }
 
+Row line_row(bool twofold) {
+    FieldSetup setup;
+    setup.lattice = {1, 4096, 1, 0.25};
+    setup.scheme = FieldScheme::lod;
+    setup.twofold = twofold;
+    setup.dt = 0.5;
+    setup.k_cut = 1e9;
+    const std::shared_ptr<FieldIntegrator> fields = make_integrator(setup, 1);
+    return {fmt::format("{:<42} {:<6} {}", "line of 4096, LOD, all modes",
+                        twofold ? "double" : "float", 1),
+            [fields](int steps) { fields->advance(steps); },
+            400,
+            {}};
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -69,6 +84,7 @@ int main(int argc, char** argv) {
             row("LOD, all modes", FieldScheme::lod, twofold, 1, 0.5, all, 1, NoiseShape::uniform));
         rows.push_back(row("LOD, all modes, Gaussian noise", FieldScheme::lod, twofold, 1, 0.5, all,
                            1, NoiseShape::normal));
+        rows.push_back(line_row(twofold));
     }
     const auto plain = std::make_shared<bench::PlainPaperScheme>(512, 0.65, 0.05, 0.01);
     rows.push_back({fmt::format("{:<42} {:<6} {}", "paper, plain C++, std::normal", "double", 1),

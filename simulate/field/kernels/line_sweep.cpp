@@ -14,12 +14,24 @@ std::size_t padded(int n) {
     return static_cast<std::size_t>((n + line_lanes - 1) / line_lanes) * line_lanes;
 }
 
+// out[j] = ring[(j − before) mod cells] for j < count.
+template <class T>
+void unroll(const T* ring, int cells, int before, std::size_t count, AlignedVector<T>& out) {
+    out.resize(count);
+    auto at = static_cast<std::size_t>((cells - before % cells) % cells);
+    for (std::size_t j = 0; j < count; at = 0) {
+        const std::size_t some = std::min(count - j, static_cast<std::size_t>(cells) - at);
+        std::copy_n(ring + at, some, &out[j]);
+        j += some;
+    }
+}
+
 }  // namespace
 
 template <class Real>
 struct LineSweep<Real>::Buffers {
-    Array upper, lower, inverse, scratch, diffusivity, field, before;
-    AlignedVector<float> noise, face_noise;
+    Array upper, lower, inverse, scratch, diffusivity, field, before, unrolled;
+    AlignedVector<float> noise, face_noise, unrolled_noise;
 
     LineFactors<Real> factors(std::size_t length) {
         for (Array* array : {&upper, &lower, &inverse, &scratch}) {
@@ -126,42 +138,40 @@ void LineSweep<Real>::ring(const Array& diffusivity, std::span<Array> fields, co
     const int part = (cells + line_lanes - 1) / line_lanes;
     const LineBundle lines{part + 2 * warm_, 0};
     const LineFactors<Real> factors = b.factors(lines.length());
-    const std::size_t room = lines.length() * line_lanes;
+    const std::size_t room = padded(lines.cells) * line_lanes;
     b.diffusivity.resize(room);
     b.field.resize(room);
-    const auto gather = [&](const auto* from, auto* to) {
-        for (int lane = 0; lane < line_lanes; ++lane) {
-            int at = ((lane * part - warm_) % cells + cells) % cells;
-            for (std::size_t i = 0; i < lines.length(); ++i) {
-                to[i * line_lanes + static_cast<std::size_t>(lane)] = from[at];
-                at = at + 1 == cells ? 0 : at + 1;
-            }
-        }
+    // Lane l holds the cells from l · part − warm on.
+    const auto cut = [&](const auto& ring, auto& unrolled, auto& lanes) {
+        unroll(ring.data(), cells, warm_,
+               static_cast<std::size_t>(line_lanes * part + 2 * warm_) + line_lanes, unrolled);
+        lanes_from_rows(unrolled.data(), static_cast<std::size_t>(part), line_lanes, lines.cells,
+                        lanes.data());
     };
-    gather(diffusivity.data(), b.diffusivity.data());
+    cut(diffusivity, b.unrolled, b.diffusivity);
     factor_lines(lines, b.diffusivity.data(), std::size_t{line_lanes}, h_, factors);
     for (std::size_t f = 0; f < fields.size(); ++f) {
-        gather(fields[f].data(), b.field.data());
+        cut(fields[f], b.unrolled, b.field);
         if (noise) {
             b.face_noise.resize(static_cast<std::size_t>(cells));
             b.noise.resize(room);
             noise(static_cast<int>(f), 0, b.face_noise);
-            gather(b.face_noise.data(), b.noise.data());
+            cut(b.face_noise, b.unrolled_noise, b.noise);
         }
         solve_lines(lines, factors, b.field.data(), std::size_t{line_lanes},
                     noise ? b.noise.data() : nullptr, s_, b.scratch.data(), after_);
+        b.unrolled.resize(static_cast<std::size_t>(line_lanes * part));
+        rows_from_lanes(&b.field[static_cast<std::size_t>(warm_) * line_lanes], line_lanes, part,
+                        b.unrolled.data(), static_cast<std::size_t>(part));
         Real* field = fields[f].data();
-        const auto solved = [&](int x) {
-            return b.field[static_cast<std::size_t>(x % part + warm_) * line_lanes +
-                           static_cast<std::size_t>(x / part)];
-        };
+        const Real* solved = b.unrolled.data();
         for (int x = 0; x < cells && !squares.empty(); ++x) {
             const int next = x + 1 == cells ? 0 : x + 1;
-            const double step = 0.5 * (static_cast<double>(solved(next) + field[next]) -
-                                       static_cast<double>(solved(x) + field[x]));
+            const double step = 0.5 * (static_cast<double>(solved[next] + field[next]) -
+                                       static_cast<double>(solved[x] + field[x]));
             squares[f] += step * step;
         }
-        for (int x = 0; x < cells; ++x) field[x] = solved(x);
+        std::copy_n(solved, cells, field);
     }
 }
 

@@ -33,7 +33,7 @@ OrderField<Real>::OrderField(const Lattice& lattice, OrderSpectrum spectrum, std
     : lattice_(lattice),
       spectrum_(std::move(spectrum)),
       noise_(seed, "order noise"),
-      distance_(column_distance(lattice.ny)),
+      distance_(lattice.ny == 1 ? 1 : column_distance(lattice.ny)),
       along_y_(lattice.ny),
       along_x_(lattice.nx),
       modes_(distance_ * static_cast<std::size_t>(spectrum_.columns())),
@@ -108,6 +108,17 @@ void OrderField<Real>::update_column(int kx, std::uint64_t step) {
 }
 
 template <class Real>
+void OrderField<Real>::update_row(std::uint64_t step) {
+    thread_local AlignedVector<float> zeta;
+    zeta.resize(2 * static_cast<std::size_t>(spectrum_.columns()));
+    noise_.normal(step, 0, zeta);
+    Real* c = reinterpret_cast<Real*>(modes_.data());
+    for (std::size_t j = 0; j < zeta.size(); ++j) {
+        c[j] += amplitude_[j] * static_cast<Real>(zeta[j]) - loss_[j] * c[j];
+    }
+}
+
+template <class Real>
 void OrderField<Real>::draw_stationary() {
     std::ranges::fill(modes_, std::complex<Real>{});
     const AlignedVector<Real> kept = amplitude_;
@@ -123,8 +134,9 @@ void OrderField<Real>::draw_stationary() {
                 }
             }
         }
-        update_column(kx, 0);
+        if (!is_one_row()) update_column(kx, 0);
     }
+    if (is_one_row()) update_row(0);
     amplitude_ = kept;
 }
 
@@ -136,6 +148,10 @@ void OrderField<Real>::transform_column(int kx) {
 
 template <class Real>
 void OrderField<Real>::advance(std::uint64_t step, Team& team) {
+    if (is_one_row()) {
+        update_row(step);
+        return;
+    }
     team.split(spectrum_.columns(), [&](std::int64_t first, std::int64_t last) {
         for (std::int64_t kx = first; kx < last; ++kx) {
             update_column(static_cast<int>(kx), step);
@@ -146,13 +162,32 @@ void OrderField<Real>::advance(std::uint64_t step, Team& team) {
 
 template <class Real>
 void OrderField<Real>::transform_columns(Team& team) {
+    if (is_one_row()) return;
     team.split(spectrum_.columns(), [&](std::int64_t first, std::int64_t last) {
         for (std::int64_t kx = first; kx < last; ++kx) transform_column(static_cast<int>(kx));
     });
 }
 
 template <class Real>
+void OrderField<Real>::read_one_row(Scratch& scratch, Real* out) const {
+    const int nx = lattice_.nx;
+    std::complex<Real>* line = scratch.packed.data();
+    std::fill_n(line, nx, std::complex<Real>{});
+    for (int kx = 0; kx < spectrum_.columns(); ++kx) {
+        const std::complex<Real> mode = modes_[static_cast<std::size_t>(kx)];
+        line[kx] = mode;
+        if (!is_symmetric(kx)) line[nx - kx] = std::conj(mode);
+    }
+    along_x_.backward(line, scratch.line.data());
+    for (int x = 0; x < nx; ++x) out[x] = scratch.line[static_cast<std::size_t>(x)].real();
+}
+
+template <class Real>
 void OrderField<Real>::read_rows(int first, Scratch& scratch, Real* out) const {
+    if (is_one_row()) {
+        read_one_row(scratch, out);
+        return;
+    }
     const int nx = lattice_.nx;
     const int rows = std::min(rows_at_once, lattice_.ny - first);
     const int pairs = (rows + 1) / 2;

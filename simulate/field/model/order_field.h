@@ -19,7 +19,8 @@ namespace grainfield::simulate {
 /// self-conjugate ones are real with all of it; columns kx = 0 and (nx even) nx/2 are
 /// conjugate-symmetric in ky. The transform runs over the columns that are kept, then over pairs
 /// of rows packed into one complex line (row y as real, row y + 1 as imaginary part). Columns and
-/// pairs are cut the same way for any number of threads, so the bits do not depend on it.
+/// pairs are cut the same way for any number of threads, so the bits do not depend on it. A lattice
+/// of one row has modes along x only: they lie side by side and share one line of noise.
 template <class Real>
 class OrderField {
  public:
@@ -52,9 +53,12 @@ class OrderField {
  private:
     std::size_t negative_rows(int kx) const;
     bool is_symmetric(int kx) const { return kx == 0 || 2 * kx == lattice_.nx; }
+    bool is_one_row() const { return lattice_.ny == 1; }
     void fill_coefficients();
+    void update_row(std::uint64_t step);
     void update_column(int kx, std::uint64_t step);
     void transform_column(int kx);
+    void read_one_row(Scratch& scratch, Real* out) const;
     void mirror(int kx);
 
     Lattice lattice_;
