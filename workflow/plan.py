@@ -52,10 +52,11 @@ class Plan:
 
     def films(self, gamma=None):
         """The films of each acceleration: slow1, …, fast. Where there are long runs: long, which is
-        not filmed, and slow1 of some accelerations."""
+        not filmed, and slow1 and fast of some accelerations."""
         if "long-frames" in self.experiment:
-            filmed = [text(value) for value in self.experiment["filmed-gamma"]]
-            return ["long"] + (["slow1"] if gamma is None or gamma in filmed else [])
+            chosen = [(film, [text(value) for value in self.experiment[key]])
+                      for film, key in [("slow1", "filmed-gamma"), ("fast", "fast-gamma")]]
+            return ["long"] + [film for film, gammas in chosen if gamma is None or gamma in gammas]
         return [f"slow{i + 1}" for i in range(self.experiment["films"])] + ["fast"]
 
     def runs(self):
@@ -86,9 +87,9 @@ class Plan:
     def film_periods(self, film):
         return self._relax(film) + self._every(film) * (self.film_frames(film) - 1)
 
-    def film_before(self, film):
+    def film_before(self, gamma, film):
         """The film whose last frame this one begins with; None for the first."""
-        films = self.films()
+        films = self.films(gamma)
         place = films.index(film)
         return None if place == 0 or film == "slow1" else films[place - 1]
 

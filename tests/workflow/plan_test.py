@@ -43,7 +43,7 @@ class TheScales(unittest.TestCase):
         self.assertIn("--nx=512", full.field_options("plane-b4-0.001"))
         self.assertIn("--nx=4096", full.field_options("line-b2-0.001"))
 
-    def test_decide_has_3000_snapshots_of_nine_accelerations_and_films_two(self):
+    def test_decide_has_3000_snapshots_of_nine_accelerations_and_films_two_slowly_and_one_fast(self):
         decide = plan.Plan("decide")
         self.assertEqual(len(decide.gammas()), 9)
         self.assertEqual((decide.gammas()[0], decide.gammas()[-1]), ("2.5", "6"))
@@ -54,6 +54,8 @@ class TheScales(unittest.TestCase):
         filmed = [gamma for gamma, film in decide.runs() if film == "slow1"]
         self.assertEqual(filmed, ["4", "5"])
         self.assertEqual(decide.film_frames("slow1"), 600)
+        self.assertEqual([gamma for gamma, film in decide.runs() if film == "fast"], ["4.7"])
+        self.assertEqual(decide.film_frames("fast"), 3000)
         self.assertEqual([rule for _, rule, words in decide.jobs() if words.get("film") == "long" and
                           rule in ("film", "track")], [])
 
@@ -99,10 +101,16 @@ class TheRuns(unittest.TestCase):
 
     def test_each_film_begins_where_the_one_before_it_ended(self):
         full = plan.Plan("full")
-        self.assertIsNone(full.film_before("slow1"))
-        self.assertEqual(full.film_before("slow2"), "slow1")
-        self.assertEqual(full.film_before("fast"), "slow2")
+        self.assertIsNone(full.film_before("4.5", "slow1"))
+        self.assertEqual(full.film_before("4.5", "slow2"), "slow1")
+        self.assertEqual(full.film_before("4.5", "fast"), "slow2")
         self.assertEqual(option(full.film_options("4.5", "fast"), "discard"), "0")
+
+    def test_a_fast_film_beside_a_long_run_begins_where_that_ended(self):
+        decide = plan.Plan("decide")
+        self.assertEqual(decide.film_before("4.7", "fast"), "long")
+        self.assertEqual(option(decide.film_options("4.7", "fast"), "discard"), "0")
+        self.assertEqual(decide.previews("4.7", "fast"), 20)
 
     def test_only_full_leaves_the_range_of_the_fit_of_particles_to_the_pre_peak(self):
         for scale in plan.SCALES:
