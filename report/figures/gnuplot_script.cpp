@@ -88,6 +88,14 @@ std::string data_block(const Figure& figure, const Series& series, std::size_t n
         fmt::format_to(std::back_inserter(out), "{:.6g} {:.6g} {:.6g} {:.6g}\n", series.x[i],
                        series.y[i], low, series.y[i] + error);
     }
+    out += "GRAINFIELD_END\n";
+    const std::vector<std::size_t> open = points_without_error(figure, series);
+    if (open.empty()) return out;
+    fmt::format_to(std::back_inserter(out), "$open{} << GRAINFIELD_END\n", number);
+    for (const std::size_t i : open) {
+        if (is_log && !(series.y[i] > 0)) continue;
+        fmt::format_to(std::back_inserter(out), "{:.6g} {:.6g}\n", series.x[i], series.y[i]);
+    }
     return out + "GRAINFIELD_END\n";
 }
 
@@ -103,10 +111,14 @@ std::string title_clause(const std::string& title) {
     return title.empty() ? "notitle" : "title " + gnuplot_string(title) + " noenhanced";
 }
 
+constexpr double point_size(bool crowded) {
+    return crowded ? 0.3 : 0.6;
+}
+
 std::string line_clause(const Kind& kind, const Style& style, bool crowded) {
     return fmt::format("with {} lc rgb '{}' dt {} lw {} pt {} ps {}",
                        kind.is_joined ? "linespoints" : "points", hex(style.colour), style.dash + 1,
-                       crowded ? 0.6 : 1.2, point_types[style.symbol], crowded ? 0.3 : 0.6);
+                       crowded ? 0.6 : 1.2, point_types[style.symbol], point_size(crowded));
 }
 
 std::string plot_clause(const Figure& figure, const Series& series, std::size_t number,
@@ -126,7 +138,15 @@ std::string plot_clause(const Figure& figure, const Series& series, std::size_t 
             number, hex(style.colour));
     }
     if (kind.mark == Mark::steps) return bars + data + " with histeps " + line + " lw 2 " + title;
-    return bars + data + " " + line_clause(kind, style, series.x.size() > 120) + " " + title;
+    const bool crowded = series.x.size() > 120;
+    std::string points = bars + data + " " + line_clause(kind, style, crowded) + " " + title;
+    if (!points_without_error(figure, series).empty()) {
+        // White within the symbol leaves its rim.
+        points +=
+            fmt::format(", $open{} using 1:2 with points lc rgb '#ffffff' pt {} ps {} notitle",
+                        number, point_types[style.symbol], 0.55 * point_size(crowded));
+    }
+    return points;
 }
 
 // Fits in print: lines through the points of their run, as which they need no name.

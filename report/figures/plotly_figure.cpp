@@ -91,6 +91,11 @@ json trace(const Figure& figure, const Series& series) {
     const bool crowded = series.x.size() > 120;
     if (crowded) t["line"]["width"] = 0.7;
     t["marker"] = {{"color", colour}, {"symbol", symbols[style.symbol]}, {"size", crowded ? 4 : 6}};
+    if (const auto open = points_without_error(figure, series); !open.empty()) {
+        json each(series.x.size(), symbols[style.symbol]);
+        for (const std::size_t i : open) each[i] = fmt::format("{}-open", symbols[style.symbol]);
+        t["marker"]["symbol"] = each;
+    }
     const bool has_errors =
         std::ranges::any_of(series.error, [](double e) { return std::isfinite(e) && e > 0; });
     if (has_errors) {

@@ -15,7 +15,9 @@ namespace grainfield::report {
 namespace {
 
 constexpr std::size_t most_pairs = 40;
-constexpr double remarkable = 3;  // standard errors
+constexpr double remarkable = 3;    // standard errors
+constexpr double same_wave = 1e-4;  // relative: k of two boxes of one size
+constexpr std::size_t least_shells = 8;
 
 bool same(const std::optional<ControlValue>& a, const std::optional<ControlValue>& b) {
     if (!a || !b || a->parameter != b->parameter || a->unit != b->unit) return false;
@@ -41,6 +43,56 @@ TableCell difference_cell(const Measurement& a, const Measurement& b) {
     cell.value = difference / error;
     cell.text = fmt::format("{:+.1f}", cell.value);
     cell.failed = std::abs(cell.value) > remarkable;
+    return cell;
+}
+
+const Column* find_known(const Curve& curve, const char* column) {
+    const Column* found = curve.find(column);
+    return found != nullptr && !found->values.empty() ? found : nullptr;
+}
+
+// Waves of different k are independent, so that the mean square of their differences tells whether
+// two curves agree; neighbouring points of other curves share most of their scatter.
+struct SpectrumDifference {
+    double mean_square = 0;  // of the differences in units of their errors
+    std::size_t shells = 0;
+};
+
+std::optional<SpectrumDifference> spectrum_difference(const Curve& a, const Curve& b) {
+    SpectrumDifference all;
+    const Column* k[] = {find_known(a, "k"), find_known(b, "k")};
+    const Column* s[] = {find_known(a, "s"), find_known(b, "s")};
+    const Column* error[] = {find_known(a, "s_err"), find_known(b, "s_err")};
+    for (const auto& columns : {k, s, error}) {
+        if (columns[0] == nullptr || columns[1] == nullptr) return std::nullopt;
+    }
+    const bool same_units = k[0]->unit == k[1]->unit && s[0]->unit == s[1]->unit;
+    if (!same_units || a.find("n") == nullptr) return std::nullopt;  // a fit has no shells
+    const auto is_known = [](double e) { return std::isfinite(e) && e > 0; };
+    std::size_t j = 0;
+    for (std::size_t i = 0; i < k[0]->values.size(); ++i) {
+        const double here = k[0]->values[i];
+        while (j < k[1]->values.size() && k[1]->values[j] < here * (1 - same_wave)) ++j;
+        if (j == k[1]->values.size()) break;
+        if (k[1]->values[j] > here * (1 + same_wave)) continue;
+        if (!is_known(error[0]->values[i]) || !is_known(error[1]->values[j])) continue;
+        const double difference = (s[0]->values[i] - s[1]->values[j]) /
+                                  std::hypot(error[0]->values[i], error[1]->values[j]);
+        all.mean_square += difference * difference;
+        ++all.shells;
+    }
+    if (all.shells < least_shells) return std::nullopt;
+    all.mean_square /= static_cast<double>(all.shells);
+    return all;
+}
+
+// The errors are estimates too: their scatter makes the mean square some 1.3, not 1.
+TableCell spectrum_cell(const SpectrumDifference& difference) {
+    const auto shells = static_cast<double>(difference.shells);
+    TableCell cell;
+    cell.value = std::sqrt(difference.mean_square);
+    cell.text = fmt::format("{:.1f} ({} shells)", cell.value, difference.shells);
+    cell.failed = difference.mean_square > 1.3 * (1 + remarkable * std::sqrt(2 / shells));
     return cell;
 }
 
@@ -136,6 +188,7 @@ std::optional<Table> differences(const std::vector<Results>& runs,
         "as independent: two analyses of the same frames share most of theirs. Beyond 3 it stands "
         "out.";
     Rows rows;
+    bool has_spectra = false;
     for (std::size_t p = 0; p < pairs.size(); ++p) {
         const auto [first, second] = pairs[p];
         table.columns.push_back(
@@ -150,9 +203,24 @@ std::optional<Table> differences(const std::vector<Results>& runs,
                     clean_text(quantity_title(titles, observable.name, m.name));
                 rows.at(name, pairs.size()).cells[p] = difference_cell(m, *other);
             }
+            for (const Curve& curve : observable.curves) {
+                const ObservableResult* other = runs[second].find(observable.name);
+                const Curve* others = other == nullptr ? nullptr : other->find_curve(curve.name);
+                if (others == nullptr) continue;
+                const auto difference = spectrum_difference(curve, *others);
+                if (!difference) continue;
+                has_spectra = true;
+                rows.at(clean_text(curve.title) + ": root mean square", pairs.size()).cells[p] =
+                    spectrum_cell(*difference);
+            }
         }
     }
     if (rows.list.empty()) return std::nullopt;
+    if (has_spectra) {
+        table.note +=
+            " A root mean square is taken over the shells of k that both spectra have with an "
+            "error: about 1 where they agree.";
+    }
     table.rows = std::move(rows.list);
     return table;
 }

@@ -31,7 +31,8 @@ inline constexpr std::string_view differences_name = "differences";
 ///
 ///   (first − second) / sqrt(σ_first² + σ_second²)
 ///
-/// Errors are taken as independent; two analyses of the same frames share most of theirs, so that
+/// and one row a spectrum, the root mean square of this over the shells of k (at least 8) that both
+/// have with an error. Errors are taken as independent; two analyses of the same frames share most of theirs, so that
 /// their differences are smaller than the number says. At most 40 pairs. Nothing if there is no
 /// such quantity.
 std::optional<Table> differences(const std::vector<Results>& runs,

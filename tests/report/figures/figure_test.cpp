@@ -1,6 +1,7 @@
 #include "report/figures/figure.h"
 
 #include <cmath>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -58,6 +59,20 @@ TEST(Figure, WithOnlyGuidesHasNoData) {
     Figure figure;
     add_power_law(figure, "slope 1", 1, 1, 1, 10);
     EXPECT_FALSE(figure.has_data());
+}
+
+TEST(Figure, OpenSymbolsAreForPointsWithoutErrorAmongOthersThatHaveOne) {
+    Figure figure;
+    figure.kinds = {{"S", Mark::line}, {"fit", Mark::curve}};
+    const double none = std::numeric_limits<double>::quiet_NaN();
+    const Series some{0, 0, {1, 2, 3}, {4, 5, 6}, {none, 0.1, 0}};
+    EXPECT_EQ(points_without_error(figure, some), (std::vector<std::size_t>{0, 2}));
+    const Series never{0, 0, {1, 2}, {4, 5}, {none, none}};
+    EXPECT_TRUE(points_without_error(figure, never).empty());
+    EXPECT_TRUE(points_without_error(figure, {0, 0, {1, 2}, {4, 5}, {}}).empty());
+    Series fit = some;
+    fit.kind = 1;
+    EXPECT_TRUE(points_without_error(figure, fit).empty());
 }
 
 TEST(Extent, OnALogAxisCountsPositiveValuesOfShownSeries) {

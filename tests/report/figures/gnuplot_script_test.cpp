@@ -48,6 +48,18 @@ TEST(GnuplotScript, EndsErrorBarsAboveZeroOnALogAxis) {
     EXPECT_THAT(script, Not(HasSubstr("\n2 -1 ")));
 }
 
+TEST(GnuplotScript, LeavesTheRimOfPointsWithoutError) {
+    Figure figure;
+    figure.runs = {"A"};
+    figure.kinds = {{"S(k)", Mark::line, true}};
+    figure.series = {{0, 0, {1, 2}, {3, 4}, {std::nan(""), 1}}};
+    const std::string script = gnuplot_script(figure, "x.svg");
+    EXPECT_THAT(script, HasSubstr("$open0 << GRAINFIELD_END\n1 3\nGRAINFIELD_END"));
+    EXPECT_THAT(script, HasSubstr("$open0 using 1:2 with points lc rgb '#ffffff'"));
+    figure.series[0].error[0] = 1;
+    EXPECT_THAT(gnuplot_script(figure, "x.svg"), Not(HasSubstr("$open")));
+}
+
 TEST(GnuplotScript, ForPrintNamesRunsOnceAndNoFitsAndHasNoSecondAxis) {
     Figure figure;
     figure.runs = {"A", "B"};

@@ -43,6 +43,15 @@ TEST(PlotlyFigure, TurnsNanIntoNullAndKeepsSixDigits) {
     EXPECT_EQ(page["traces"][0]["y"], json::parse("[3.0, 4.0]"));
 }
 
+TEST(PlotlyFigure, OpensTheSymbolsOfPointsWithoutError) {
+    Figure figure;
+    figure.runs = {"A"};
+    figure.kinds = {{"S(k)", Mark::line}};
+    figure.series = {{0, 0, {1, 2}, {3, 4}, {std::nan(""), 1}}};
+    const json whole = json::parse(plotly_json(figure));
+    EXPECT_EQ(whole["traces"][0]["marker"]["symbol"], json({"circle-open", "circle"}));
+}
+
 TEST(PlotlyFigure, HidesWhatIsShownOnlyOnRequest) {
     const json page = json::parse(plotly_json(figure_with_hostile_names()));
     EXPECT_EQ(page["traces"][0]["visible"], true);

@@ -1,5 +1,8 @@
 #include "report/page/differences.h"
 
+#include <cmath>
+#include <limits>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -35,6 +38,69 @@ TEST(Differences, AreInUnitsOfBothErrorsTogether) {
     EXPECT_EQ(table->rows[0].cells[0].text, "+4.0");
     EXPECT_TRUE(table->rows[0].cells[0].failed);
     EXPECT_EQ(table->columns[0].label, "tracked less true");
+}
+
+Results spectrum_of(Origin origin, std::vector<double> k, std::vector<double> s) {
+    Results run = run_of(origin, 0.5, 0.03);
+    ObservableResult sk;
+    sk.name = "sk";
+    const std::vector<double> errors(k.size(), 0.01);
+    const std::vector<double> modes(k.size(), 4);
+    sk.curves = {{"sk",
+                  "Structure factor",
+                  {{"k", "1/a", "k", std::move(k)},
+                   {"s", "-", "S", std::move(s)},
+                   {"s_err", "-", "error", errors},
+                   {"n", "-", "modes", modes}},
+                  {}}};
+    run.observables.push_back(sk);
+    return run;
+}
+
+// Nine shells that both have; the tenth of each is alone. Differences are 2 errors of one run, so
+// that the root mean square is 2/√2.
+TEST(Differences, OfSpectraAreTheRootMeanSquareOverTheSharedShells) {
+    std::vector<double> k{0.05};
+    std::vector<double> other_k;
+    for (int i = 1; i < 10; ++i) k.push_back(0.1 * i);
+    other_k.assign(k.begin() + 1, k.end());
+    other_k.push_back(1.05);
+    std::vector<double> s(k.size(), 0.4);
+    std::vector<double> other_s(k.size(), 0.42);
+    s.front() = 9;
+    other_s.back() = 9;
+    std::vector<Results> runs{spectrum_of(Origin::video, k, s),
+                              spectrum_of(Origin::rendered, other_k, other_s)};
+    auto table = differences(runs, {"A", "B"}, identities_of(runs), {});
+    ASSERT_TRUE(table.has_value());
+    ASSERT_EQ(table->rows.size(), 2U);
+    EXPECT_EQ(table->rows[1].name, "Structure factor: root mean square");
+    EXPECT_NEAR(table->rows[1].cells[0].value, std::sqrt(2), 1e-9);
+    EXPECT_EQ(table->rows[1].cells[0].text, "1.4 (9 shells)");
+    EXPECT_FALSE(table->rows[1].cells[0].failed) << "2 is below 1.3 (1 + 3 √(2/9))";
+    EXPECT_THAT(table->note, HasSubstr("over the shells of k"));
+
+    runs[1] = spectrum_of(Origin::rendered, other_k, std::vector<double>(k.size(), 0.43));
+    table = differences(runs, {"A", "B"}, identities_of(runs), {});
+    EXPECT_TRUE(table->rows[1].cells[0].failed);
+}
+
+TEST(Differences, OfFewShellsOrWithoutErrorsAreNoRow) {
+    const std::vector<double> few{0.1, 0.2, 0.3};
+    std::vector<Results> runs{spectrum_of(Origin::video, few, few),
+                              spectrum_of(Origin::rendered, few, few)};
+    auto table = differences(runs, {"A", "B"}, identities_of(runs), {});
+    ASSERT_TRUE(table.has_value());
+    EXPECT_EQ(table->rows.size(), 1U);
+    EXPECT_THAT(table->note, testing::Not(HasSubstr("shells")));
+    std::vector<double> many;
+    for (int i = 1; i < 20; ++i) many.push_back(0.1 * i);
+    runs = {spectrum_of(Origin::video, many, many), spectrum_of(Origin::rendered, many, many)};
+    for (double& error : runs[1].observables[1].curves[0].columns[2].values) {
+        error = std::numeric_limits<double>::quiet_NaN();
+    }
+    table = differences(runs, {"A", "B"}, identities_of(runs), {});
+    EXPECT_EQ(table->rows.size(), 1U);
 }
 
 TEST(Differences, PairRunsThatDifferInOriginOnly) {
