@@ -181,7 +181,13 @@ class BoundCommand {
         if (unknown.empty()) return;
         std::string_view word = unknown.front();
         word = word.substr(std::min(word.size(), word.find_first_not_of('-')));
-        const std::string nearest = nearest_name(word.substr(0, word.find('=')), options_.flags());
+        word = word.substr(0, word.find('='));
+        std::string advice = options_.advice_on(word);
+        const std::string nearest = nearest_name(word, options_.flags());
+        if (advice.empty()) {
+            advice = nearest.empty() ? fmt::format("see 'grainfield {} --help'", command_->name())
+                                     : fmt::format("did you mean '--{}'?", nearest);
+        }
         std::error_code unreachable;
         if (std::filesystem::path(unknown.front()).extension() == ".toml" &&
             std::filesystem::exists(unknown.front(), unreachable)) {
@@ -194,9 +200,7 @@ class BoundCommand {
             {.problem = fmt::format("'{}' does not know '{}'", command_->name(), unknown.front()),
              .actual = {},
              .expected = {},
-             .suggestion = nearest.empty()
-                               ? fmt::format("see 'grainfield {} --help'", command_->name())
-                               : fmt::format("did you mean '--{}'?", nearest)});
+             .suggestion = advice});
     }
 
     std::unique_ptr<Command> command_;

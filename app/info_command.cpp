@@ -199,12 +199,19 @@ Summary describe_results(const std::filesystem::path& path) {
         sheet.add_record(results.record);
         return sheet.take();
     }
-    sheet.add("frames", "frames", results.frames);
-    sheet.add("particles_mean", "particles", results.particles_mean,
-              fmt::format("{} per frame", mean_text(results.particles_mean)));
-    sheet.add_info(results.source);
-    sheet.add_lab(results.source, lab_of(results));
-    sheet.add_box(results.box, name(results.source.length_unit));
+    if (results.identity.is_field()) {
+        // No particles, no film: lengths are in l.
+        sheet.add("origin", "origin", std::string(name(Origin::field)), "field model");
+        sheet.add("source", "source", results.source.source);
+        sheet.add_box(results.box, "l");
+    } else {
+        sheet.add("frames", "frames", results.frames);
+        sheet.add("particles_mean", "particles", results.particles_mean,
+                  fmt::format("{} per frame", mean_text(results.particles_mean)));
+        sheet.add_info(results.source);
+        sheet.add_lab(results.source, lab_of(results));
+        sheet.add_box(results.box, name(results.source.length_unit));
+    }
     ordered_json names = ordered_json::array();
     std::string words;
     for (const ObservableResult& observable : results.observables) {

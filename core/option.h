@@ -56,6 +56,13 @@ struct Option {
     Effect effect = Effect::result;
     const void* field = nullptr;  ///< what the row is bound to
 
+    /// What other programs call it, though it takes other values, and the advice to who tries that.
+    struct Sought {
+        std::vector<std::string> words;
+        std::string advice;
+    };
+    Sought sought{};
+
     bool is_called(std::string_view word) const;  ///< by its name or another one
 
     std::function<OptionValue()> get;  ///< the present value; text "auto" where not set

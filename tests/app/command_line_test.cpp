@@ -86,6 +86,13 @@ TEST(CommandLine, AnUnknownOptionIsToldBeforeItsValueIsTakenForAnInput) {
     EXPECT_THAT(two.err, HasSubstr("'export' takes one input: 2: 'a.h5', 'b.h5'"));
 }
 
+TEST(CommandLine, AnOptionThatOtherProgramsHaveIsAnsweredWithWhatServesHere) {
+    const Outcome outcome = call({"analyze", "a.h5", "-o", "b.h5", "--skip=100"});
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(outcome.err, AllOf(HasSubstr("does not know '--skip"),
+                                   HasSubstr("'--frames FIRST:END:STEP' takes some")));
+}
+
 TEST(CommandLine, AConfigurationGivenAsAnInputIsToldWhereItBelongs) {
     const grainfield::testing::ScratchFolder folder;
     const std::string file = folder / "md.toml";

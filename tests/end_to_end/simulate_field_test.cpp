@@ -15,7 +15,9 @@ namespace {
 
 using nlohmann::json;
 using ::testing::AllOf;
+using ::testing::AnyOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using testing::Outcome;
 using testing::run_grainfield;
 using testing::ScratchFolder;
@@ -74,6 +76,9 @@ TEST(SimulateField, GoesThroughAnalyzeExportAndCompare) {
     const std::string text = content(folder, folder / "f.h5");
     EXPECT_THAT(text, AllOf(HasSubstr("variance.csv"), HasSubstr("sk_order.csv")));
     ASSERT_EQ(run_grainfield({"analyze", folder / "f.h5", "-o", folder / "r.h5"}).code, 0);
+    const std::string info = run_grainfield({"info", folder / "r.h5"}).out;
+    EXPECT_THAT(info, AllOf(HasSubstr("field model"), HasSubstr("20.8 x 20.8 l, periodic")));
+    EXPECT_THAT(info, Not(AnyOf(HasSubstr("particles"), HasSubstr("diameter")))) << "of no field";
     EXPECT_EQ(run_grainfield({"compare", folder / "r.h5", "-o", folder / "report.html"}).code, 0);
 }
 
