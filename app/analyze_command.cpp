@@ -109,7 +109,7 @@ std::vector<OptionTable> AnalyzeCommand::options() {
     own.text("frames", job_.frames,
              "which snapshots, counted from 0, as FIRST:END:STEP; '100:' leaves out the first 100");
     own.sought_as({"skip", "discard", "first-frame", "last-frame", "start", "stop", "every"},
-                  "'--frames FIRST:END:STEP' takes some of the snapshots");
+                  "give '--frames FIRST:END:STEP': 100: leaves out the first 100 snapshots");
     own.number("fps", job_.adjustment.frame_rate, "1/s", {1e-9, 1e9},
                "frame rate; auto: as the file says");
     own.number("sphere-diameter", job_.adjustment.particle_diameter, "length unit of the file",

@@ -56,7 +56,7 @@ struct Option {
     Effect effect = Effect::result;
     const void* field = nullptr;  ///< what the row is bound to
 
-    /// What other programs call it, though it takes other values, and the advice to who tries that.
+    /// Words by which other programs call it, with values of another form: refused with the advice.
     struct Sought {
         std::vector<std::string> words;
         std::string advice;

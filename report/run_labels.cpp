@@ -12,9 +12,11 @@ std::vector<RunIdentity> identities_of(const std::vector<Results>& runs) {
 }
 
 bool all_on_a_line(const std::vector<RunIdentity>& identities) {
-    return !identities.empty() && std::ranges::all_of(identities, [](const RunIdentity& identity) {
-        return identity.role == RunRole::run && identity.dimension == 1;
-    });
+    const auto is_run = [](const RunIdentity& identity) { return identity.role == RunRole::run; };
+    return std::ranges::any_of(identities, is_run) &&
+           std::ranges::all_of(identities, [&](const RunIdentity& identity) {
+               return !is_run(identity) || identity.dimension == 1;
+           });
 }
 
 std::string origin_text(const RunIdentity& identity) {

@@ -54,9 +54,9 @@ class Plan:
         """The films of each acceleration: slow1, …, fast. Where there are long runs: long, which is
         not filmed, and slow1 and fast of some accelerations."""
         if "long-frames" in self.experiment:
-            chosen = [(film, [text(value) for value in self.experiment[key]])
+            chosen = [(film, [text(value) for value in self.experiment.get(key, [])])
                       for film, key in [("slow1", "filmed-gamma"), ("fast", "fast-gamma")]]
-            return ["long"] + [film for film, gammas in chosen if gamma is None or gamma in gammas]
+            return ["long"] + [film for film, gammas in chosen if (gammas if gamma is None else gamma in gammas)]
         return [f"slow{i + 1}" for i in range(self.experiment["films"])] + ["fast"]
 
     def runs(self):

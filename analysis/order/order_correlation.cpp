@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -402,6 +403,10 @@ void OrderCorrelation::add_time(ObservableResult& result) const {
     Measurement m{"order_time", "time unit", std::nullopt, std::nullopt, 0, ""};
     if (!std::isfinite(value)) {
         m.reason = "the correlation stays above 1/e up to half of the run";
+    } else if (curve.columns[1].values.front() < 1 / std::numbers::e) {
+        m.reason = fmt::format(
+            "below 1/e already at {:.3g}, the shortest time between frames: they are too far apart",
+            curve.columns[0].values.front());
     } else {
         m.value = value;
         m.error = found.error;

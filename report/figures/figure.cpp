@@ -25,6 +25,18 @@ std::vector<std::size_t> points_without_error(const Figure& figure, const Series
     return open;
 }
 
+std::string open_symbols_sentence(const Figure& figure) {
+    const auto is_drawn = [&](const Series& series, std::size_t i) {
+        return figure.y.scale == Scale::linear || series.y[i] > 0;
+    };
+    const bool has_some = std::ranges::any_of(figure.series, [&](const Series& series) {
+        return figure.kinds[series.kind].shown &&
+               std::ranges::any_of(points_without_error(figure, series),
+                                   [&](std::size_t i) { return is_drawn(series, i); });
+    });
+    return has_some ? "Open symbols: the error is not known." : "";
+}
+
 Style style_of(const Figure& figure, std::size_t run, std::size_t kind) {
     const auto is_guide = [](const Kind& k) { return k.mark == Mark::guide; };
     const auto first = figure.kinds.begin();

@@ -58,9 +58,12 @@ struct Figure {
     bool has_data() const;  ///< whether any run has a series
 };
 
-/// Points that have no error though others of their series have one. They are drawn as open symbols:
-/// without a bar they would look precise. Of a series of points alone; of any other none.
+/// Points that have no error though others of their series have one. They are drawn as open
+/// symbols: without a bar they would look precise. Of a series of points alone; of any other none.
 std::vector<std::size_t> points_without_error(const Figure& figure, const Series& series);
+
+/// "Open symbols: the error is not known.", where a shown series has such points; else empty.
+std::string open_symbols_sentence(const Figure& figure);
 
 /// How a series looks, wherever it is drawn. One run: colour by kind; several: colour by run,
 /// symbols by run, dashes by kind; symbols of points without lines by both, as are dashes of the

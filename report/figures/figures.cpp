@@ -34,6 +34,7 @@ bool any_has(const Runs& runs, const char* observable) {
 
 // Behind a note that may lack its full stop.
 void add_sentence(std::string& note, const std::string& sentence) {
+    if (sentence.empty()) return;
     if (!note.empty()) note += note.back() == '.' ? " " : ". ";
     note += sentence;
 }
@@ -87,10 +88,7 @@ std::vector<Figure> make_figures(const std::vector<Results>& runs,
     }
     add_scaled();
     for (Figure& figure : figures) {
-        const bool has_open = std::ranges::any_of(figure.series, [&](const Series& series) {
-            return !points_without_error(figure, series).empty();
-        });
-        if (has_open) add_sentence(figure.note, "Open symbols: the error is not known.");
+        add_sentence(figure.note, open_symbols_sentence(figure));
         if (figure.runs.size() != identities.size()) continue;  // a panel has one origin
         for (const RunIdentity& identity : identities) {
             figure.origins.push_back(origin_text(identity));

@@ -36,6 +36,27 @@ const Measurement* counterpart(const Results& run, const std::string& observable
     return found != nullptr && is_known(*found) && found->unit == m.unit ? found : nullptr;
 }
 
+// Whether the shells of a spectrum are independent, so that the mean square of the differences
+// tells whether two of them agree: waves that a periodic box has, and modes between walls. Plane
+// waves between walls overlap, as do neighbouring points of other curves.
+bool has_independent_shells(const Curve& curve, const Results& run) {
+    const auto is_called = [&](const char* name) { return curve.name == name; };
+    if (!run.box.is_periodic()) return is_called("sk_neumann");
+    return is_called("sk") || is_called("s4") || is_called("sk_order");
+}
+
+// The curve of the other run, if both are of independent shells and were measured in the same way,
+// which their title says.
+const Curve* same_spectrum(const Curve& curve, const std::string& observable, const Results& run,
+                           const Results& other_run) {
+    const ObservableResult* other = other_run.find(observable);
+    const Curve* found = other == nullptr ? nullptr : other->find_curve(curve.name);
+    if (found == nullptr || found->title != curve.title) return nullptr;
+    const bool are_judged =
+        has_independent_shells(curve, run) && has_independent_shells(*found, other_run);
+    return are_judged ? found : nullptr;
+}
+
 TableCell difference_cell(const Measurement& a, const Measurement& b) {
     const double difference = *a.value - *b.value;
     const double error = std::hypot(*a.error, *b.error);
@@ -51,8 +72,6 @@ const Column* find_known(const Curve& curve, const char* column) {
     return found != nullptr && !found->values.empty() ? found : nullptr;
 }
 
-// Waves of different k are independent, so that the mean square of their differences tells whether
-// two curves agree; neighbouring points of other curves share most of their scatter.
 struct SpectrumDifference {
     double mean_square = 0;  // of the differences in units of their errors
     std::size_t shells = 0;
@@ -86,13 +105,13 @@ std::optional<SpectrumDifference> spectrum_difference(const Curve& a, const Curv
     return all;
 }
 
-// The errors are estimates too: their scatter makes the mean square some 1.3, not 1.
+// Errors of few blocks are widened by Student's factor, so that the mean square is 1 at most.
 TableCell spectrum_cell(const SpectrumDifference& difference) {
     const auto shells = static_cast<double>(difference.shells);
     TableCell cell;
     cell.value = std::sqrt(difference.mean_square);
     cell.text = fmt::format("{:.1f} ({} shells)", cell.value, difference.shells);
-    cell.failed = difference.mean_square > 1.3 * (1 + remarkable * std::sqrt(2 / shells));
+    cell.failed = difference.mean_square > 1 + remarkable * std::sqrt(2 / shells);
     return cell;
 }
 
@@ -204,10 +223,10 @@ std::optional<Table> differences(const std::vector<Results>& runs,
                 rows.at(name, pairs.size()).cells[p] = difference_cell(m, *other);
             }
             for (const Curve& curve : observable.curves) {
-                const ObservableResult* other = runs[second].find(observable.name);
-                const Curve* others = other == nullptr ? nullptr : other->find_curve(curve.name);
-                if (others == nullptr) continue;
-                const auto difference = spectrum_difference(curve, *others);
+                const Curve* other =
+                    same_spectrum(curve, observable.name, runs[first], runs[second]);
+                if (other == nullptr) continue;
+                const auto difference = spectrum_difference(curve, *other);
                 if (!difference) continue;
                 has_spectra = true;
                 rows.at(clean_text(curve.title) + ": root mean square", pairs.size()).cells[p] =
@@ -218,8 +237,10 @@ std::optional<Table> differences(const std::vector<Results>& runs,
     if (rows.list.empty()) return std::nullopt;
     if (has_spectra) {
         table.note +=
-            " A root mean square is taken over the shells of k that both spectra have with an "
-            "error: about 1 where they agree.";
+            " Of a spectrum it is the root mean square over the n shells of k that both have with "
+            "an "
+            "error: about 1 where independent runs agree. It stands out where its square is above "
+            "1 + 3 √(2/n).";
     }
     table.rows = std::move(rows.list);
     return table;

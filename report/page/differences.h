@@ -31,10 +31,11 @@ inline constexpr std::string_view differences_name = "differences";
 ///
 ///   (first − second) / sqrt(σ_first² + σ_second²)
 ///
-/// and one row a spectrum, the root mean square of this over the shells of k (at least 8) that both
-/// have with an error. Errors are taken as independent; two analyses of the same frames share most of theirs, so that
-/// their differences are smaller than the number says. At most 40 pairs. Nothing if there is no
-/// such quantity.
+/// and for each spectrum a row with the root mean square of it over the shells of k that both have
+/// with an error, at least 8. Shells must be independent: S(k) and S4(k) of periodic boxes, and
+/// S(k) of the modes between walls. Errors are taken as independent; two analyses of the same
+/// frames share most of theirs, so that their differences are smaller than the number says. At most
+/// 40 pairs. Nothing if there is no such quantity.
 std::optional<Table> differences(const std::vector<Results>& runs,
                                  const std::vector<std::string>& labels,
                                  const std::vector<RunIdentity>& identities,

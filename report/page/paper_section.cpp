@@ -67,6 +67,9 @@ std::string panel_html(const PaperPanel& panel) {
             "<div class=\"plot\" id=\"plot-{}\" role=\"img\" aria-label=\"{}\"></div>\n",
             figure.name, escape_html(figure.y.title() + " against " + figure.x.title()));
         out += "<div class=\"legend\"></div>\n";
+        if (const std::string open = open_symbols_sentence(figure); !open.empty()) {
+            out += "<p class=\"note\">" + escape_html(open) + "</p>\n";
+        }
     } else {
         out += "<div class=\"plot empty\"><p>Not drawn: " + escape_html(panel.absent) +
                ".</p></div>\n";

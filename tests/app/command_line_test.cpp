@@ -90,7 +90,7 @@ TEST(CommandLine, AnOptionThatOtherProgramsHaveIsAnsweredWithWhatServesHere) {
     const Outcome outcome = call({"analyze", "a.h5", "-o", "b.h5", "--skip=100"});
     EXPECT_EQ(outcome.code, 2);
     EXPECT_THAT(outcome.err, AllOf(HasSubstr("does not know '--skip"),
-                                   HasSubstr("'--frames FIRST:END:STEP' takes some")));
+                                   HasSubstr("give '--frames FIRST:END:STEP'")));
 }
 
 TEST(CommandLine, AConfigurationGivenAsAnInputIsToldWhereItBelongs) {

@@ -27,6 +27,9 @@ TEST(Identities, AreAllOnALineWhereNothingElseIsThere) {
     EXPECT_TRUE(all_on_a_line({line, line}));
     EXPECT_FALSE(all_on_a_line({line, {.origin = Origin::md}}));
     EXPECT_FALSE(all_on_a_line({}));
+    const RunIdentity critical{.origin = Origin::field, .role = RunRole::critical_point};
+    EXPECT_TRUE(all_on_a_line({critical, line})) << "what is made of runs is none";
+    EXPECT_FALSE(all_on_a_line({critical}));
 }
 
 }  // namespace

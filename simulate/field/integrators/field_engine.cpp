@@ -266,7 +266,8 @@ void FieldEngine<Real>::restore(const Checkpoint& checkpoint) {
 template <class Real>
 std::size_t FieldEngine<Real>::memory() const {
     const std::size_t columns = static_cast<std::size_t>(order_.spectrum().columns());
-    const std::size_t modes = columns * static_cast<std::size_t>(lattice().ny + 16);
+    const int room = lattice().ny == 1 ? 0 : 16;  // so far columns are apart
+    const std::size_t modes = columns * static_cast<std::size_t>(lattice().ny + room);
     // Fields: ρ, D and one more of the scheme; modes: c, transform, decay, amplitude, tables.
     return lattice().padded_cells() * sizeof(Real) * (density_.size() + 2) +
            modes * (8 * sizeof(Real) + 3 * sizeof(double) / 2);

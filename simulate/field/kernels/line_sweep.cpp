@@ -141,7 +141,8 @@ void LineSweep<Real>::ring(const Array& diffusivity, std::span<Array> fields, co
     const std::size_t room = padded(lines.cells) * line_lanes;
     b.diffusivity.resize(room);
     b.field.resize(room);
-    // Lane l holds the cells from l · part − warm on.
+    // Lane l holds the cells from l · part − warm on. Transposes round lanes up to fours: the room
+    // behind the last one.
     const auto cut = [&](const auto& ring, auto& unrolled, auto& lanes) {
         unroll(ring.data(), cells, warm_,
                static_cast<std::size_t>(line_lanes * part + 2 * warm_) + line_lanes, unrolled);

@@ -65,6 +65,33 @@ TEST(OrderCorrelation, InTimeIsThatOfPhasesThatDiffuse) {
     EXPECT_LT(*time->error, 1);
 }
 
+// Of phases that are new in each frame the time is shorter than any that frames can tell.
+TEST(OrderCorrelation, InTimeHasNoLengthBelowTheIntervalOfFrames) {
+    const int frames = 32;
+    const Box box = square_box(30);
+    OrderCorrelation correlation(box, frames);
+    RandomStream random(4, "new phases");
+    const std::vector<Vec2> points = poisson_points(500, box, random);
+    for (int f = 0; f < frames; ++f) {
+        std::vector<std::complex<double>> q;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            q.push_back(std::polar(0.5, 2 * std::numbers::pi * random.uniform()));
+        }
+        Pattern here = pattern(points, box, f);
+        here.time = 2.5 * f;
+        here.id = identities(points.size());
+        const BondOrderField field = field_of(q);
+        correlation.add(correlation.measure(here, field, f), here, field);
+    }
+    ObservableResult result;
+    correlation.add_to(result);
+    const Measurement* time = result.find_measurement("order_time");
+    ASSERT_NE(time, nullptr);
+    EXPECT_FALSE(time->value.has_value());
+    EXPECT_FALSE(time->error.has_value());
+    EXPECT_THAT(time->reason, testing::HasSubstr("below 1/e already at 2.5"));
+}
+
 // Stripes of order that turn with x: Q = exp(i κ x); C(r) = J0(κ r) by averaging over directions.
 TEST(OrderCorrelation, InSpaceIsTheBesselFunctionOfAPlaneWave) {
     const double length = 40;

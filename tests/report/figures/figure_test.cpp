@@ -73,6 +73,17 @@ TEST(Figure, OpenSymbolsAreForPointsWithoutErrorAmongOthersThatHaveOne) {
     Series fit = some;
     fit.kind = 1;
     EXPECT_TRUE(points_without_error(figure, fit).empty());
+
+    figure.series = {never, fit};
+    EXPECT_EQ(open_symbols_sentence(figure), "");
+    figure.series.push_back(some);
+    EXPECT_EQ(open_symbols_sentence(figure), "Open symbols: the error is not known.");
+    figure.y.scale = Scale::log;
+    figure.series.back().y = {-4, 5, -6};
+    EXPECT_EQ(open_symbols_sentence(figure), "") << "they are not drawn";
+    figure.y.scale = Scale::linear;
+    figure.kinds[0].shown = false;
+    EXPECT_EQ(open_symbols_sentence(figure), "");
 }
 
 TEST(Extent, OnALogAxisCountsPositiveValuesOfShownSeries) {

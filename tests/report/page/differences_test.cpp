@@ -42,6 +42,7 @@ TEST(Differences, AreInUnitsOfBothErrorsTogether) {
 
 Results spectrum_of(Origin origin, std::vector<double> k, std::vector<double> s) {
     Results run = run_of(origin, 0.5, 0.03);
+    run.box = Box{{}, {50, 50}, {Boundary::periodic, Boundary::periodic}};
     ObservableResult sk;
     sk.name = "sk";
     const std::vector<double> errors(k.size(), 0.01);
@@ -77,12 +78,31 @@ TEST(Differences, OfSpectraAreTheRootMeanSquareOverTheSharedShells) {
     EXPECT_EQ(table->rows[1].name, "Structure factor: root mean square");
     EXPECT_NEAR(table->rows[1].cells[0].value, std::sqrt(2), 1e-9);
     EXPECT_EQ(table->rows[1].cells[0].text, "1.4 (9 shells)");
-    EXPECT_FALSE(table->rows[1].cells[0].failed) << "2 is below 1.3 (1 + 3 √(2/9))";
+    EXPECT_FALSE(table->rows[1].cells[0].failed) << "2 is below 1 + 3 √(2/9) = 2.41";
     EXPECT_THAT(table->note, HasSubstr("over the shells of k"));
 
-    runs[1] = spectrum_of(Origin::rendered, other_k, std::vector<double>(k.size(), 0.43));
+    runs[1] = spectrum_of(Origin::rendered, other_k, std::vector<double>(k.size(), 0.4225));
     table = differences(runs, {"A", "B"}, identities_of(runs), {});
-    EXPECT_TRUE(table->rows[1].cells[0].failed);
+    EXPECT_NEAR(table->rows[1].cells[0].value, 2.25 / std::sqrt(2), 1e-9);
+    EXPECT_TRUE(table->rows[1].cells[0].failed) << "2.53 is above 2.41";
+}
+
+TEST(Differences, OfSpectraAreNotThoseOfOverlappingWavesOrOtherEstimators) {
+    std::vector<double> many;
+    for (int i = 1; i < 20; ++i) many.push_back(0.1 * i);
+    std::vector<Results> runs{spectrum_of(Origin::video, many, many),
+                              spectrum_of(Origin::rendered, many, many)};
+    const auto rows = [&] {
+        return differences(runs, {"A", "B"}, identities_of(runs), {})->rows.size();
+    };
+    EXPECT_EQ(rows(), 2U);
+    runs[1].observables[1].curves[0].title = "Structure factor, connected";
+    EXPECT_EQ(rows(), 1U) << "measured in another way";
+    runs[1].observables[1].curves[0].title = "Structure factor";
+    for (Results& run : runs) run.box.boundary = {Boundary::walls, Boundary::walls};
+    EXPECT_EQ(rows(), 1U) << "plane waves between walls overlap";
+    for (Results& run : runs) run.observables[1].curves[0].name = "sk_neumann";
+    EXPECT_EQ(rows(), 2U) << "modes between walls do not";
 }
 
 TEST(Differences, OfFewShellsOrWithoutErrorsAreNoRow) {

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <limits>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -122,18 +123,20 @@ void expect_plain_step(FieldSetup setup, double tolerance) {
     const auto fields = make_integrator(setup, 1);  // white density
     Checkpoint state;
     fields->save(state);
-    const Values rho = state.reals.at("density 0");
     setup.model.c1 = 0;  // no noise from here on
     const auto quiet = make_integrator(setup, 2);
     quiet->restore(state);
     const Values before = diffusivity(*quiet);
     quiet->advance(1);
-    const Values expected = expected_step(setup, rho, before, diffusivity(*quiet));
-    const Values got = quiet->density(0).value;
-    for (std::size_t i = 0; i < got.size(); ++i) {
-        ASSERT_NEAR(got[i], expected[i], tolerance)
-            << setup.lattice.nx << " x " << setup.lattice.ny << " scheme "
-            << static_cast<int>(setup.scheme) << " cell " << i;
+    for (int replica = 0; replica < setup.replicas; ++replica) {
+        const Values rho = state.reals.at(fmt::format("density {}", replica));
+        const Values expected = expected_step(setup, rho, before, diffusivity(*quiet));
+        const Values got = quiet->density(replica).value;
+        for (std::size_t i = 0; i < got.size(); ++i) {
+            ASSERT_NEAR(got[i], expected[i], tolerance)
+                << setup.lattice.nx << " x " << setup.lattice.ny << " scheme "
+                << static_cast<int>(setup.scheme) << " cell " << i << " replica " << replica;
+        }
     }
 }
 
@@ -147,10 +150,13 @@ TEST(FieldIntegrator, AStepIsThatOfPlainArithmetic) {
             setup.twofold = false;
             expect_plain_step(setup, 2e-5);
         }
-        for (const int nx : {1, 2, 7, 40}) {
+        for (const int nx : {1, 2, 7, 40, 100}) {
             FieldSetup setup = line(nx, scheme, 0.02);
+            setup.replicas = 2;
             setup.twofold = true;
             expect_plain_step(setup, 1e-12);
+            setup.twofold = false;
+            expect_plain_step(setup, 2e-5);
         }
     }
 }
