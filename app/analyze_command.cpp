@@ -1,5 +1,8 @@
 #include "app/analyze_command.h"
 
+#include <algorithm>
+#include <array>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -108,8 +111,6 @@ std::vector<OptionTable> AnalyzeCommand::options() {
              "table kx,ky of wavevectors in 1/a at which S(k) is measured besides its grid");
     own.text("frames", job_.frames,
              "which snapshots, counted from 0, as FIRST:END:STEP; '100:' leaves out the first 100");
-    own.sought_as({"skip", "discard", "first-frame", "last-frame", "start", "stop", "every"},
-                  "give '--frames FIRST:END:STEP': 100: leaves out the first 100 snapshots");
     own.number("fps", job_.adjustment.frame_rate, "1/s", {1e-9, 1e9},
                "frame rate; auto: as the file says");
     own.number("sphere-diameter", job_.adjustment.particle_diameter, "length unit of the file",
@@ -128,6 +129,16 @@ std::vector<OptionTable> AnalyzeCommand::options() {
     std::vector<OptionTable> tables{own};
     for (OptionTable& table : analysis::describe(job_.analysis)) tables.push_back(std::move(table));
     return tables;
+}
+
+std::string AnalyzeCommand::advice_on(std::string_view unknown_option) const {
+    constexpr std::array<std::string_view, 12> of_snapshots{
+        "skip", "discard", "first", "last", "first-frame", "last-frame",
+        "from", "to",      "start", "stop", "every",       "stride"};
+    if (std::ranges::find(of_snapshots, unknown_option) != of_snapshots.end()) {
+        return "give '--frames FIRST:END:STEP': 100: leaves out the first 100 snapshots";
+    }
+    return {};
 }
 
 pipelines::AnalyzeJobOptions AnalyzeCommand::job() const {

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "app/command.h"
@@ -18,6 +19,7 @@ class AnalyzeCommand : public Command {
     Inputs inputs() const override;
     std::vector<OptionTable> options() override;
     std::vector<std::string> usual() const override;
+    std::string advice_on(std::string_view unknown_option) const override;
     Summary run(Session& session) override;
     std::string default_output(const std::vector<std::filesystem::path>& inputs) const override;
 

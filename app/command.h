@@ -58,6 +58,9 @@ class Command {
     /// Called when the options file is read, before the command line is: empties what the file
     /// says and the command line contradicts in other words.
     virtual void make_room_for(const GivenText& /*given*/) {}
+    /// What to give in place of an option that other programs have, without its dashes, and this
+    /// command has in another form; empty: nothing is known of it.
+    virtual std::string advice_on(std::string_view /*unknown_option*/) const { return {}; }
     virtual Summary run(Session& session) = 0;
     /// What --output is where nobody says it, in the present folder; empty: it has to be said.
     virtual std::string default_output(const std::vector<std::filesystem::path>& /*inputs*/) const {

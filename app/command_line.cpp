@@ -182,7 +182,7 @@ class BoundCommand {
         std::string_view word = unknown.front();
         word = word.substr(std::min(word.size(), word.find_first_not_of('-')));
         word = word.substr(0, word.find('='));
-        std::string advice = options_.advice_on(word);
+        std::string advice = command_->advice_on(word);
         const std::string nearest = nearest_name(word, options_.flags());
         if (advice.empty()) {
             advice = nearest.empty() ? fmt::format("see 'grainfield {} --help'", command_->name())

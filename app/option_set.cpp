@@ -80,14 +80,6 @@ std::vector<std::string> OptionSet::flags() const {
     return names;
 }
 
-std::string OptionSet::advice_on(std::string_view word) const {
-    for (const Entry& entry : entries_) {
-        const Option::Sought& sought = entry.option.sought;
-        if (std::ranges::find(sought.words, word) != sought.words.end()) return sought.advice;
-    }
-    return {};
-}
-
 bool OptionSet::has_section(std::string_view section) const {
     return std::ranges::any_of(entries_,
                                [&](const Entry& entry) { return belongs(entry, section); });

@@ -30,8 +30,6 @@ class OptionSet {
     const std::string& command() const { return command_; }
     const std::vector<Entry>& entries() const { return entries_; }
     std::vector<std::string> flags() const;
-    /// The advice of the option that is sought under this word; empty if there is none.
-    std::string advice_on(std::string_view word) const;
 
     /// The text with each option as the command line has it: "--flag". Libraries name options
     /// "section.name", and a command-wide one "option 'name'".

@@ -56,13 +56,6 @@ struct Option {
     Effect effect = Effect::result;
     const void* field = nullptr;  ///< what the row is bound to
 
-    /// Words by which other programs call it, with values of another form: refused with the advice.
-    struct Sought {
-        std::vector<std::string> words;
-        std::string advice;
-    };
-    Sought sought{};
-
     bool is_called(std::string_view word) const;  ///< by its name or another one
 
     std::function<OptionValue()> get;  ///< the present value; text "auto" where not set

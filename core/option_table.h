@@ -80,11 +80,6 @@ class OptionTable {
     /// The option added last may be called so too.
     void also_called(std::string name) { rows_.back().other_names.push_back(std::move(name)); }
 
-    /// Words under which people look for the option added last, which are refused with this advice.
-    void sought_as(std::vector<std::string> words, std::string advice) {
-        rows_.back().sought = {std::move(words), std::move(advice)};
-    }
-
     /// What depends on the option added last.
     void affects(Effect effect) { rows_.back().effect = effect; }
 

@@ -79,7 +79,7 @@ TEST(Differences, OfSpectraAreTheRootMeanSquareOverTheSharedShells) {
     EXPECT_NEAR(table->rows[1].cells[0].value, std::sqrt(2), 1e-9);
     EXPECT_EQ(table->rows[1].cells[0].text, "1.4 (9 shells)");
     EXPECT_FALSE(table->rows[1].cells[0].failed) << "2 is below 1 + 3 √(2/9) = 2.41";
-    EXPECT_THAT(table->note, HasSubstr("over the shells of k"));
+    EXPECT_THAT(table->note, HasSubstr("over the n shells of k"));
 
     runs[1] = spectrum_of(Origin::rendered, other_k, std::vector<double>(k.size(), 0.4225));
     table = differences(runs, {"A", "B"}, identities_of(runs), {});
