@@ -136,6 +136,7 @@ void LineSweep<Real>::ring(const Array& diffusivity, std::span<Array> fields, co
     Buffers& b = buffers();
     const int cells = lattice_.nx;
     const int part = (cells + line_lanes - 1) / line_lanes;
+    const std::size_t all_parts = padded(cells);
     const LineBundle lines{part + 2 * warm_, 0};
     const LineFactors<Real> factors = b.factors(lines.length());
     const std::size_t room = padded(lines.cells) * line_lanes;
@@ -145,7 +146,7 @@ void LineSweep<Real>::ring(const Array& diffusivity, std::span<Array> fields, co
     // behind the last one.
     const auto cut = [&](const auto& ring, auto& unrolled, auto& lanes) {
         unroll(ring.data(), cells, warm_,
-               static_cast<std::size_t>(line_lanes * part + 2 * warm_) + line_lanes, unrolled);
+               all_parts + 2 * static_cast<std::size_t>(warm_) + line_lanes, unrolled);
         lanes_from_rows(unrolled.data(), static_cast<std::size_t>(part), line_lanes, lines.cells,
                         lanes.data());
     };
@@ -161,7 +162,7 @@ void LineSweep<Real>::ring(const Array& diffusivity, std::span<Array> fields, co
         }
         solve_lines(lines, factors, b.field.data(), std::size_t{line_lanes},
                     noise ? b.noise.data() : nullptr, s_, b.scratch.data(), after_);
-        b.unrolled.resize(static_cast<std::size_t>(line_lanes * part));
+        b.unrolled.resize(all_parts);
         rows_from_lanes(&b.field[static_cast<std::size_t>(warm_) * line_lanes], line_lanes, part,
                         b.unrolled.data(), static_cast<std::size_t>(part));
         Real* field = fields[f].data();
