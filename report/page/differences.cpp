@@ -237,10 +237,9 @@ std::optional<Table> differences(const std::vector<Results>& runs,
     if (rows.list.empty()) return std::nullopt;
     if (has_spectra) {
         table.note +=
-            " Of a spectrum it is the root mean square over the n shells of k that both have with "
-            "an "
-            "error: about 1 where independent runs agree. It stands out where its square is above "
-            "1 + 3 √(2/n).";
+            " Of a spectrum it is the root mean square over the n shells of k that both have "
+            "with an error: about 1 where independent runs agree. "
+            "It stands out where its square is above 1 + 3 √(2/n).";
     }
     table.rows = std::move(rows.list);
     return table;
