@@ -136,7 +136,11 @@ class Plan:
         return [f"--grains={self.layer_grains(name)}", f"--length-x={length}", f"--length-y={length}",
                 f"--amplitude={float(gamma) / LAYER_OMEGA**2:.6g}", f"--discard={relax}",
                 f"--periods={relax + self.layer['record']}",
-                f"--snapshot-every={self.layer['snapshot-every']}"] + friction
+                f"--snapshot-every={self.layer['snapshot-every']}"] + friction + self._contact_time()
+
+    def _contact_time(self):
+        """Without it a run ends where grains come to rest on the plate, near 1 g and with little friction."""
+        return [f"--contact-time={self.layer['contact-time']:.0e}"] if "contact-time" in self.layer else []
 
     # ---- the field model -------------------------------------------------------------------------
 

@@ -68,6 +68,12 @@ class TheScales(unittest.TestCase):
         self.assertFalse([o for o in decide.layer_options("2.2-large") if "friction" in o])
         self.assertEqual(float(option(decide.layer_options("2.2-literal"), "amplitude")), 0.088)
 
+    def test_decide_lets_grains_of_its_layers_come_to_rest_on_the_plate(self):
+        decide = plan.Plan("decide")
+        for name in decide.layers():
+            self.assertEqual(option(decide.layer_options(name), "contact-time"), "1e-05")
+        self.assertFalse([o for o in plan.Plan("medium").layer_options("2.3") if "contact-time" in o])
+
     def test_decide_has_one_nu_at_three_sizes(self):
         decide = plan.Plan("decide")
         sizes = [option(decide.field_options(name), "nx") for name in decide.fields()
