@@ -50,10 +50,14 @@ std::vector<OptionTable> CriticalCommand::options() {
              "name of the control parameter; without --values an option that the inputs record; by "
              "default Γ or ν as the inputs say");
     own.text("label", job_.label, "name in plots");
-    own.choice("line", job_.line,
-               {{"free", analysis::CriticalLine::free},
-                {"through-zero", analysis::CriticalLine::through_zero}},
-               "free intercept, or held to zero at zero (the parameter is then a distance)");
+    own.choice(
+        "line", job_.line,
+        {{"free", analysis::CriticalLine::free},
+         {"through-zero", analysis::CriticalLine::through_zero},
+         {"power", analysis::CriticalLine::power},
+         {"power-and-constant", analysis::CriticalLine::power_and_constant}},
+        "what goes through S0/S1: a line with a free intercept, or held to zero at zero (the "
+        "parameter is then a distance); a power of the parameter, or a constant and a power");
     own.choice("exponent", job_.exponent,
                {{"as-fitted", SharedExponent::no}, {"shared", SharedExponent::yes}},
                "S0/S1 as the inputs give it, or all fitted again with one exponent");

@@ -41,7 +41,7 @@ SpectrumFit fit_of(const Spectrum& spectrum, const FitOptions& options) {
     const Range range = range_of(spectrum, options);
     if (range.end) return fit_spectrum(spectrum, *range.end, alpha_of(options), options.method);
     SpectrumFit none;
-    none.reason = range.peak.reason + ", which sets the range of the fit; set its end, fit.k-max";
+    none.reason = range.peak.reason + ", which sets the range of the fit; set its end, --fit-k-max";
     return none;
 }
 

@@ -18,8 +18,10 @@ struct CriticalPoint {
 };
 
 enum class CriticalLine {
-    free,         ///< ratio = slope (x − x_c), x_c fitted
-    through_zero  ///< ratio = slope x: the parameter is the distance to the critical point
+    free,               ///< ratio = slope (x − x_c), x_c fitted
+    through_zero,       ///< ratio = slope x: the parameter is the distance to the critical point
+    power,              ///< ratio = factor x^power: it vanishes at zero, and the power is fitted
+    power_and_constant  ///< ratio = constant + factor x^power: is its limit at zero above zero?
 };
 
 struct CriticalFit {
@@ -43,12 +45,14 @@ struct CriticalFit {
 /// The interval of x_c holds the x at which the line is zero within its standard error,
 /// (a + b x)² ≤ σ_a² + 2 x σ_ab + x² σ_b² (`fieller1954`): asymmetric where it must be, and none
 /// where the slope differs from zero by less than its error. Errors are taken as they are given;
-/// chi2 says whether the line describes the points. At least three points (two through zero).
+/// chi2 says whether the line describes the points. At least three points (two through zero). The
+/// two powers are no lines: fit_critical_power.
 CriticalFit fit_critical(std::span<const CriticalPoint> points, CriticalLine line);
 
 /// The observable "critical": measurements critical_value, critical_low, critical_high, slope,
-/// intercept, chi2_per_dof; curves "critical" (x, s0_over_s1, err) and "critical_line"
-/// (x, s0_over_s1, err). Where the shared exponent was fitted, `alpha` says it.
+/// intercept (of a power: power, factor, constant), chi2_per_dof; curves "critical" (x, s0_over_s1,
+/// err) and "critical_line" (x, s0_over_s1, err). Where the shared exponent was fitted, `alpha`
+/// says it. A critical value outside the points says so in its reason.
 ObservableResult critical_result(std::span<const CriticalPoint> points, CriticalLine line,
                                  const std::string& parameter,
                                  const std::optional<Measurement>& alpha);

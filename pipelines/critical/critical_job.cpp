@@ -87,7 +87,7 @@ std::string no_rise(double s1, double error) {
     if (s1 < -2 * error) {
         return what +
                "; S falls, and no length of the run makes up for that: is the end of the fit "
-               "(fit.k-max) too far out?";
+               "(--fit-k-max) too far out?";
     }
     if (!(s1 > 0)) {
         return what + fmt::format(
@@ -239,7 +239,7 @@ CriticalJobResult find_critical_point(const CriticalJobOptions& options, Job& jo
         throw InputError({.problem = "none of the inputs has an S0/S1",
                           .actual = counted(static_cast<std::int64_t>(results.size()), "input"),
                           .expected = "results with a fit of S0 + S1 (ka)^alpha, S1 positive",
-                          .suggestion = "see the warnings; fit.k-max sets the range of the fit"});
+                          .suggestion = "see the warnings; --fit-k-max of analyze sets the range of the fit"});
     }
     Results out;
     out.identity = critical_identity(results);

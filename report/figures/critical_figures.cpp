@@ -34,7 +34,7 @@ Figure figure_of(const std::vector<std::string>& labels, std::string name, std::
 void add_kinds(Figure& figure, const Runs& runs) {
     // Not joined: the line is that of the fit.
     add_kind(figure, runs, {.label = "S₀/S₁", .mark = Mark::line, .is_joined = false}, points);
-    add_kind(figure, runs, {"weighted line", Mark::curve, true}, line);
+    add_kind(figure, runs, {"weighted fit", Mark::curve, true}, line);
 }
 
 const Measurement* value_of(const Results& run, const char* name) {
@@ -72,15 +72,31 @@ void mark_crossing(Figure& figure, const Runs& runs, const std::vector<std::stri
     }
 }
 
-// "Line through 3 points, χ² per degree of freedom 1.0; α = 1.33 ± 0.07."
+// "Line through 3 points", "Power 0.73 ± 0.01 through 3 points".
+std::string what_is_drawn(const Results& run) {
+    const std::size_t count = find_curve(run, points)->find("x")->values.size();
+    const auto number_of = [&](const Measurement& m) {
+        return with_error(*m.value, m.error ? &*m.error : nullptr);
+    };
+    const Measurement* power = value_of(run, "power");
+    if (power == nullptr) return fmt::format("Line through {} points", count);
+    const Measurement* constant = value_of(run, "constant");
+    const std::string and_constant =
+        constant == nullptr ? "" : " and the constant " + number_of(*constant);
+    return fmt::format("Power {}{} through {} points", number_of(*power), and_constant, count);
+}
+
+// "Line through 3 points, χ² per degree of freedom 1.0. All runs share α = 1.33 ± 0.07, so S₀/S₁ is
+// not that of each run alone."
 std::string line_sentence(const Results& run) {
-    const Curve* curve = find_curve(run, points);
-    std::string text = fmt::format("Line through {} points", curve->find("x")->values.size());
+    std::string text = what_is_drawn(run);
     if (const Measurement* chi2 = value_of(run, "chi2_per_dof")) {
         text += fmt::format(", χ² per degree of freedom {:.2g}", *chi2->value);
     }
     if (const Measurement* alpha = value_of(run, "alpha")) {
-        text += "; α = " + with_error(*alpha->value, alpha->error ? &*alpha->error : nullptr);
+        text += ". All runs are fitted anew with one α = " +
+                with_error(*alpha->value, alpha->error ? &*alpha->error : nullptr) +
+                "; S₀/S₁ of each run alone may differ";
     }
     return text + ".";
 }
@@ -97,7 +113,7 @@ Figure against_parameter(const Runs& runs, const std::vector<std::string>& label
     });
     figure.reading =
         "How far from critical each run is: S₀, what stays at the longest waves, over S₁, how "
-        "fast S(k) grows. Where the line meets zero is the critical value.";
+        "fast S(k) grows. Where a line meets zero is the critical value.";
     for (const Results& run : runs) {
         if (critical_parameter(run) != parameter) continue;
         add_sentence(figure.note, critical_sentence(run));
