@@ -100,6 +100,14 @@ class Sheet {
                         name(box.boundary[0]), name(box.boundary[1])));
     }
 
+    /// "field, 2D, b = 4, ν = 0.001"
+    void add_model(const RunIdentity& identity) {
+        ordered_json facts{{"dimension", identity.dimension}};
+        if (identity.gradient_order) facts["b"] = *identity.gradient_order;
+        if (identity.control) facts["nu"] = identity.control->value;
+        add("model", "model", facts, legend_of(identity));
+    }
+
     void add_record(const RunRecord& record) {
         if (record.command.empty()) return add_warnings(record);  // of a run that was cut off
         add("made_by", "made by",
@@ -202,8 +210,15 @@ Summary describe_results(const std::filesystem::path& path) {
     if (results.identity.is_field()) {
         // No particles, no film: lengths are in l.
         sheet.add("origin", "origin", std::string(name(Origin::field)), "field model");
+        sheet.add_model(results.identity);
         sheet.add("source", "source", results.source.source);
-        sheet.add_box(results.box, "l");
+        if (results.identity.dimension == 1) {
+            sheet.add(
+                "box", "box", ordered_json{results.box.length.x, results.box.length.y},
+                fmt::format("{:.6g} l, {}", results.box.length.x, name(results.box.boundary[0])));
+        } else {
+            sheet.add_box(results.box, "l");
+        }
     } else {
         sheet.add("frames", "frames", results.frames);
         sheet.add("particles_mean", "particles", results.particles_mean,
@@ -227,13 +242,17 @@ Summary describe_fields(const std::filesystem::path& path) {
     io::FieldFile file(path);
     Sheet sheet(fmt::format("{}: density fields", path.string()));
     sheet.add("kind", "kind", std::string("field"));
+    sheet.add_model(file.identity());
     sheet.add("frames", "fields", file.count());
     if (file.count() > 0) {
         const FieldFrame first = file.read(0);
         const DensityField& field = first.density.front();
+        const bool is_line = file.identity().dimension == 1;
+        const std::string sites =
+            is_line ? fmt::format("{}", field.nx) : fmt::format("{} x {}", field.nx, field.ny);
         sheet.add("lattice", "lattice", ordered_json{field.nx, field.ny},
-                  fmt::format("{} x {} cells of {:g}, {} replicas, {}", field.nx, field.ny,
-                              field.spacing, first.density.size(),
+                  fmt::format("{} cells of {:g} l, {}, {}", sites, field.spacing,
+                              counted(static_cast<std::int64_t>(first.density.size()), "replica"),
                               first.order.value.empty() ? "no order field" : "with order field"));
     }
     std::string words;

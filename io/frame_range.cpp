@@ -55,7 +55,14 @@ FrameSelection single(std::string_view range, std::int64_t index, std::int64_t c
     return {.first = index < 0 ? index + count : index, .step = 1, .count = 1};
 }
 
-FrameSelection parse_range(std::string_view range, std::int64_t count) {
+// A range as it is written, for a source of any number of frames.
+struct WrittenRange {
+    std::optional<std::int64_t> first, end;
+    std::int64_t step = 1;
+    bool is_single = false;  // frame `first` alone
+};
+
+WrittenRange parse_range(std::string_view range) {
     std::array<std::optional<std::int64_t>, 3> numbers;
     std::size_t parts = 0;
     for (std::string_view rest = range;; ++parts) {
@@ -65,12 +72,20 @@ FrameSelection parse_range(std::string_view range, std::int64_t count) {
         if (colon == std::string_view::npos) break;
         rest.remove_prefix(colon + 1);
     }
-    if (parts == 0 && numbers[0]) return single(range, *numbers[0], count);
+    const WrittenRange written{numbers[0], numbers[1], numbers[2].value_or(1),
+                               parts == 0 && numbers[0].has_value()};
+    if (written.step <= 0) {
+        refuse(range, fmt::format("step {}", written.step), "a step of at least 1");
+    }
+    return written;
+}
 
-    const std::int64_t step = numbers[2].value_or(1);
-    if (step <= 0) refuse(range, fmt::format("step {}", step), "a step of at least 1");
-    const std::int64_t first = from_start(numbers[0].value_or(0), count);
-    const std::int64_t end = from_start(numbers[1].value_or(count), count);
+FrameSelection selection_of(std::string_view range, std::int64_t count) {
+    const WrittenRange written = parse_range(range);
+    if (written.is_single) return single(range, *written.first, count);
+    const std::int64_t step = written.step;
+    const std::int64_t first = from_start(written.first.value_or(0), count);
+    const std::int64_t end = from_start(written.end.value_or(count), count);
     if (first >= end) {
         refuse(range, "it selects no frame", fmt::format("a range within 0:{}", count));
     }
@@ -103,11 +118,32 @@ std::unique_ptr<FrameSource> select_frames(std::unique_ptr<FrameSource> source,
 }
 
 FrameSelection frame_selection(std::string_view range, std::int64_t count) {
-    return parse_range(trimmed(range), count);
+    return selection_of(trimmed(range), count);
 }
 
 bool selects_all(std::string_view range) {
     return trimmed(range).empty() || trimmed(range) == kAllFrames;
+}
+
+std::string in_words(std::string_view range) {
+    if (selects_all(range)) return "all frames";
+    const WrittenRange written = parse_range(trimmed(range));
+    if (written.is_single) return fmt::format("frame {}", *written.first);
+    const std::string steps =
+        written.step > 1 ? fmt::format(" in steps of {}", written.step) : std::string();
+    const auto is_counted_back = [](const auto& number) { return number && *number < 0; };
+    if (is_counted_back(written.first) && !written.end) {
+        const auto back = std::uint64_t{0} - static_cast<std::uint64_t>(*written.first);
+        return fmt::format("last {} frames{}", back, steps);
+    }
+    if (is_counted_back(written.first) || is_counted_back(written.end)) {
+        return fmt::format("frames {}", trimmed(range));
+    }
+    if (!written.end) {
+        return written.first ? fmt::format("frames from {}{}", *written.first, steps)
+                             : fmt::format("frames{}", steps);
+    }
+    return fmt::format("frames {} to {}{}", written.first.value_or(0), *written.end - 1, steps);
 }
 
 FrameSelection selection_or_none(std::string_view range, std::int64_t count) {

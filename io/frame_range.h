@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <string_view>
 
 #include "core/frame_source.h"
@@ -11,6 +12,10 @@ constexpr const char* kAllFrames = "::";
 
 /// Whether the range is "" or "::".
 bool selects_all(std::string_view range);
+
+/// For people: "frames 100 to 199", "frames from 50", "last 50 frames", "frames in steps of 4",
+/// "frame 7"; "all frames". Throws OptionError if the text is not such a range.
+std::string in_words(std::string_view range);
 
 /// The frames "FIRST:END:STEP" of a source, as in a Python slice: END is excluded, negative numbers
 /// count from the end, any part may be left out; "7" is frame 7 alone, "" and "::" all.

@@ -150,7 +150,7 @@ std::vector<Preview> previews_of(const Input& input) {
 std::string label_of(const Results& results, const fs::path& input, const std::string& frames) {
     const std::string name =
         results.identity.control ? legend_of(results.identity) : input.stem().string();
-    return io::selects_all(frames) ? name : fmt::format("{}, frames {}", name, frames);
+    return io::selects_all(frames) ? name : fmt::format("{}, {}", name, io::in_words(frames));
 }
 
 Results measure(const AnalyzeJobOptions& options, const fs::path& path, Job& job) {

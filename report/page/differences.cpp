@@ -74,7 +74,8 @@ const Column* find_known(const Curve& curve, const char* column) {
 
 struct SpectrumDifference {
     double mean_square = 0;  // of the differences in units of their errors
-    std::size_t shells = 0;
+    std::size_t shells = 0;  // that have an error in both
+    std::size_t in_both = 0;
 };
 
 std::optional<SpectrumDifference> spectrum_difference(const Curve& a, const Curve& b) {
@@ -94,6 +95,7 @@ std::optional<SpectrumDifference> spectrum_difference(const Curve& a, const Curv
         while (j < k[1]->values.size() && k[1]->values[j] < here * (1 - same_wave)) ++j;
         if (j == k[1]->values.size()) break;
         if (k[1]->values[j] > here * (1 + same_wave)) continue;
+        ++all.in_both;
         if (!is_known(error[0]->values[i]) || !is_known(error[1]->values[j])) continue;
         const double difference = (s[0]->values[i] - s[1]->values[j]) /
                                   std::hypot(error[0]->values[i], error[1]->values[j]);
@@ -110,7 +112,10 @@ TableCell spectrum_cell(const SpectrumDifference& difference) {
     const auto shells = static_cast<double>(difference.shells);
     TableCell cell;
     cell.value = std::sqrt(difference.mean_square);
-    cell.text = fmt::format("{:.1f} ({} shells)", cell.value, difference.shells);
+    const std::string of_all = difference.shells < difference.in_both
+                                   ? fmt::format(" of {}", difference.in_both)
+                                   : std::string();
+    cell.text = fmt::format("{:.1f} ({}{} shells)", cell.value, difference.shells, of_all);
     cell.failed = difference.mean_square > 1 + remarkable * std::sqrt(2 / shells);
     return cell;
 }

@@ -71,8 +71,9 @@ TEST(SimulateField, GoesThroughAnalyzeExportAndCompare) {
     EXPECT_GT(summary["ms_per_step"], 0);
     EXPECT_LT(summary["mass_drift"], 1e-4);
     ASSERT_EQ(folder.entries(), 1U);  // no checkpoint is left
-    EXPECT_THAT(run_grainfield({"info", folder / "f.h5"}).out,
-                AllOf(HasSubstr("density fields"), HasSubstr("32 x 32")));
+    EXPECT_THAT(
+        run_grainfield({"info", folder / "f.h5"}).out,
+        AllOf(HasSubstr("density fields"), HasSubstr("32 x 32"), HasSubstr("field, 2D, b = ")));
     const std::string text = content(folder, folder / "f.h5");
     EXPECT_THAT(text, AllOf(HasSubstr("variance.csv"), HasSubstr("sk_order.csv")));
     ASSERT_EQ(run_grainfield({"analyze", folder / "f.h5", "-o", folder / "r.h5"}).code, 0);

@@ -52,6 +52,22 @@ TEST(FrameRange, SelectsLikeAPythonSlice) {
     EXPECT_THAT(indices("-9223372036854775808:2"), ElementsAre(0, 1));
 }
 
+TEST(FrameRange, InWordsHasNoColon) {
+    EXPECT_EQ(in_words(""), "all frames");
+    EXPECT_EQ(in_words("::"), "all frames");
+    EXPECT_EQ(in_words("7"), "frame 7");
+    EXPECT_EQ(in_words("50:"), "frames from 50");
+    EXPECT_EQ(in_words(":100"), "frames 0 to 99");
+    EXPECT_EQ(in_words(" 100:200 "), "frames 100 to 199");
+    EXPECT_EQ(in_words("-50:"), "last 50 frames");
+    EXPECT_EQ(in_words("::4"), "frames in steps of 4");
+    EXPECT_EQ(in_words("10:50:5"), "frames 10 to 49 in steps of 5");
+    EXPECT_EQ(in_words("-9223372036854775808:"), "last 9223372036854775808 frames");
+    // From both ends it takes the number of frames to say more.
+    EXPECT_EQ(in_words("5:-5"), "frames 5:-5");
+    EXPECT_THROW(in_words("a:b"), OptionError);
+}
+
 TEST(FrameRange, KeepsIndexAndTimeOfTheSource) {
     const auto frames = select_frames(std::make_unique<TenFrames>(), "4::3");
     EXPECT_EQ(frames->read(1).index, 7);

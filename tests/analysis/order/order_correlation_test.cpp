@@ -21,6 +21,21 @@ BondOrderField field_of(const std::vector<std::complex<double>>& q) {
     return field;
 }
 
+void add(OrderCorrelation& correlation, const Pattern& here,
+         const std::vector<std::complex<double>>& q, int frame) {
+    const BondOrderField field = field_of(q);
+    correlation.add(correlation.measure(here, field, frame), here, field);
+}
+
+// Order of which no two particles know.
+std::vector<std::complex<double>> unrelated(std::size_t n, RandomStream& random) {
+    std::vector<std::complex<double>> q;
+    for (std::size_t i = 0; i < n; ++i) {
+        q.push_back(std::polar(0.5, 2 * std::numbers::pi * random.uniform()));
+    }
+    return q;
+}
+
 // Particles whose order is exp(i φ_j(t)), φ a random walk with ⟨Δφ²⟩ = 2 D t: C(τ) = exp(−D τ).
 TEST(OrderCorrelation, InTimeIsThatOfPhasesThatDiffuse) {
     const int frames = 256;
@@ -47,8 +62,7 @@ TEST(OrderCorrelation, InTimeIsThatOfPhasesThatDiffuse) {
         std::rotate(here.position.begin(), here.position.begin() + turn, here.position.end());
         std::rotate(q.begin(), q.begin() + turn, q.end());
         if (f % 2 == 1) q[5] = {std::nan(""), 0};
-        const BondOrderField field = field_of(q);
-        correlation.add(correlation.measure(here, field, f), here, field);
+        add(correlation, here, q, f);
     }
     ObservableResult result;
     correlation.add_to(result);
@@ -73,15 +87,11 @@ TEST(OrderCorrelation, InTimeHasNoLengthBelowTheIntervalOfFrames) {
     RandomStream random(4, "new phases");
     const std::vector<Vec2> points = poisson_points(500, box, random);
     for (int f = 0; f < frames; ++f) {
-        std::vector<std::complex<double>> q;
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            q.push_back(std::polar(0.5, 2 * std::numbers::pi * random.uniform()));
-        }
+        const auto q = unrelated(points.size(), random);
         Pattern here = pattern(points, box, f);
         here.time = 2.5 * f;
         here.id = identities(points.size());
-        const BondOrderField field = field_of(q);
-        correlation.add(correlation.measure(here, field, f), here, field);
+        add(correlation, here, q, f);
     }
     ObservableResult result;
     correlation.add_to(result);
@@ -104,8 +114,7 @@ TEST(OrderCorrelation, InSpaceIsTheBesselFunctionOfAPlaneWave) {
         const Pattern here = pattern(poisson_points(1500, box, random), box, f);
         std::vector<std::complex<double>> q;
         for (const Vec2& p : here.position) q.push_back(std::polar(1.0, kappa * p.x));
-        const BondOrderField field = field_of(q);
-        correlation.add(correlation.measure(here, field, f), here, field);
+        add(correlation, here, q, f);
     }
     ObservableResult result;
     correlation.add_to(result);
@@ -187,12 +196,8 @@ TEST(OrderCorrelation, HasNoLengthBelowADiameter) {
     for (int f = 0; f < frames; ++f) {
         RandomStream random(6, "short", static_cast<std::uint64_t>(f));
         const Pattern here = pattern(poisson_points(900, box, random), box, f);
-        std::vector<std::complex<double>> q;
-        for (std::size_t i = 0; i < here.size(); ++i) {
-            q.push_back(std::polar(1.0, 2 * std::numbers::pi * random.uniform()));
-        }
-        const BondOrderField field = field_of(q);
-        correlation.add(correlation.measure(here, field, f), here, field);
+        const auto q = unrelated(here.size(), random);
+        add(correlation, here, q, f);
     }
     ObservableResult result;
     correlation.add_to(result);

@@ -120,7 +120,7 @@ TEST(AnalyzeJob, ShowsOfTheFramesThatTheTrackerKeptThoseThatAreAskedFor) {
     const Results steps = run_analysis(options, job);
     ASSERT_EQ(steps.previews.size(), 2U) << "frame 2 was kept, too, but not measured";
     EXPECT_EQ(steps.previews.back().snapshot.frame, 4);
-    EXPECT_EQ(steps.label, "t, frames ::4");
+    EXPECT_EQ(steps.label, "t, frames in steps of 4");
 }
 
 TEST(AnalyzeJob, LeavesOutOfASpanWhatTheRunWroteOfItself) {

@@ -85,6 +85,10 @@ TEST(Differences, OfSpectraAreTheRootMeanSquareOverTheSharedShells) {
     table = differences(runs, {"A", "B"}, identities_of(runs), {});
     EXPECT_NEAR(table->rows[1].cells[0].value, 2.25 / std::sqrt(2), 1e-9);
     EXPECT_TRUE(table->rows[1].cells[0].failed) << "2.53 is above 2.41";
+
+    runs[0].observables[1].curves[0].columns[2].values[3] = std::numeric_limits<double>::infinity();
+    table = differences(runs, {"A", "B"}, identities_of(runs), {});
+    EXPECT_EQ(table->rows[1].cells[0].text, "1.6 (8 of 9 shells)") << "one has no error";
 }
 
 TEST(Differences, OfSpectraAreNotThoseOfOverlappingWavesOrOtherEstimators) {
