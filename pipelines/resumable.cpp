@@ -26,6 +26,8 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 constexpr const char* version_key = "program version";
+constexpr const char* failure_key = "failure";
+constexpr const char* cured_key = "cured failures";
 
 bool is_there(const fs::path& path) {
     std::error_code unreachable;
@@ -133,7 +135,7 @@ fs::path Resumable::with_suffix(const std::string& suffix) const {
     return path;
 }
 
-void Resumable::require_same_run(const Checkpoint& checkpoint) const {
+void Resumable::require_same_run(const Checkpoint& checkpoint) {
     if (checkpoint.kind != identity_.kind) {
         refuse(checkpoint_path(), fmt::format("it is of kind '{}'", checkpoint.kind),
                fmt::format("kind '{}'", identity_.kind), "start the run anew");
@@ -145,7 +147,38 @@ void Resumable::require_same_run(const Checkpoint& checkpoint) const {
                fmt::format("version {}, as this program", kVersion),
                "finish the run with the program that began it, or start it anew");
     }
-    io::require_same_configuration(checkpoint, identity_.configuration, checkpoint_path());
+    const bool has_failed = checkpoint.texts.contains(failure_key);
+    io::require_same_configuration(checkpoint,
+                                   has_failed ? with_cures_of(checkpoint) : identity_.configuration,
+                                   checkpoint_path());
+    if (const auto found = checkpoint.texts.find(cured_key); found != checkpoint.texts.end()) {
+        cured_.insert(cured_.begin(), found->second.begin(), found->second.end());
+    }
+    for (const std::string& cured : cured_) job_.plan.warn(cured);
+}
+
+Configuration Resumable::with_cures_of(const Checkpoint& checkpoint) {
+    Configuration settings = identity_.configuration;
+    std::string changes, names;
+    for (const std::string& cure : identity_.cures) {
+        const auto is_it = [&](const auto& setting) { return setting.first == cure; };
+        const auto before = std::ranges::find_if(checkpoint.configuration, is_it);
+        const auto now = std::ranges::find_if(settings, is_it);
+        names += (names.empty() ? "" : " or ") + cure;
+        if (before == checkpoint.configuration.end() || now == settings.end()) continue;
+        if (before->second == now->second) continue;
+        changes += fmt::format("{}{} = {}, {} before", changes.empty() ? "" : "; ", cure,
+                               now->second, before->second);
+        now->second = before->second;
+    }
+    const auto& failure = checkpoint.texts.at(failure_key);
+    const std::string what = failure.empty() ? std::string("it failed") : failure.front();
+    if (changes.empty()) {
+        refuse(checkpoint_path(), fmt::format("the run failed there: {}", what),
+               fmt::format("another {}", names), "change one of them, or start the run anew");
+    }
+    cured_.push_back(fmt::format("goes on after a failure with {}: {}", changes, what));
+    return settings;
 }
 
 void Resumable::look_for_complete_output() const {
@@ -228,6 +261,11 @@ bool Resumable::is_due() const {
     return Clock::now() - saved_ >= options_.every;
 }
 
+void Resumable::save_failed(Checkpoint state, std::int64_t records, const std::string& failure) {
+    state.texts[failure_key] = {failure};
+    save(std::move(state), records);
+}
+
 void Resumable::save(Checkpoint state, std::optional<std::int64_t> records) {
     if (log_) {
         log_->sync();
@@ -236,6 +274,7 @@ void Resumable::save(Checkpoint state, std::optional<std::int64_t> records) {
     state.kind = identity_.kind;
     state.configuration = identity_.configuration;
     state.texts[version_key] = {kVersion};
+    if (!cured_.empty()) state.texts[cured_key] = cured_;
     state.reals["seconds"] = {job_.seconds()};
     io::write_checkpoint(state, checkpoint_path());
     is_saved_ = true;

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/support/checkpoint.h"
 #include "io/h5/record_log.h"
@@ -47,13 +48,17 @@ class Resumable {
         Configuration configuration;   ///< all that the result depends on
         /// The output that holds the record of a complete run; empty: none does.
         std::filesystem::path record{};
+        /// Settings, "section.name", that may differ from those of a checkpoint that a failed run
+        /// left. One must: else it would fail again.
+        std::vector<std::string> cures{};
     };
 
     /// Reads the checkpoint if the job is to be resumed and one is there; without one the job
     /// starts from the beginning. Throws InputError, with the difference, if it is of another kind,
-    /// version of the program or configuration. Where the output is there and no checkpoint:
-    /// AlreadyComplete if its record says that this job made it, InputError, with the difference,
-    /// if another one did, unless outputs may be replaced.
+    /// version of the program or configuration. After a failure (save_failed) the cures may differ;
+    /// that they do is a warning of this run and of all that go on from it. Where the output is
+    /// there and no checkpoint: AlreadyComplete if its record says that this job made it,
+    /// InputError, with the difference, if another one did, unless outputs may be replaced.
     Resumable(Job& job, Identity identity, const ResumeOptions& options);
     ~Resumable();
     Resumable(const Resumable&) = delete;
@@ -78,6 +83,8 @@ class Resumable {
     /// Brings the log and then `state` to the disk. `records`: how many of the log the state
     /// vouches for; by default all.
     void save(Checkpoint state, std::optional<std::int64_t> records = std::nullopt);
+    /// The same of a run that failed after this state: with another cure it can go on.
+    void save_failed(Checkpoint state, std::int64_t records, const std::string& failure);
     /// "interrupted after 3 of 40 frames", and how to go on if that is possible.
     Warning interrupted(double done, double all, const std::string& units,
                         const std::string& kept = "") const;
@@ -96,7 +103,9 @@ class Resumable {
 
  private:
     std::filesystem::path with_suffix(const std::string& suffix) const;
-    void require_same_run(const Checkpoint& checkpoint) const;
+    void require_same_run(const Checkpoint& checkpoint);
+    /// The settings of this run with the cures of the checkpoint; a warning for what differs.
+    Configuration with_cures_of(const Checkpoint& checkpoint);
     void look_for_complete_output() const;
     std::int64_t log_bytes() const;
 
@@ -105,7 +114,8 @@ class Resumable {
     ResumeOptions options_;
     std::optional<Checkpoint> from_;
     std::optional<io::RecordLog> log_;
-    bool is_saved_ = false;  ///< a checkpoint stands on the disk
+    std::vector<std::string> cured_;  ///< what earlier runs failed of, and what was changed
+    bool is_saved_ = false;           ///< a checkpoint stands on the disk
     std::chrono::steady_clock::time_point saved_ = std::chrono::steady_clock::now();
 };
 

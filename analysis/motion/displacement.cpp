@@ -23,6 +23,21 @@ constexpr double absent = std::numeric_limits<double>::quiet_NaN();
 constexpr int most_parts = 10;     // of the median time between frames
 constexpr double tolerance = 0.1;  // of a lag time
 
+// Of frame numbers, from one that was measured to the next; 1 of a single frame.
+double median_gap(std::vector<std::int64_t> frames) {
+    std::ranges::sort(frames);
+    std::vector<double> gaps;
+    for (std::size_t i = 1; i < frames.size(); ++i) {
+        if (frames[i] > frames[i - 1]) {
+            gaps.push_back(static_cast<double>(frames[i] - frames[i - 1]));
+        }
+    }
+    if (gaps.empty()) return 1;
+    const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2);
+    std::ranges::nth_element(gaps, middle);
+    return *middle;
+}
+
 }  // namespace
 
 OptionTable describe(DisplacementOptions& options) {
@@ -32,9 +47,9 @@ OptionTable describe(DisplacementOptions& options) {
     table.integer("per-decade", options.per_decade, "-", {1, 1000},
                   "lag times a decade when spaced logarithmically");
     table.integer("longest", options.longest, "frames", {0, 1e12},
-                  "longest lag time; 0: half the duration");
+                  "longest lag time, in numbers of frames; 0: half the duration");
     table.integers("van-hove", options.van_hove, "frames", {1, 1e12},
-                   "lags of the van Hove function, as 1,10,100; empty: none");
+                   "lags of the van Hove function in numbers of frames, as 1,10,100; empty: none");
     table.number("exposure", options.exposure, "time unit", {0, 1e12},
                  "exposure of a frame: the offset of the MSD then tells the localisation error");
     table.number("localisation", options.localisation, "a", {0, 1e3},
@@ -155,6 +170,7 @@ std::optional<Displacement::Clock> Displacement::clock() const {
         Clock clock;
         clock.step = median / parts;
         clock.parts = parts;
+        clock.per_frame = parts / median_gap(frame_);
         std::vector<std::size_t> slot{0};
         bool fits = true;
         for (double g : gap) {
@@ -178,9 +194,8 @@ std::optional<Displacement::Clock> Displacement::clock() const {
 std::vector<std::size_t> Displacement::lags(const Clock& clock) const {
     std::size_t longest = std::max<std::size_t>(1, (clock.slots - 1) / 2);
     if (options_.longest > 0) {
-        const auto frames = static_cast<double>(frame_.back() - frame_.front());
         const auto slots = static_cast<double>(clock.slots - 1);
-        const double asked = static_cast<double>(options_.longest) * slots / std::max(1.0, frames);
+        const double asked = static_cast<double>(options_.longest) * clock.per_frame;
         longest = static_cast<std::size_t>(std::clamp(std::floor(asked + 1e-9), 1.0, slots));
     }
     std::vector<std::size_t> lags;

@@ -45,7 +45,8 @@ OptionTable describe(DisplacementOptions& options);
 /// there, σ = 0 unless given. What the offset says when exposure or noise are given: add_msd.
 ///
 /// On request the self part of the van Hove function, curve `van_hove`: the density of the
-/// displacements Δx and Δy at given lags, of all particles,
+/// displacements Δx and Δy at given lags, of all particles (lags in numbers of frames, as
+/// `longest`: of every fourth frame the shortest lag is 4),
 ///
 ///   G_s(x, τ) = ⟨δ(x − Δx_j(τ))⟩,   bins of a fifth of the root mean square up to six of them,
 ///
@@ -82,6 +83,7 @@ class Displacement {
     struct Clock {  // the frames on an even grid of time
         double step = 1;
         int parts = 1;                     // steps in the median interval
+        double per_frame = 1;              // steps from a frame number to the next
         std::vector<std::size_t> slot;     // of each ordinal
         std::vector<std::int64_t> window;  // of the phases, of each ordinal; -1: none
         std::size_t slots = 0;

@@ -59,7 +59,8 @@ Resumable::Identity identity_of(const MdJobOptions& options, std::uint64_t seed)
             .output = options.output,
             .log = ".snapshots",
             .configuration = std::move(physics),
-            .record = options.output};
+            .record = options.output,
+            .cures = {"run.contact-time", "run.event-limit"}};
 }
 
 /// With A and ω in numbers, however they were given, also in the record of the run.
@@ -216,10 +217,12 @@ MdJobResult run_md(const MdJobOptions& given, Job& job) {
     const auto start = Clock::now();
     const std::int64_t events_before = simulation.events();
     std::string failure;
+    bool is_curable = false;
     try {
         run_to_end(options.md.run.periods, simulation, log, resumable, job.verbosity);
     } catch (const PhysicsError& error) {
         failure = error.what();
+        is_curable = dynamic_cast<const simulate::InelasticCollapse*>(&error) != nullptr;
         job.plan.warn(WarningCode::incomplete,
                       fmt::format("incomplete: what was sampled before it failed, in or after "
                                   "period {:g} of {:g}: {}",
@@ -234,8 +237,14 @@ MdJobResult run_md(const MdJobOptions& given, Job& job) {
     if (simulation.is_done() || !failure.empty()) {
         try {
             write_trajectory(simulation, options, job, log, writer);
-            resumable.finish();
             job.outputs.push_back(options.output);
+            if (!is_curable) {
+                resumable.finish();
+                return result;
+            }
+            resumable.save_failed(simulation.checkpoint(), simulation.settled_snapshots(), failure);
+            result.failure += fmt::format(" With another run.contact-time, {} goes on from there.",
+                                          options.resume.how);
             return result;
         } catch (const Interrupted&) {
             if (!failure.empty()) {

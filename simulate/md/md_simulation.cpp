@@ -280,8 +280,9 @@ bool MdSimulation::advance_to(double time, double first) {
         return true;
     } catch (const Interrupted&) {
         return false;
-    } catch (const PhysicsError& error) {
-        throw PhysicsError(fmt::format("{} The window began at period {:g}.", error.what(), first));
+    } catch (const InelasticCollapse& error) {
+        throw InelasticCollapse(
+            fmt::format("{} The window began at period {:g}.", error.what(), first));
     }
 }
 
@@ -381,7 +382,12 @@ void MdSimulation::restore(const Checkpoint& c, const std::string& file) {
     state_.position = from.vectors("position", n);
     state_.velocity = from.vectors("velocity", n);
     state_.spin = from.vectors("spin", n);
-    state_.last_contact = from.reals("last_contact", system_.contact_time > 0 ? n : 0);
+    const bool is_new_model = system_.contact_time > 0 && from.reals("last_contact").empty();
+    if (is_new_model) {
+        state_.last_contact.assign(n, no_contact_yet);
+    } else {
+        state_.last_contact = from.reals("last_contact", system_.contact_time > 0 ? n : 0);
+    }
     state_.id.assign(id.begin(), id.end());
     sums_ = sums;
     settled_last_ = last_sample_sums_ = last;

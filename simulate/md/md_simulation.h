@@ -24,13 +24,15 @@ class MdSimulation {
     /// Throws OptionError or InputError if it cannot be run. Says in the plan what is skipped.
     MdSimulation(const MdOptions& options, GrainState initial, int threads, RunPlan& plan);
 
-    /// Goes on where the checkpoint was made, bit by bit as if nothing had happened. Throws
+    /// Goes on where the checkpoint was made, bit by bit as if nothing had happened. The contact
+    /// time may be set where the checkpoint had none: no collision was before. Throws
     /// InputError, naming `file`, if an array is missing, of the wrong length, not finite or not
     /// what it must be.
     void restore(const Checkpoint& checkpoint, const std::string& file = "the checkpoint");
 
     /// Runs one window; snapshots that fall into it go to the sink. Returns early, with the window
-    /// unfinished, once a signal was caught. Throws PhysicsError on inelastic collapse or overlap.
+    /// unfinished, once a signal was caught. Throws InelasticCollapse, after which checkpoint() is
+    /// the state at the beginning of the window, and PhysicsError on overlap.
     void run_window(SnapshotSink& sink);
 
     bool is_done() const { return periods_done() >= options_.run.periods; }

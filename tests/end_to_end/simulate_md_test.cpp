@@ -43,6 +43,17 @@ std::string content(const ScratchFolder& folder, const std::string& name) {
     return testing::read_all(points) + testing::read_all(curves + "/md.csv");
 }
 
+/// The first frames of a.h5 as text.
+std::string snapshots(const ScratchFolder& folder, int frames) {
+    const std::string points = folder / "points.csv";
+    EXPECT_EQ(testing::run_grainfield({"export", folder / "a.h5", "-o", points, "--force"}).code,
+              0);
+    const std::string text = testing::read_all(points);
+    std::filesystem::remove(points);
+    std::filesystem::remove(points + ".meta");
+    return text.substr(0, text.find(fmt::format("\n{},", frames)));
+}
+
 TEST(SimulateMd, KeepsTheContractForScripts) {
     const ScratchFolder folder;
     const Outcome outcome = testing::run_grainfield(small_run(folder / "a.h5"));
@@ -260,13 +271,44 @@ TEST(SimulateMd, KeepsWhatWasSampledBeforeACollapse) {
          "--plate-restitution", "0.5", "--grain-restitution", "0.9", "--event-limit", "20000"}));
     EXPECT_EQ(outcome.code, 5);
     EXPECT_THAT(outcome.err, HasSubstr("inelastic collapse: grain"));
-    EXPECT_EQ(folder.entries(), 1U) << "no snapshots, no checkpoint";
+    EXPECT_EQ(folder.entries(), 3U) << "the file, the checkpoint and its snapshots";
     const Outcome info = testing::run_grainfield({"info", folder / "a.h5"});
     EXPECT_EQ(info.code, 0) << info.err;
     EXPECT_THAT(info.out, HasSubstr("incomplete"));
     const std::string text = content(folder, "a");
     EXPECT_THAT(text, HasSubstr("energy_xy"));
     EXPECT_GT(std::count(text.begin(), text.end(), '\n'), 400) << "two snapshots and more";
+}
+
+// What was computed before a collapse is not lost: the run goes on from the beginning of the window
+// in which it failed.
+TEST(SimulateMd, GoesOnAfterACollapseWithAContactTime) {
+    const ScratchFolder folder;
+    const auto words = with(testing::md_words("200", "14"),
+                            {"-o", folder / "a.h5", "--periods", "100", "--snapshot-every", "1",
+                             "--gamma", "1.2", "--angular-frequency", "5", "--plate-restitution",
+                             "0.95", "--grain-restitution", "0.95", "--json"});
+    const Outcome failed = testing::run_grainfield(words);
+    ASSERT_EQ(failed.code, 5);
+    EXPECT_THAT(failed.err, AllOf(HasSubstr("The window began at period 30."),
+                                  HasSubstr("--resume goes on from there")));
+    const std::string before = snapshots(folder, 30);
+    const Outcome again = testing::run_grainfield(with(words, {"--resume"}));
+    EXPECT_EQ(again.code, 3) << "it would fail again";
+    EXPECT_THAT(again.err, HasSubstr("expected another --contact-time or --event-limit"));
+    const Outcome other = testing::run_grainfield(
+        with(words, {"--resume", "--contact-time", "1e-4", "--height", "3"}));
+    EXPECT_EQ(other.code, 3) << "nothing else may differ";
+    EXPECT_THAT(other.err, HasSubstr("--height: 1.84"));
+    const Outcome done =
+        testing::run_grainfield(with(words, {"--resume", "--contact-time", "1e-4"}));
+    ASSERT_EQ(done.code, 0) << done.err;
+    EXPECT_EQ(json::parse(done.out)["periods"], 100);
+    EXPECT_EQ(folder.entries(), 1U);
+    EXPECT_EQ(snapshots(folder, 30), before) << "what was done stays";
+    const Outcome info = testing::run_grainfield({"info", folder / "a.h5"});
+    EXPECT_THAT(info.out, HasSubstr("--contact-time = 0.0001, 0 before"));
+    EXPECT_THAT(info.out, Not(HasSubstr("incomplete")));
 }
 
 TEST(SimulateMd, StopsWhileItMeltsTheLattice) {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 
+#include "core/errors.h"
 #include "simulate/md/engine/ledger.h"
 #include "simulate/md/state/grain_state.h"
 #include "simulate/md/state/md_system.h"
@@ -15,6 +16,13 @@ struct EngineOptions {
     double event_limit = 1e6;  ///< events of one grain that mean collapse, in a window in which no
                                ///< grain can go far (1,000 a); grows in proportion to the way. A
                                ///< pace that will exceed it is reported after 2 % of them
+};
+
+/// Grains collide without end. The window cannot go on; the state that it began with can, with
+/// another contact time or event limit.
+class InelasticCollapse : public PhysicsError {
+ public:
+    using PhysicsError::PhysicsError;
 };
 
 /// Energies and mean squares of all grains at one instant.
@@ -41,9 +49,9 @@ class Engine {
     /// advance() will be asked for. The state must stay as it is until the window ends.
     virtual void load(const GrainState& state, double end) = 0;
 
-    /// Executes all events up to `time` (of the window). Throws PhysicsError naming pair and time
-    /// if grains collide without end (inelastic collapse), the same for any number of threads;
-    /// Interrupted, some 10 ms after a signal. Either way the window cannot go on.
+    /// Executes all events up to `time` (of the window). Throws InelasticCollapse naming pair and
+    /// time if grains collide without end, the same for any number of threads; Interrupted, some 10
+    /// ms after a signal. Either way the window cannot go on.
     virtual void advance(double time) = 0;
 
     /// All grains flown to `time`, which no event may separate from the present; changes nothing.

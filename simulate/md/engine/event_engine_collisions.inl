@@ -273,7 +273,7 @@ void EventEngine<tangential, has_gravity, plates>::report_collapse(std::int32_t 
     } else if (partner == nothing) {
         with = "its neighbours";
     }
-    throw PhysicsError(
+    throw InelasticCollapse(
         {.problem = fmt::format("inelastic collapse: grain {} collides without end with {}",
                                 plan_[static_cast<std::size_t>(i)].id, with),
          .actual = pace,

@@ -8,6 +8,9 @@
 
 namespace grainfield::simulate {
 
+/// Of a grain that has not collided (last_contact).
+constexpr double no_contact_yet = -1e300;
+
 /// All grains at one instant, in the order of the engine's memory.
 ///
 /// This is what a run must keep to go on bit-identically: predictions follow from it.

@@ -354,7 +354,7 @@ GrainState make_initial_state(const MdOptions& options, std::uint64_t seed) {
     const double mixing = options.initial.melt.value_or(sites.is_lattice ? enough_to_melt : 0);
     if (mixing > 0 && state.size() > 1) melt(state, system, mixing, seed);
     draw_velocities(state, system, options.initial.temperature, seed);
-    if (system.contact_time > 0) state.last_contact.assign(state.size(), -1e300);
+    if (system.contact_time > 0) state.last_contact.assign(state.size(), no_contact_yet);
     return state;
 }
 
@@ -390,7 +390,7 @@ GrainState state_of(const Snapshot& snapshot, const TrajectoryInfo& source,
         state.velocity = snapshot.velocity;
     }
     if (!snapshot.spin.empty()) state.spin = snapshot.spin;
-    if (system.contact_time > 0) state.last_contact.assign(state.size(), -1e300);
+    if (system.contact_time > 0) state.last_contact.assign(state.size(), no_contact_yet);
     const auto engine = make_engine(system, {});
     engine->load(state, 0);
     if (engine->max_overlap() > permitted_overlap) {

@@ -14,7 +14,8 @@ namespace {
 
 using namespace synthetic;
 
-ObservableResult of_walk(const DisplacementOptions& options, int frames, double gap) {
+ObservableResult of_walk(const DisplacementOptions& options, int frames, double gap,
+                         int stride = 1) {
     const Box box = square_box(50);
     Displacement msd(options, frames);
     RandomStream random(1, "walk");
@@ -30,7 +31,7 @@ ObservableResult of_walk(const DisplacementOptions& options, int frames, double 
             p.position.push_back(box.wrap(points[i]));
             p.id.push_back(static_cast<std::int64_t>(i));
         }
-        msd.add(std::move(p));
+        if (f % stride == 0) msd.add(std::move(p));
     }
     return msd.result();
 }
@@ -69,6 +70,17 @@ TEST(VanHove, IsThereOnRequestOnly) {
     const ObservableResult r = of_walk({.van_hove = {100}}, 5, 0);
     EXPECT_EQ(r.find_curve("van_hove"), nullptr);
     EXPECT_NE(r.find_measurement("alpha2_lag_100")->reason, "");
+}
+
+// Every fourth frame is measured: the lag of 8 is that of two of them, and there is none of 2.
+TEST(VanHove, AndTheLongestLagCountNumbersOfFramesWhateverTheStep) {
+    const ObservableResult all = of_walk({.longest = 8, .van_hove = {8}}, 41, 0);
+    const ObservableResult some = of_walk({.longest = 8, .van_hove = {2, 8}}, 41, 0, 4);
+    for (const ObservableResult* r : {&all, &some}) {
+        EXPECT_NEAR(r->find_curve("van_hove")->find("t")->values.front(), 0.8, 1e-9);
+        EXPECT_NEAR(r->find_curve("msd")->find("t")->values.back(), 0.8, 1e-9);
+    }
+    EXPECT_NE(some.find_measurement("alpha2_lag_2")->reason.find("no pair"), std::string::npos);
 }
 
 TEST(VanHove, RefusesLagsThatAreNone) {
