@@ -67,6 +67,42 @@ class ResumableJob : public ::testing::Test {
     const std::string output_ = folder_ / "out.h5";
 };
 
+// A failed run goes on with another cure and nothing else; what was changed is told by this run and
+// by all that go on from it.
+TEST_F(ResumableJob, GoesOnAfterAFailureWithACureAndSaysSoEverAfter) {
+    const auto curable = [&](const std::string& step, const std::string& nu = "0.01") {
+        Resumable::Identity id = identity(nu);
+        id.configuration.emplace_back("run.step", step);
+        id.cures = {"run.step"};
+        return id;
+    };
+    {
+        Job job;
+        Resumable run(job, curable("1"), kAnew);
+        run.start();
+        run.log().append({1.0});
+        run.log().append({2.0});
+        run.save_failed(state(), 1, "it broke");
+    }
+    EXPECT_THAT(refusal(curable("1")), AllOf(HasSubstr("it broke"), HasSubstr("another run.step")));
+    EXPECT_THAT(refusal(curable("2", "0.02")), HasSubstr("model.nu: 0.01 in the checkpoint"));
+    const auto told = ::testing::ElementsAre(::testing::Field(
+        &Warning::text, "goes on after a failure with run.step = 2, 1 before: it broke"));
+    {
+        Job job;
+        Resumable run(job, curable("2"), kResume);
+        EXPECT_THAT(job.plan.warnings(), told);
+        run.start();
+        EXPECT_EQ(run.log().count(), 1) << "what the state vouches for";
+        run.save(state());
+    }
+    EXPECT_THAT(refusal(curable("3")), HasSubstr("run.step: 2 in the checkpoint"))
+        << "it has not failed again";
+    Job job;
+    const Resumable run(job, curable("2"), kResume);
+    EXPECT_THAT(job.plan.warnings(), told);
+}
+
 TEST_F(ResumableJob, GoesOnWithTheStateAndTheRecordsThatTheCheckpointVouchesFor) {
     leave_killed_run();
     Job job;
