@@ -236,10 +236,11 @@ CriticalJobResult find_critical_point(const CriticalJobOptions& options, Job& jo
                                   ? with_shared_exponent(results, x, job.plan)
                                   : as_fitted(results, x, job.plan);
     if (gathered.points.empty()) {
-        throw InputError({.problem = "none of the inputs has an S0/S1",
-                          .actual = counted(static_cast<std::int64_t>(results.size()), "input"),
-                          .expected = "results with a fit of S0 + S1 (ka)^alpha, S1 positive",
-                          .suggestion = "see the warnings; --fit-k-max of analyze sets the range of the fit"});
+        throw InputError(
+            {.problem = "none of the inputs has an S0/S1",
+             .actual = counted(static_cast<std::int64_t>(results.size()), "input"),
+             .expected = "results with a fit of S0 + S1 (ka)^alpha, S1 positive",
+             .suggestion = "see the warnings; --fit-k-max of analyze sets the range of the fit"});
     }
     Results out;
     out.identity = critical_identity(results);
