@@ -14,7 +14,7 @@
 #include "analysis/spectra/fit_observable.h"
 #include "analysis/spectra/s4_observable.h"
 #include "analysis/spectra/sk_observable.h"
-#include "analysis/statistics/critical.h"
+#include "analysis/statistics/critical_result.h"
 #include "analysis/statistics/run_series.h"
 #include "core/errors.h"
 

@@ -5,8 +5,6 @@
 #include <string>
 
 #include "analysis/statistics/spectrum_fit.h"
-#include "core/quantity_titles.h"
-#include "core/results.h"
 
 namespace grainfield::analysis {
 
@@ -48,16 +46,5 @@ struct CriticalFit {
 /// chi2 says whether the line describes the points. At least three points (two through zero). The
 /// two powers are no lines: fit_critical_power.
 CriticalFit fit_critical(std::span<const CriticalPoint> points, CriticalLine line);
-
-/// The observable "critical": measurements critical_value, critical_low, critical_high, slope,
-/// intercept (of a power: power, factor, constant), chi2_per_dof; curves "critical" (x, s0_over_s1,
-/// err) and "critical_line" (x, s0_over_s1, err). Where the shared exponent was fitted, `alpha`
-/// says it. A critical value outside the points says so in its reason.
-ObservableResult critical_result(std::span<const CriticalPoint> points, CriticalLine line,
-                                 const std::string& parameter,
-                                 const std::optional<Measurement>& alpha);
-
-/// What its measurements are called.
-ObservableTitles critical_titles();
 
 }  // namespace grainfield::analysis

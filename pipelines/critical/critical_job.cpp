@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "analysis/spectra/fit_result.h"
+#include "analysis/statistics/critical_result.h"
 #include "core/errors.h"
 #include "core/option_table.h"
 #include "core/support/interrupt.h"
