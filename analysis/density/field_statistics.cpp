@@ -1,5 +1,6 @@
 #include "analysis/density/field_statistics.h"
 
+#include <algorithm>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -33,7 +34,9 @@ void FieldStatistics::prepare(const FieldFrame& like) {
     const auto fields = instants_ * static_cast<std::int64_t>(like.density.size());
     std::optional<StructureFactor> order;
     if (!like.order.value.empty()) {
-        order = StructureFactor::of_field(options_, field, instants_);
+        StructureFactorOptions of_order = options_;
+        of_order.k_max = std::min(options_.k_max, order_k_max_);
+        order = StructureFactor::of_field(of_order, field, instants_);
     }
     sums_.emplace(Accumulators{StructureFactor::of_field(options_, field, fields), std::move(order),
                                FieldVariance(field, like.dimension, fields)});

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,7 +19,7 @@ namespace grainfield::analysis {
 /// What is measured on the fields of a run as they come, so that none need be stored: a sink.
 ///
 ///   sk         S(k) = ⟨|ρ_k|²⟩/L^d of the density (StructureFactor, the estimator of particles)
-///   sk_order   the same of ψ
+///   sk_order   the same of ψ, up to its largest k
 ///   variance   variance of the content of windows (FieldVariance)
 ///   field      ⟨ψ²⟩, ⟨D⟩, mean density
 ///
@@ -28,9 +29,11 @@ namespace grainfield::analysis {
 /// by bit.
 class FieldStatistics : public FieldSink {
  public:
-    /// `instants`: how many there will be, for the blocks.
-    FieldStatistics(const StructureFactorOptions& options, std::int64_t instants)
-        : options_(options), instants_(instants) {}
+    /// `instants`: how many there will be, for the blocks. `order_k_max` [1/l]: ψ has no modes
+    /// above; what rounding leaves there is no spectrum.
+    FieldStatistics(const StructureFactorOptions& options, std::int64_t instants,
+                    double order_k_max = std::numeric_limits<double>::infinity())
+        : options_(options), instants_(instants), order_k_max_(order_k_max) {}
 
     void write(const FieldFrame& frame) override;
     std::int64_t count() const { return static_cast<std::int64_t>(diffusivity_.value.size()); }
@@ -54,6 +57,7 @@ class FieldStatistics : public FieldSink {
 
     StructureFactorOptions options_;
     std::int64_t instants_;
+    double order_k_max_;
     std::optional<Accumulators> sums_;
     MeanSeries order_squared_, diffusivity_, mean_density_;
 };

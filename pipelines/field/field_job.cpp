@@ -53,7 +53,7 @@ class DensityWork : public Work {
     DensityWork(const FieldJobOptions& options, const simulate::FieldPlan& plan, io::RecordLog& log,
                 const Checkpoint* from)
         : fields_(simulate::make_integrator(plan.setup, plan.threads)),
-          statistics_(options.sk, plan.schedule.samples),
+          statistics_(options.sk, plan.schedule.samples, plan.setup.k_cut),
           log_(log),
           run_(*fields_, plan.schedule, statistics_, log_),
           mass_at_start_(fields_->mass(0)) {

@@ -143,6 +143,23 @@ TEST(FieldStatistics, WhiteNoiseIsFlat) {
     EXPECT_EQ(results[2].curves.front().columns[1].values, sk.columns[1].values);
 }
 
+// Above the largest k of the order its S is what rounding leaves, and no spectrum.
+TEST(FieldStatistics, OfTheOrderEndWhereItHasNoModes) {
+    FieldStatistics statistics({.k_max = 3}, 4, 1.5);
+    for (std::uint64_t i = 0; i < 4; ++i) statistics.write(frame_of(random_field(32, 32, i), 2));
+    const auto results = statistics.results();
+    const auto last_k = [&](const char* observable) {
+        for (const ObservableResult& result : results) {
+            if (result.name == observable)
+                return result.find_curve(observable)->find("k")->values.back();
+        }
+        return 0.0;
+    };
+    EXPECT_GT(last_k("sk"), 2.9);
+    EXPECT_GT(last_k("sk_order"), 1.3);
+    EXPECT_LE(last_k("sk_order"), 1.5);
+}
+
 TEST(FieldStatistics, GoesOnBitByBitAfterACheckpoint) {
     FieldStatistics whole({}, 20), first({}, 20), second({}, 20);
     for (std::uint64_t i = 0; i < 20; ++i) {
