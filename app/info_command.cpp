@@ -124,6 +124,7 @@ class Sheet {
         for (const auto& [key, value] : record.configuration) {
             summary_.facts["configuration"][key] = value;
         }
+        summary_.facts["recorded_skipped"] = record.skipped;
         for (const std::string& skipped : record.skipped) {
             summary_.text += fmt::format("  {:<12} {}\n", "skipped", skipped);
         }
@@ -134,7 +135,9 @@ class Sheet {
 
  private:
     void add_warnings(const RunRecord& record) {
+        summary_.facts["recorded_warnings"] = ordered_json::array();
         for (const Warning& warning : record.warnings) {
+            summary_.facts["recorded_warnings"].push_back(warning.text);
             summary_.text += fmt::format("  {:<12} {}\n", "warning", warning.text);
         }
     }
@@ -200,9 +203,15 @@ Summary describe_results(const std::filesystem::path& path) {
         sheet.add("runs", "runs", runs,
                   curve == nullptr ? "0" : fmt::format("{}, {}", runs, curve->title));
         const Measurement* value = critical->find_measurement("critical_value");
+        if (const Measurement* power = critical->find_measurement("power"); power != nullptr) {
+            sheet.add("power", "power", *power->value,
+                      report::with_error(*power->value, power->error ? &*power->error : nullptr));
+        }
         if (value != nullptr && value->value) {
-            sheet.add("critical_value", "critical", *value->value,
-                      report::with_error(*value->value, value->error ? &*value->error : nullptr));
+            const std::string why = value->reason.empty() ? "" : " (" + value->reason + ")";
+            sheet.add(
+                "critical_value", "critical", *value->value,
+                report::with_error(*value->value, value->error ? &*value->error : nullptr) + why);
         }
         sheet.add_record(results.record);
         return sheet.take();

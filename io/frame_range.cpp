@@ -133,6 +133,7 @@ std::string in_words(std::string_view range) {
         written.step > 1 ? fmt::format(" in steps of {}", written.step) : std::string();
     const auto is_counted_back = [](const auto& number) { return number && *number < 0; };
     if (is_counted_back(written.first) && !written.end) {
+        if (*written.first == -1) return "last frame";
         const auto back = std::uint64_t{0} - static_cast<std::uint64_t>(*written.first);
         return fmt::format("last {} frames{}", back, steps);
     }
@@ -143,7 +144,9 @@ std::string in_words(std::string_view range) {
         return written.first ? fmt::format("frames from {}{}", *written.first, steps)
                              : fmt::format("frames{}", steps);
     }
-    return fmt::format("frames {} to {}{}", written.first.value_or(0), *written.end - 1, steps);
+    const std::int64_t first = written.first.value_or(0);
+    if (*written.end == first + 1) return fmt::format("frame {}", first);
+    return fmt::format("frames {} to {}{}", first, *written.end - 1, steps);
 }
 
 FrameSelection selection_or_none(std::string_view range, std::int64_t count) {

@@ -140,7 +140,7 @@ class Plan:
 
     def _contact_time(self):
         """Without it a run ends where grains come to rest on the plate, near 1 g and with little friction."""
-        return [f"--contact-time={self.layer['contact-time']:.0e}"] if "contact-time" in self.layer else []
+        return [f"--contact-time={self.layer['contact-time']:g}"] if "contact-time" in self.layer else []
 
     # ---- the field model -------------------------------------------------------------------------
 

@@ -73,7 +73,7 @@ Measurement crossover(const ObservableResult& fit, const SpectrumModel::Line& li
     if (!(r > 0)) {
         return missing("crossover_length", "a",
                        r + spread > 0
-                           ? fmt::format("S0/S1 is not positive: beyond {:.3g} a within one "
+                           ? fmt::format("S0/S1 is not positive: beyond {:.3g} within one "
                                          "standard error",
                                          length(r + spread))
                            : "S0/S1 is not positive");
@@ -84,8 +84,7 @@ Measurement crossover(const ObservableResult& fit, const SpectrumModel::Line& li
         const double bend = alpha == nullptr ? 0 : alpha->error.value_or(0);
         m.error = length(r) / line.alpha * std::hypot(spread / r, std::log(r) / line.alpha * bend);
     } else if (spread > 0) {
-        m.reason =
-            fmt::format("S0/S1 vanishes within its error: above {:.3g} a", length(r + spread));
+        m.reason = fmt::format("S0/S1 vanishes within its error: above {:.3g}", length(r + spread));
     } else {
         m.reason = "S0/S1 has no error";
     }

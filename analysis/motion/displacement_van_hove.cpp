@@ -11,8 +11,9 @@ void Displacement::add_van_hove(const Clock& clock, ObservableResult& result) co
         // Between two slots there is no pair, nor beyond the last.
         const double wanted_lag = static_cast<double>(frames) * clock.per_frame;
         const double nearest = std::round(wanted_lag);
-        const bool is_there = std::abs(wanted_lag - nearest) < 0.1 && nearest >= 1 &&
-                              nearest < static_cast<double>(clock.slots);
+        const double missed = std::abs(wanted_lag - nearest) / clock.per_frame;  // frames
+        const bool is_there =
+            missed < 0.1 && nearest >= 1 && nearest < static_cast<double>(clock.slots);
         const std::size_t lag = is_there ? static_cast<std::size_t>(nearest) : clock.slots;
         // First the root mean square, which sets the bins.
         double width = 0;

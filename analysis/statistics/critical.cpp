@@ -46,6 +46,9 @@ double CriticalFit::value_error(double x) const {
 }
 
 CriticalFit fit_critical(std::span<const CriticalPoint> points, CriticalLine line) {
+    if (line == CriticalLine::power || line == CriticalLine::power_and_constant) {
+        return refused("a power is no line: fit_critical_power");
+    }
     const bool free = line == CriticalLine::free;
     const std::size_t least = free ? 3 : 2;
     double sw = 0, sx = 0, sy = 0;

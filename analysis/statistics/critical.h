@@ -44,7 +44,7 @@ struct CriticalFit {
 /// (a + b x)² ≤ σ_a² + 2 x σ_ab + x² σ_b² (`fieller1954`): asymmetric where it must be, and none
 /// where the slope differs from zero by less than its error. Errors are taken as they are given;
 /// chi2 says whether the line describes the points. At least three points (two through zero). The
-/// two powers are no lines: fit_critical_power.
+/// two powers are no lines: they are refused with a reason (fit_critical_power).
 CriticalFit fit_critical(std::span<const CriticalPoint> points, CriticalLine line);
 
 }  // namespace grainfield::analysis

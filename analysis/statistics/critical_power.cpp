@@ -138,7 +138,10 @@ CriticalPower fit_critical_power(std::span<const CriticalPoint> points, PowerCon
     const Weighted data{points, fit.reference, has_constant};
     fit.power = best_power(data);
     if (fit.power < least_power * 1.001 || fit.power > largest_power * 0.999) {
-        return refused(fmt::format("the power runs to the end of its range, {:.2g}", fit.power));
+        return refused(
+            fmt::format("the power runs to the end of its range, {:.2g}: S0/S1 does not grow with "
+                        "the control parameter as a power",
+                        fit.power));
     }
     const Best best = at_power(data, fit.power);
     fit.points = static_cast<int>(points.size());

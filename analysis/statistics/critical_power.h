@@ -13,7 +13,7 @@ enum class PowerConstant {
     free   ///< ratio = constant + factor x^power
 };
 
-/// S0/S1 as a power of the control parameter x.
+/// S0/S1 [-] as a power of the control parameter x: the factor has the unit of x^−power.
 struct CriticalPower {
     double constant = 0;
     double factor = 0;

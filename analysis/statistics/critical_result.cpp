@@ -99,7 +99,10 @@ void add_power(ObservableResult& result, std::span<const CriticalPoint> points, 
     m.push_back(missing("critical_value", "-",
                         has_constant ? "a power and a constant: the constant is the limit at zero"
                                      : "a power vanishes at zero"));
-    m.push_back({"power", "-", fit.power, fit.power_error, runs, ""});
+    const char* doubt = fit.points > (has_constant ? 3 : 2)
+                            ? ""
+                            : "as many numbers as runs: they fit whatever it is";
+    m.push_back({"power", "-", fit.power, fit.power_error, runs, doubt});
     m.push_back({"factor", "-", fit.factor, fit.factor_error, runs, ""});
     if (has_constant) {
         m.push_back({"constant", "-", fit.constant, fit.constant_error, runs, ""});

@@ -102,10 +102,12 @@ Input open_input(const fs::path& path, const AnalyzeJobOptions& options, RunPlan
 /// Warnings of the run that made the trajectory, as far as they hold for its analysis.
 void pass_warnings_on(const Input& input, const Adjustment& adjustment, RunPlan& plan) {
     if (input.trajectory == nullptr) return;
+    const bool is_simulated = input.trajectory->info().origin == Origin::md;
     for (const Warning& warning : input.trajectory->record().warnings) {
+        const bool of_the_run = is_simulated && warning.code == WarningCode::other;
         const bool is_apparent =
             warning.code == WarningCode::apparent_diameter && !adjustment.particle_diameter;
-        if (is_apparent || warning.code == WarningCode::incomplete ||
+        if (is_apparent || of_the_run || warning.code == WarningCode::incomplete ||
             warning.code == WarningCode::doubtful_heights ||
             warning.code == WarningCode::unscaled_errors) {
             plan.warn(warning);

@@ -217,12 +217,17 @@ MdJobResult run_md(const MdJobOptions& given, Job& job) {
     const auto start = Clock::now();
     const std::int64_t events_before = simulation.events();
     std::string failure;
-    bool is_curable = false;
+    std::string cure;  // how to go on after the failure
     try {
         run_to_end(options.md.run.periods, simulation, log, resumable, job.verbosity);
     } catch (const PhysicsError& error) {
         failure = error.what();
-        is_curable = dynamic_cast<const simulate::InelasticCollapse*>(&error) != nullptr;
+        if (dynamic_cast<const simulate::InelasticCollapse*>(&error) != nullptr) {
+            // Before the snapshots are written, which may fail or be stopped.
+            resumable.save_failed(simulation.checkpoint(), simulation.settled_snapshots(), failure);
+            cure = fmt::format(" With another run.contact-time, {} goes on from there.",
+                               options.resume.how);
+        }
         job.plan.warn(WarningCode::incomplete,
                       fmt::format("incomplete: what was sampled before it failed, in or after "
                                   "period {:g} of {:g}: {}",
@@ -231,20 +236,14 @@ MdJobResult run_md(const MdJobOptions& given, Job& job) {
     const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
     MdJobResult result =
         result_of(simulation, options, simulation.events() - events_before, seconds);
-    result.failure = failure;
+    result.failure = failure + cure;
     if (!failure.empty()) result.snapshots = log.count();
     if (failure.empty()) save(simulation, resumable);
     if (simulation.is_done() || !failure.empty()) {
         try {
             write_trajectory(simulation, options, job, log, writer);
             job.outputs.push_back(options.output);
-            if (!is_curable) {
-                resumable.finish();
-                return result;
-            }
-            resumable.save_failed(simulation.checkpoint(), simulation.settled_snapshots(), failure);
-            result.failure += fmt::format(" With another run.contact-time, {} goes on from there.",
-                                          options.resume.how);
+            if (cure.empty()) resumable.finish();
             return result;
         } catch (const Interrupted&) {
             if (!failure.empty()) {

@@ -86,8 +86,8 @@ std::string what_is_drawn(const Results& run) {
     return fmt::format("Power {}{} through {} points", number_of(*power), and_constant, count);
 }
 
-// "Line through 3 points, χ² per degree of freedom 1.0. All runs share α = 1.33 ± 0.07, so S₀/S₁ is
-// not that of each run alone."
+// "Line through 3 points, χ² per degree of freedom 1.0. All runs are fitted anew with one α = 1.33
+// ± 0.07; S₀/S₁ of each run alone may differ."
 std::string line_sentence(const Results& run) {
     std::string text = what_is_drawn(run);
     if (const Measurement* chi2 = value_of(run, "chi2_per_dof")) {

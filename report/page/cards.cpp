@@ -320,6 +320,14 @@ std::string critical_sentence(const Results& run) {
     const Column* x = curve == nullptr ? nullptr : curve->find("x");
     if (x == nullptr) return "No critical point.";
     const std::string parameter = clean_text(x->meaning);
+    if (const Measurement* power = known(run, "critical", "power"); power != nullptr) {
+        const Measurement* limit = known(run, "critical", "constant");
+        const std::string and_limit =
+            limit == nullptr ? ""
+                             : fmt::format(", to {} at zero", with_minus_signs(number(*limit)));
+        return fmt::format("S₀/S₁ falls with {} as a power of {}{}.", parameter, number(*power),
+                           and_limit);
+    }
     const Measurement* value = critical->find_measurement("critical_value");
     if (value == nullptr || !value->value) {
         const std::string why = value == nullptr ? "" : clean_text(value->reason);
@@ -332,6 +340,7 @@ std::string critical_sentence(const Results& run) {
     if (low != nullptr && high != nullptr) {
         text += "; 68 %: " + interval_text(*low->value, *high->value);
     }
+    if (!value->reason.empty()) text += "; " + clean_text(value->reason);
     return text + ".";
 }
 

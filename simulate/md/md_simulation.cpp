@@ -382,11 +382,12 @@ void MdSimulation::restore(const Checkpoint& c, const std::string& file) {
     state_.position = from.vectors("position", n);
     state_.velocity = from.vectors("velocity", n);
     state_.spin = from.vectors("spin", n);
-    const bool is_new_model = system_.contact_time > 0 && from.reals("last_contact").empty();
-    if (is_new_model) {
-        state_.last_contact.assign(n, no_contact_yet);
-    } else {
-        state_.last_contact = from.reals("last_contact", system_.contact_time > 0 ? n : 0);
+    state_.last_contact.clear();
+    if (system_.contact_time > 0) {
+        // None of a run without the TC model, which goes on with it after a collapse.
+        const bool had_model = !from.reals("last_contact").empty();
+        state_.last_contact =
+            had_model ? from.reals("last_contact", n) : std::vector<double>(n, no_contact_yet);
     }
     state_.id.assign(id.begin(), id.end());
     sums_ = sums;

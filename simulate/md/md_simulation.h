@@ -24,8 +24,9 @@ class MdSimulation {
     /// Throws OptionError or InputError if it cannot be run. Says in the plan what is skipped.
     MdSimulation(const MdOptions& options, GrainState initial, int threads, RunPlan& plan);
 
-    /// Goes on where the checkpoint was made, bit by bit as if nothing had happened. The contact
-    /// time may be set where the checkpoint had none: no collision was before. Throws
+    /// Goes on where the checkpoint was made, bit by bit as if nothing had happened. Not so
+    /// with another contact time: where there was none, collisions before are not remembered.
+    /// Throws
     /// InputError, naming `file`, if an array is missing, of the wrong length, not finite or not
     /// what it must be.
     void restore(const Checkpoint& checkpoint, const std::string& file = "the checkpoint");

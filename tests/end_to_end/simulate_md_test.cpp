@@ -309,6 +309,12 @@ TEST(SimulateMd, GoesOnAfterACollapseWithAContactTime) {
     const Outcome info = testing::run_grainfield({"info", folder / "a.h5"});
     EXPECT_THAT(info.out, HasSubstr("--contact-time = 0.0001, 0 before"));
     EXPECT_THAT(info.out, Not(HasSubstr("incomplete")));
+    const json facts =
+        json::parse(testing::run_grainfield({"info", folder / "a.h5", "--json"}).out);
+    EXPECT_EQ(facts["recorded_warnings"].size(), 1U);
+    const Outcome analysis = testing::run_grainfield(
+        {"analyze", folder / "a.h5", "--observables", "q4", "-o", folder / "r.h5"});
+    EXPECT_THAT(analysis.err, HasSubstr("--contact-time = 0.0001, 0 before"));
 }
 
 TEST(SimulateMd, StopsWhileItMeltsTheLattice) {

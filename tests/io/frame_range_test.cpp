@@ -59,6 +59,8 @@ TEST(FrameRange, InWordsHasNoColon) {
     EXPECT_EQ(in_words("50:"), "frames from 50");
     EXPECT_EQ(in_words(":100"), "frames 0 to 99");
     EXPECT_EQ(in_words(" 100:200 "), "frames 100 to 199");
+    EXPECT_EQ(in_words(":1"), "frame 0");
+    EXPECT_EQ(in_words("-1:"), "last frame");
     EXPECT_EQ(in_words("-50:"), "last 50 frames");
     EXPECT_EQ(in_words("::4"), "frames in steps of 4");
     EXPECT_EQ(in_words("10:50:5"), "frames 10 to 49 in steps of 5");

@@ -80,7 +80,12 @@ TEST(VanHove, AndTheLongestLagCountNumbersOfFramesWhateverTheStep) {
         EXPECT_NEAR(r->find_curve("van_hove")->find("t")->values.front(), 0.8, 1e-9);
         EXPECT_NEAR(r->find_curve("msd")->find("t")->values.back(), 0.8, 1e-9);
     }
-    EXPECT_NE(some.find_measurement("alpha2_lag_2")->reason.find("no pair"), std::string::npos);
+    const ObservableResult few = of_walk({.van_hove = {19, 20}}, 41, 0, 20);
+    EXPECT_TRUE(few.find_measurement("alpha2_lag_20")->value.has_value());
+    for (const Measurement* m :
+         {some.find_measurement("alpha2_lag_2"), few.find_measurement("alpha2_lag_19")}) {
+        EXPECT_NE(m->reason.find("no pair"), std::string::npos) << m->name;
+    }
 }
 
 TEST(VanHove, RefusesLagsThatAreNone) {

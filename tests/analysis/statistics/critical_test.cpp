@@ -55,6 +55,9 @@ TEST(Critical, HasAnIntervalThatHoldsTheTruthInTwoThirdsOfTheTrials) {
 }
 
 TEST(Critical, GivesReasonsInPlaceOfNumbers) {
+    const auto points = line_points(0.7, 5.2, 0.01, nullptr);
+    EXPECT_EQ(fit_critical(points, CriticalLine::power).points, 0);
+    EXPECT_NE(fit_critical(points, CriticalLine::power).reason, "");
     EXPECT_NE(fit_critical({}, CriticalLine::free).reason, "");
     const std::vector<CriticalPoint> same{{1, 0.1, 0.1}, {1, 0.2, 0.1}, {1, 0.3, 0.1}};
     EXPECT_NE(fit_critical(same, CriticalLine::free).reason, "");

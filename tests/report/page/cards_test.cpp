@@ -250,6 +250,14 @@ TEST(Verdict, OfACriticalPointIsItsValueOrWhyThereIsNone) {
     EXPECT_EQ(verdict(run, std::nullopt), "No critical Γ: two points only");
     run.observables[0].measurements[0] = {"critical_value", "-", 4.5, 0.1, 3, ""};
     EXPECT_EQ(verdict(run, std::nullopt), "Critical at Γ = 4.50 ± 0.10");
+    run.observables[0].measurements[0].reason = "outside the runs, which are from 2 to 4";
+    EXPECT_EQ(verdict(run, std::nullopt),
+              "Critical at Γ = 4.50 ± 0.10; outside the runs, which are from 2 to 4");
+    run.observables[0].measurements = {{"power", "-", 0.732, 0.005, 3, ""}};
+    EXPECT_EQ(verdict(run, std::nullopt), "S₀/S₁ falls with Γ as a power of 0.7320 ± 0.0050");
+    run.observables[0].measurements.push_back({"constant", "-", 0.07, 0.01, 3, ""});
+    EXPECT_EQ(verdict(run, std::nullopt),
+              "S₀/S₁ falls with Γ as a power of 0.7320 ± 0.0050, to 0.070 ± 0.010 at zero");
 }
 
 TEST(FirstFile, IsThatOfTheOldestStep) {

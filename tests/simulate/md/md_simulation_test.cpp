@@ -131,6 +131,26 @@ TEST(MdSimulation, IsNotLengthenedWhereItsLastWindowWasCutShort) {
     EXPECT_THROW(longer.restore(done.checkpoint()), InputError);
 }
 
+// As after a collapse. Where the model is new, collisions before are not remembered.
+TEST(MdSimulation, GoesOnWithAContactTimeThatTheCheckpointHadNotAndWithout) {
+    MdOptions with = small();
+    with.run.contact_time = 1e-3;
+    for (const bool begins_with : {false, true}) {
+        RunPlan plan;
+        Collector sink;
+        MdSimulation first = make(begins_with ? with : small(), plan);
+        first.run_window(sink);
+        MdSimulation second(begins_with ? small() : with, {}, 1, plan);
+        second.restore(first.checkpoint());
+        const Checkpoint taken_up = second.checkpoint();
+        EXPECT_EQ(taken_up.reals.at("position"), first.checkpoint().reals.at("position"));
+        const auto& last = taken_up.reals.at("last_contact");
+        EXPECT_EQ(last.size(), begins_with ? 0U : taken_up.integers.at("id").size());
+        for (const double time : last) EXPECT_EQ(time, no_contact_yet);
+        while (!second.is_done()) second.run_window(sink);
+    }
+}
+
 TEST(MdSimulation, RefusesACheckpointThatLacksSomething) {
     const MdOptions options = small();
     RunPlan plan;
