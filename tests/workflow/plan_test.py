@@ -118,12 +118,10 @@ class TheRuns(unittest.TestCase):
         self.assertEqual(option(decide.film_options("4.7", "fast"), "discard"), "0")
         self.assertEqual(decide.previews("4.7", "fast"), 20)
 
-    def test_only_full_leaves_the_range_of_the_fit_of_particles_to_the_pre_peak(self):
-        for scale in plan.SCALES:
-            for system in ("experiment", "layer"):
-                options = plan.Plan(scale).particle_fit_options(system)
-                own = any(o.startswith("--fit-k-max=") for o in options)
-                self.assertEqual(own, scale != "full")
+    def test_only_long_layers_and_full_leave_the_range_of_the_fit_of_particles_to_the_pre_peak(self):
+        by_pre_peak = {(scale, system) for scale in plan.SCALES for system in ("experiment", "layer")
+                       if not any(option.startswith("--fit-k-max=") for option in plan.Plan(scale).particle_fit_options(system))}
+        self.assertEqual(by_pre_peak, {("full", "experiment"), ("full", "layer"), ("decide", "layer")})
 
     def test_long_runs_are_fitted_with_plane_waves_and_with_the_modes_between_walls(self):
         decide = plan.Plan("decide")
