@@ -116,7 +116,8 @@ def analyze(positions: Any, observables: str = "all", *, box: Any = None,
         Trajectory.from_positions says which arrays. Tables of locate, batch and link bring their
         box and diameter with them.
     observables : str
-        "all", or some of q4, phase, msd, sk, s4, variance, fit, synthetic with commas between them.
+        "all", or some of q4, phase, msd, sk, s4, variance, fit, synthetic, gr, height with commas
+        between them.
     box, boundary, diameter, fps
         Of points; see Trajectory.from_positions.
     label : str
@@ -175,7 +176,8 @@ def msd(positions: Any, box: Any = None, boundary: str | None = None, *,
         **options: Any) -> Observable:
     """Mean squared displacement of particles with identities, and by phase.
 
-    MSD(τ) = ⟨|r_j(t + τ) − r_j(t)|²⟩ over particles and times [a²], drift taken off.
+    MSD(τ) = ⟨|r_j(t + τ) − r_j(t)|²⟩ over particles and times [a²]. A drift of all
+    particles is not taken off; subtract_drift does it for linked tables.
 
     Parameters
     ----------
@@ -296,7 +298,8 @@ def bond_order(positions: Any, box: Any = None, boundary: str | None = None, *,
     Returns
     -------
     q : complex array
-        NaN where a particle has no neighbour. In the order of the positions.
+        NaN where a particle has no neighbour. In the order of the positions; those that are not
+        finite have no entry.
     neighbours : int array
     """
     data = trajectory_of(positions, box, boundary, diameter, None)
