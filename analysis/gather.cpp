@@ -39,9 +39,10 @@ class PatternReader {
 };
 
 // While a batch is measured, the one before is added and the next one is read. Long batches keep
-// all threads busy, as long as they are small.
-void take_all(PatternReader& reader, Run& run, std::int64_t frames, std::int64_t batch, int workers,
-              Progress* progress) {
+// all threads busy, as long as they are small. A snapshot has the number that it has in the whole,
+// of which the source may be a part: what thins by it takes the same snapshots of any part.
+void take_all(PatternReader& reader, Run& run, std::int64_t frames, std::int64_t begin,
+              std::int64_t batch, int workers, Progress* progress) {
     std::vector<Pattern> next = reader.read(0, batch);
     std::vector<Run::Measured> before;
     const auto add_before = [&] {
@@ -60,7 +61,7 @@ void take_all(PatternReader& reader, Run& run, std::int64_t frames, std::int64_t
                 return;
             }
             const auto at = static_cast<std::size_t>(task - 2);
-            measured[at] = run.measure(std::move(patterns[at]), first + task - 2);
+            measured[at] = run.measure(std::move(patterns[at]), begin + first + task - 2);
         });
         before = std::move(measured);
     }
@@ -93,7 +94,7 @@ Gathered gather(SnapshotSource& source, const std::vector<Observable>& wanted,
     const std::int64_t each =
         most_particles / std::max<std::int64_t>(1, static_cast<std::int64_t>(particles));
     const std::int64_t batch = std::clamp<std::int64_t>(each, 4, 16) * workers;
-    take_all(reader, run, frames, batch, workers, settings.progress);
+    take_all(reader, run, frames, part.first, batch, workers, settings.progress);
     if (run.dropped() > 0) {
         plan.warn(fmt::format("{} positions that are not finite were left out", run.dropped()));
     }

@@ -52,9 +52,11 @@ std::string words(const Measurement& m, TimeUnit time_unit) {
 }
 
 std::string words(const Session& session, const Results& results) {
-    std::string text =
-        fmt::format("{}: {}, {} particles per frame\n", session.outputs.front().string(),
-                    counted(results.frames, "frame"), mean_text(results.particles_mean));
+    std::string text = fmt::format(
+        "{}: {}{}\n", session.outputs.front().string(), counted(results.frames, "frame"),
+        results.identity.is_field()
+            ? ""
+            : fmt::format(", {} particles per frame", mean_text(results.particles_mean)));
     for (const ObservableResult& observable : results.observables) {
         const std::string name =
             observable.name == "q4" ? report::order_symbol(results) : observable.name;
@@ -73,7 +75,7 @@ std::string words(const Session& session, const Results& results) {
 ordered_json facts(const Results& results) {
     ordered_json facts;
     facts["frames"] = results.frames;
-    facts["particles_mean"] = results.particles_mean;
+    if (!results.identity.is_field()) facts["particles_mean"] = results.particles_mean;
     for (const ObservableResult& observable : results.observables) {
         facts[observable.name] = to_json(observable);
     }

@@ -101,6 +101,7 @@ class BoundCommand {
         session.apply(common_);
         session.inputs.assign(inputs_.begin(), inputs_.end());
         session.configuration = options_.configuration();
+        session.indifferent = options_.indifferent();
         session.plan = RunPlan([this](std::string text) { return options_.with_flags(text); });
         // One team for the whole run: its threads are started once and sleep between their work.
         Summary summary;
@@ -218,20 +219,23 @@ void print_warnings(const RunPlan& plan) {
     }
 }
 
+// To standard output, all of it: what cannot be written is an error, also of help.
+void put(std::string_view text) {
+    if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+        throw OutputError("cannot write to standard output.");
+}
+
 void print_summary(const Session& session, const Summary& summary) {
     if (session.common.json) {
         using Json = nlohmann::ordered_json;
-        fmt::print(
-            "{}\n",
-            json_summary(session, summary).dump(2, ' ', false, Json::error_handler_t::replace));
+        put(json_summary(session, summary).dump(2, ' ', false, Json::error_handler_t::replace) +
+            "\n");
     } else if (summary.is_table) {
-        fmt::print("{}", summary.text);
+        put(summary.text);
     } else if (!session.common.quiet) {
-        if (session.common.verbose && !session.common.explain)
-            fmt::print("{}", printable(session.plan.text()));
-        fmt::print("{}", printable(summary.text));
+        if (session.common.verbose && !session.common.explain) put(printable(session.plan.text()));
+        put(printable(summary.text));
     }
-    if (std::fflush(stdout) != 0) throw OutputError("cannot write to standard output.");
 }
 
 // Says what was being worked on where the message names no file: rooms that compute know none.
@@ -377,17 +381,27 @@ std::optional<int> document(const std::vector<std::string>& words, const Program
     for (std::size_t i = 1; i < words.size(); ++i) rest += (i > 1 ? " " : "") + words[i];
     try {
         if (words[0] == "--man") {
-            fmt::print("{}", manual(page, rest));
+            put(manual(page, rest));
         } else if (words[0] == "--completion") {
-            fmt::print("{}", completion(page, rest));
+            put(completion(page, rest));
         } else if (words[0] == "--write-manual") {
             write_manual(page, rest);
         } else {
             return std::nullopt;
         }
-        if (std::fflush(stdout) != 0) throw OutputError("cannot write to standard output.");
     } catch (const std::exception& error) {
         fmt::print(stderr, "error: {}\n", printable(error.what()));
+        return exit_code(error);
+    }
+    return static_cast<int>(ExitCode::done);
+}
+
+// The exit code of saying that.
+int said(std::string_view text) {
+    try {
+        put(text);
+    } catch (const OutputError& error) {
+        fmt::print(stderr, "error: {}\n", error.what());
         return exit_code(error);
     }
     return static_cast<int>(ExitCode::done);
@@ -430,16 +444,11 @@ int run_command_line(int argc, const char* const* argv,
     try {
         app.parse(argc, argv);
     } catch (const CLI::CallForHelp&) {
-        fmt::print("{}", help(app, program_page(bound), HelpExtent::usual));
-        return static_cast<int>(ExitCode::done);
+        return said(help(app, program_page(bound), HelpExtent::usual));
     } catch (const CLI::CallForAllHelp&) {
-        fmt::print("{}", help(app, program_page(bound), HelpExtent::all));
-        return static_cast<int>(ExitCode::done);
+        return said(help(app, program_page(bound), HelpExtent::all));
     } catch (const CLI::ParseError& error) {
-        if (error.get_exit_code() == 0) {  // version
-            app.exit(error);
-            return static_cast<int>(ExitCode::done);
-        }
+        if (error.get_exit_code() == 0) return said(fmt::format("{}\n", error.what()));  // version
         fmt::print(stderr, "error: {}; see --help.\n", printable(in_words(error.what())));
         return static_cast<int>(ExitCode::wrong_usage);
     }

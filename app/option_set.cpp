@@ -120,10 +120,21 @@ std::vector<std::pair<std::string, std::string>> OptionSet::configuration() cons
     std::vector<std::pair<std::string, std::string>> pairs;
     for (const Entry& entry : entries_) {
         if (entry.option.effect == Effect::call) continue;
-        const std::string prefix = entry.section.empty() ? "" : entry.section + ".";
-        pairs.emplace_back(prefix + entry.option.name, to_text(entry.option.get()));
+        pairs.emplace_back(recorded_name(entry), to_text(entry.option.get()));
     }
     return pairs;
+}
+
+std::vector<std::string> OptionSet::indifferent() const {
+    std::vector<std::string> names;
+    for (const Entry& entry : entries_) {
+        if (entry.option.effect == Effect::work) names.push_back(recorded_name(entry));
+    }
+    return names;
+}
+
+std::string OptionSet::recorded_name(const Entry& entry) {
+    return (entry.section.empty() ? "" : entry.section + ".") + entry.option.name;
 }
 
 }  // namespace grainfield::app

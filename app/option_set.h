@@ -46,9 +46,13 @@ class OptionSet {
     /// "section.name" (or "name" for command-wide options) → present value, in order; without those
     /// that concern one call only.
     std::vector<std::pair<std::string, std::string>> configuration() const;
+    /// Names of those whose value changes how the outputs are made, or whether, and not what is in
+    /// them.
+    std::vector<std::string> indifferent() const;
 
  private:
     bool belongs(const Entry& entry, std::string_view section) const;
+    static std::string recorded_name(const Entry& entry);
     void drop_taken_names();
 
     std::string command_;

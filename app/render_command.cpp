@@ -48,6 +48,7 @@ std::vector<OptionTable> RenderCommand::options() {
     own.flag("resume", job_.resume.resume, "go on from OUTPUT.checkpoint if it is there");
     own.affects(Effect::call);  // a run that was gone on with is recorded as one
     own.number("checkpoint-every", checkpoint_every_, "min", {0, 1e6}, "time between checkpoints");
+    own.affects(Effect::work);
     std::vector<OptionTable> tables{own};
     for (OptionTable& table : simulate::describe(job_.render)) tables.push_back(std::move(table));
     return tables;

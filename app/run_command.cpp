@@ -67,6 +67,7 @@ std::vector<OptionTable> RunCommand::options() {
     own.flag("resume", job_.resume, "go on with what the folder holds; run does so without it too");
     own.affects(Effect::call);
     own.number("checkpoint-every", checkpoint_every_, "min", {0, 1e6}, "time between checkpoints");
+    own.affects(Effect::work);
     tables_ = {own};
     for (OptionTable& table : tracking::describe(job_.track.tracking)) {
         tables_.push_back(std::move(table));

@@ -35,12 +35,18 @@ std::string words(const std::filesystem::path& output, const pipelines::FieldJob
                               result.mass_drift);
 }
 
-// The session's job for one value of nu, which its output records: `critical` looks there.
+// The session's job for one value of nu, which its output records: `critical` looks there. The
+// record is that of a run of this nu alone, so that a list that is gone on with may be longer.
 pipelines::Job job_of(const Session& session, const pipelines::FieldJobOptions& options) {
     pipelines::Job job = session;
+    job.outputs.clear();
     job.plan = RunPlan(session.plan.wording());
     simulate::FieldOptions field = options.field;
     pipelines::update(job.configuration, simulate::describe(field));
+    for (auto& [name, value] : job.configuration) {
+        if (name == "output") value = options.output.string();
+        if (name == "nu-list") value = "";
+    }
     return job;
 }
 
@@ -68,6 +74,7 @@ std::vector<OptionTable> SimulateFieldCommand::options() {
     own.affects(Effect::call);  // a run that was gone on with is recorded as one
     own.number("checkpoint-every", checkpoint_every_, "s", {0.01, 1e9},
                "wall time between checkpoints");
+    own.affects(Effect::work);
     own.numbers("nu-list", nu_list_, "-", {.minimum = 0},
                 "values of nu, one output each, as 0.005,0.001");
     OptionTable sk("sk");
@@ -118,20 +125,21 @@ Summary SimulateFieldCommand::run(Session& session) {
     }
     Summary summary;
     for (const pipelines::FieldJobOptions& job : jobs) {
-        // What an earlier run finished is left as it is.
-        const bool is_done = jobs.size() > 1 && job_.resume.resume &&
-                             std::filesystem::exists(job.output) &&
-                             !std::filesystem::exists(job.output.string() + ".checkpoint");
-        if (is_done) continue;
         pipelines::Job one = job_of(session, job);
         const auto take_over = [&] {
             if (&job == &jobs.front()) session.plan = one.plan;
             for (const Warning& warning : one.plan.warnings()) session.plan.warn(warning);
-            session.outputs = one.outputs;
+            std::ranges::copy(one.outputs, std::back_inserter(session.outputs));
         };
         pipelines::FieldJobResult result;
         try {
             result = pipelines::run_field(job, one);
+        } catch (const pipelines::AlreadyComplete& complete) {
+            if (jobs.size() == 1) throw;
+            // Of a list, what an earlier run finished is left as it is.
+            summary.text += fmt::format("{}\n", complete.what());
+            session.outputs.push_back(job.output);
+            continue;
         } catch (...) {
             take_over();  // what was warned of before it failed is said
             throw;

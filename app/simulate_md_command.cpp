@@ -97,6 +97,7 @@ std::vector<OptionTable> SimulateMdCommand::options() {
     own.affects(Effect::call);  // a run that was gone on with is recorded as one
     own.flag("order", job_.order, "also mean |Q4| and share of solid grains of each snapshot");
     own.number("checkpoint-every", checkpoint_every_, "min", {0, 1e6}, "time between checkpoints");
+    own.affects(Effect::work);
     std::vector<OptionTable> tables{own};
     for (OptionTable& table : simulate::describe(job_.md)) tables.push_back(std::move(table));
     return tables;

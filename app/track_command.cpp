@@ -300,6 +300,7 @@ std::vector<OptionTable> TrackCommand::options() {
     own.flag("resume", job_.resume.resume, "go on from OUTPUT.checkpoint if it is there");
     own.affects(Effect::call);  // a run that was gone on with is recorded as one
     own.number("checkpoint-every", checkpoint_every_, "min", {0, 1e6}, "time between checkpoints");
+    own.affects(Effect::work);
     describe(live_, own);
     std::vector<OptionTable> tables{own};
     for (OptionTable& table : tracking::describe(job_.tracking)) tables.push_back(std::move(table));

@@ -51,7 +51,8 @@ bool has_points_header(std::string_view head) {
     std::ranges::replace(line, 'X', 'x');
     std::ranges::replace(line, 'Y', 'y');
     line = "," + line + ",";
-    return line.find(",x,") != std::string::npos && line.find(",y,") != std::string::npos;
+    const auto has = [&line](const char* name) { return line.find(name) != std::string::npos; };
+    return (has(",x,") || has(",x_px,")) && (has(",y,") || has(",y_px,"));
 }
 
 }  // namespace

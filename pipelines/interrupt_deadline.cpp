@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <csignal>
 #include <cstdio>
+#include <exception>
 #include <mutex>
 #include <utility>
 
@@ -34,6 +35,16 @@ std::string discarded(const std::string& what, int signal, const std::string& ou
                        signal == SIGINT ? "SIGINT" : "SIGTERM", output);
 }
 
+// What the last act says; an exception would end the program without a word, as no one catches it
+// in this thread.
+std::string said_by(const std::function<std::string(int signal)>& act, int signal) {
+    try {
+        return act(signal);
+    } catch (const std::exception& error) {
+        return fmt::format("error: {}", error.what());
+    }
+}
+
 }  // namespace
 
 InterruptDeadline::InterruptDeadline(std::function<std::string(int signal)> last_act)
@@ -42,7 +53,7 @@ InterruptDeadline::InterruptDeadline(std::function<std::string(int signal)> last
               if (!sleep(stop, 50ms)) return;
           }
           if (!sleep(stop, 1200ms)) return;
-          fmt::print(stderr, "{}\n", printable(act(caught_signal())));
+          fmt::print(stderr, "{}\n", printable(said_by(act, caught_signal())));
           static_cast<void>(abandon_outputs());
           std::fflush(nullptr);
           _exit(128 + caught_signal());

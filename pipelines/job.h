@@ -21,6 +21,8 @@ struct Job {
     std::vector<std::filesystem::path> inputs;  ///< recorded with size and checksum
     /// All options, name → text, as recorded in the outputs.
     std::vector<std::pair<std::string, std::string>> configuration;
+    /// Those of them that the outputs do not depend on (Effect::work), by name.
+    std::vector<std::string> indifferent;
 
     int threads = 1;
     std::uint64_t seed = 1;  ///< of all random streams

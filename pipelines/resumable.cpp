@@ -65,13 +65,15 @@ std::optional<RunRecord> record_of(const fs::path& path) {
     }
 }
 
-/// In what the run that a record is of differs from the job; empty: in nothing.
+/// In what the run that a record is of differs from the job, as far as outputs depend on it; empty:
+/// in nothing.
 std::string differences_of(const RunRecord& made, const Job& job) {
     const RunRecord now = job.record();
     std::string text;
     const auto compare = [&](const std::string& name, const std::string& there,
                              const std::string& here) {
-        if (there == here) return;
+        if (there == here || std::ranges::find(job.indifferent, name) != job.indifferent.end())
+            return;
         text += fmt::format("{}{}: {} there, {} now", text.empty() ? "" : "; ", name,
                             there.empty() ? "nothing" : there, here.empty() ? "nothing" : here);
     };

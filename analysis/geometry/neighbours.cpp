@@ -221,8 +221,9 @@ void CellList::within(int i, double radius, NeighbourList& out) const {
     const int self = place_[static_cast<std::size_t>(i)];
     const Vec2 centre = place(static_cast<std::size_t>(self));
     if (tree_) return tree_->within(centre, radius * radius, out);
-    int rings = 1;
-    while (gather(centre, rings, out) < radius) rings *= 2;
+    // As many rings of cells as the radius spans; what they cover may be less by a rounding.
+    int rings = std::max(1, static_cast<int>(std::ceil(radius / std::min(x_.width, y_.width))));
+    while (gather(centre, rings, out) < radius) ++rings;
     out.keep_if([radius](const Neighbour& n) { return n.r2 < radius * radius; });
 }
 

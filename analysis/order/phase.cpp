@@ -324,7 +324,7 @@ ObservableResult PhaseHistory::result() const {
     for (auto& [name, mean] :
          {std::pair{"solid_fraction", &solid_mean}, std::pair{"liquid_fraction", &liquid_mean}}) {
         Measurement m = mean->measurement(name, "-", std::nullopt, why);
-        if (!why.empty()) m.reason = why;
+        if (!why.empty() && m.reason != why) m.reason += (m.reason.empty() ? "" : "; ") + why;
         result.measurements.push_back(m);
     }
     add_fluctuation(result);

@@ -30,6 +30,7 @@ ObservableTitles FitObservable::titles() {
                 {"alpha", "Exponent α"},
                 {"k_pre_peak", "Wavevector of the pre-peak"},
                 {"k_fit", "End of the fit"},
+                {"chi2_per_dof", "χ² per degree of freedom"},
                 {"s0_s1_correlation", "Correlation of the errors of S₀ and S₁"},
                 {"s0_over_s1_low", "S₀/S₁, lower end"},
                 {"s0_over_s1_high", "S₀/S₁, upper end"},

@@ -62,12 +62,13 @@ struct Bootstrap {
 
 Bootstrap bootstrap(const StructureFactor& sk, Estimator estimator, const FitOptions& options) {
     Bootstrap values;
-    const std::size_t blocks = sk.blocks();
-    if (blocks < least_blocks) return values;
+    const std::vector<std::size_t> filled = sk.filled_blocks();
+    if (filled.size() < least_blocks) return values;
     for (std::int64_t b = 0; b < options.bootstrap; ++b) {
         RandomStream random(0, "fit bootstrap", static_cast<std::uint64_t>(b));
-        std::vector<int> times(blocks, 0);
-        for (std::size_t i = 0; i < blocks; ++i) ++times[random.below(blocks)];
+        std::vector<int> times(sk.blocks(), 0);
+        for (std::size_t i = 0; i < filled.size(); ++i)
+            ++times[filled[random.below(filled.size())]];
         const Spectrum spectrum = sk.spectrum(estimator, times);
         if (const PrePeak peak = find_pre_peak(spectrum); peak.k) values.peak.push_back(*peak.k);
         const SpectrumFit fit = fit_of(spectrum, options);
@@ -163,16 +164,38 @@ Estimator estimator_of(const StructureFactor& sk, FitModes modes) {
                                                                 : Estimator::connected;
 }
 
-// The error of a fitted number: from the resampled blocks or from the likelihood.
-std::optional<double> error_of(const Evidence& evidence, const std::vector<double>& resampled,
-                               double from_likelihood, const FitOptions& options) {
-    if (!evidence.resampled) return from_likelihood;
+struct FittedError {
+    double value = 0;
+    std::string remark;
+};
+
+// The error of a fitted number: from the resampled blocks, or from the likelihood where there are
+// none or few of them have a fit.
+FittedError error_of(const Evidence& evidence, const std::vector<double>& resampled,
+                     double from_likelihood, const FitOptions& options) {
+    if (!evidence.resampled) {
+        return {from_likelihood, "error from the likelihood, not from resampled blocks"};
+    }
     // Resampling K blocks loses a part 1/K of their variance; the rest is Student's factor.
     const auto k = static_cast<double>(evidence.blocks);
-    auto width = half_width(resampled, static_cast<std::size_t>(options.bootstrap));
+    const auto width = half_width(resampled, static_cast<std::size_t>(options.bootstrap));
+    if (!width) {
+        return {from_likelihood, "error from the likelihood: too few resamplings have a fit"};
+    }
     // So few blocks know the error to a fifth: never less than the likelihood says.
-    if (width) *width = std::max(*width * std::sqrt(k / (k - 3)), from_likelihood);
-    return width;
+    return {std::max(*width * std::sqrt(k / (k - 3)), from_likelihood), ""};
+}
+
+// Whether the curve describes the shells: about 1 where it does.
+Measurement chi2_of(const SpectrumFit& fit, const FitOptions& options) {
+    const int free = fit.points - (options.exponent == Exponent::free ? 3 : 2);
+    if (free <= 0) return missing("chi2_per_dof", "-", "as many shells as parameters");
+    return {"chi2_per_dof",
+            "-",
+            fit.chi2 / free,
+            std::sqrt(2.0 / free),
+            static_cast<double>(fit.points),
+            "whether the curve describes the shells: about 1 where it does"};
 }
 
 void add_range(const Evidence& evidence, const SpectrumFit& fit, double samples,
@@ -204,27 +227,26 @@ ObservableResult fit_of_evidence(const Evidence& evidence, const FitOptions& opt
     if (!fit.ok()) return result;
     const Spectrum& spectrum = evidence.spectrum;
     const Bootstrap& values = evidence.values;
-    const std::string why =
-        evidence.resampled ? "" : "error from the likelihood, not from resampled blocks";
-    const auto error = [&](const std::vector<double>& of, double from_likelihood) {
-        return error_of(evidence, of, from_likelihood, options);
+    const auto fitted = [&](const char* name, double value, const std::vector<double>& resampled,
+                            double from_likelihood, double samples) {
+        FittedError error = error_of(evidence, resampled, from_likelihood, options);
+        return measured(name, "-", value, error.value, samples, std::move(error.remark));
     };
     double samples = 0;
     for (std::size_t i = 0; i < spectrum.k.size() && spectrum.k[i] <= fit.k_max; ++i) {
         if (std::isfinite(spectrum.dof[i])) samples += spectrum.dof[i];
     }
     auto& m = result.measurements;
-    m.push_back(measured("s0_over_s1", "-", fit.ratio(), error(values.ratio, fit.ratio_error()),
-                         samples, why));
-    m.push_back(measured("s0", "-", fit.s0, error(values.s0, fit.error[0]), samples, why));
-    m.push_back(measured("s1", "-", fit.s1, error(values.s1, fit.error[1]), samples, why));
+    m.push_back(fitted("s0_over_s1", fit.ratio(), values.ratio, fit.ratio_error(), samples));
+    m.push_back(fitted("s0", fit.s0, values.s0, fit.error[0], samples));
+    m.push_back(fitted("s1", fit.s1, values.s1, fit.error[1], samples));
     if (options.exponent == Exponent::free) {
-        m.push_back(
-            measured("alpha", "-", fit.alpha, error(values.alpha, fit.error[2]), samples, why));
+        m.push_back(fitted("alpha", fit.alpha, values.alpha, fit.error[2], samples));
     } else {
         m.push_back({"alpha", "-", fit.alpha, std::nullopt, 0, "given, not fitted"});
     }
     add_range(evidence, fit, samples, options, result);
+    m.push_back(chi2_of(fit, options));
     if (evidence.others) {
         const bool plane = options.modes == FitModes::box;
         const char* name = plane ? "s0_over_s1_connected" : "s0_over_s1_neumann";
@@ -305,8 +327,8 @@ ObservableResult fit_result(const StructureFactor& sk, const FitOptions& options
     }
     const Estimator fitted = estimator_of(sk, options.modes);
     Evidence evidence{.spectrum = sk.spectrum(fitted)};
-    evidence.blocks = sk.blocks();
-    evidence.resampled = sk.blocks() >= least_blocks && options.bootstrap >= 40;
+    evidence.blocks = sk.filled_blocks().size();
+    evidence.resampled = evidence.blocks >= least_blocks && options.bootstrap >= 40;
     if (sk.allows(Estimator::neumann)) {
         evidence.others =
             sk.spectrum(fitted == Estimator::neumann ? Estimator::connected : Estimator::neumann);

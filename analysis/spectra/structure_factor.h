@@ -146,6 +146,9 @@ class StructureFactor {
     /// empty: once. The degrees of freedom are always those of all blocks.
     Spectrum spectrum(Estimator estimator, std::span<const int> times = {}) const;
     std::size_t blocks() const { return blocks_.size(); }
+    /// Numbers of the blocks that a frame came to: all, but of a run that was cut short or lacks a
+    /// part.
+    std::vector<std::size_t> filled_blocks() const;
     bool is_periodic() const { return box_.is_periodic(); }
     bool counts_particles() const { return counts_particles_; }  ///< false: the volume of fields
     double particles_mean() const;  ///< per frame; of fields their volume; 0 without frames
@@ -172,7 +175,6 @@ class StructureFactor {
     double mode_value(const Block& sums, Estimator estimator, std::size_t mode) const;
     std::vector<double> samples(const Shells& shells, Estimator estimator) const;
     std::vector<bool> is_slow(const Shells& shells, Estimator estimator) const;
-    std::size_t filled_blocks() const;
     std::vector<double> independent_modes(const Shells& shells, Estimator estimator) const;
     std::vector<double> few_frames_error(const Shells& shells, Estimator estimator,
                                          const std::vector<double>& s) const;

@@ -106,9 +106,10 @@ double StructureFactor::mode_value(const Block& sums, Estimator estimator, std::
 std::vector<double> StructureFactor::samples(const Shells& shells, Estimator estimator) const {
     const Block sums = total(std::nullopt);
     const double frames = sums.frames;
-    const auto k = static_cast<double>(blocks_.size());
+    const std::vector<std::size_t> filled = filled_blocks();
+    const auto k = static_cast<double>(filled.size());
     std::vector<double> samples(shells.k.size(), frames);
-    if (frames <= k) return samples;
+    if (k < 2 || frames <= k) return samples;
     for (std::size_t s = 0; s < samples.size(); ++s) {
         double of_frames = 0;
         double of_blocks = 0;
@@ -117,7 +118,8 @@ std::vector<double> StructureFactor::samples(const Shells& shells, Estimator est
                 mode_value(sums, estimator == Estimator::raw ? Estimator::connected : estimator,
                            m) *
                 (sums.particles / frames);
-            for (const Block& block : blocks_) {
+            for (const std::size_t b : filled) {
+                const Block& block = blocks_[b];
                 if (estimator == Estimator::neumann) {
                     const std::size_t c = neumann_index_[m];
                     const double d = block.cosine[c] / block.frames - sums.cosine[c] / frames;
@@ -135,10 +137,12 @@ std::vector<double> StructureFactor::samples(const Shells& shells, Estimator est
     return samples;
 }
 
-// Blocks that no frame came to are those of a run that was cut short.
-std::size_t StructureFactor::filled_blocks() const {
-    return static_cast<std::size_t>(
-        std::ranges::count_if(blocks_, [](const Block& block) { return block.frames > 0; }));
+std::vector<std::size_t> StructureFactor::filled_blocks() const {
+    std::vector<std::size_t> filled;
+    for (std::size_t b = 0; b < blocks_.size(); ++b) {
+        if (blocks_[b].frames > 0) filled.push_back(b);
+    }
+    return filled;
 }
 
 // Whether the block means of a mode drift: half the mean square of their steps, which is their
@@ -146,17 +150,18 @@ std::size_t StructureFactor::filled_blocks() const {
 // taken together.
 std::vector<bool> StructureFactor::is_slow(const Shells& shells, Estimator estimator) const {
     std::vector<bool> slow(shells.k.size(), false);
-    const std::size_t filled = filled_blocks();
-    if (filled < least_blocks) return slow;
+    const std::vector<std::size_t> filled = filled_blocks();
+    if (filled.size() < least_blocks) return slow;
     std::vector<double> of_steps(slow.size(), 0.0);
     std::vector<double> of_blocks(slow.size(), 0.0);
     const auto add = [&](std::size_t shell, auto&& mean_of) {
-        auto mean = mean_of(blocks_[0]);
-        for (std::size_t b = 1; b < filled; ++b) mean += mean_of(blocks_[b]);
-        mean /= static_cast<double>(filled);
-        for (std::size_t b = 0; b < filled; ++b) {
-            of_blocks[shell] += std::norm(mean_of(blocks_[b]) - mean);
-            if (b > 0) of_steps[shell] += std::norm(mean_of(blocks_[b]) - mean_of(blocks_[b - 1]));
+        const auto value = [&](std::size_t i) { return mean_of(blocks_[filled[i]]); };
+        auto mean = value(0);
+        for (std::size_t i = 1; i < filled.size(); ++i) mean += value(i);
+        mean /= static_cast<double>(filled.size());
+        for (std::size_t i = 0; i < filled.size(); ++i) {
+            of_blocks[shell] += std::norm(value(i) - mean);
+            if (i > 0) of_steps[shell] += std::norm(value(i) - value(i - 1));
         }
     };
     for (std::size_t s = 0; s < slow.size(); ++s) {
@@ -247,13 +252,14 @@ Curve StructureFactor::curve(const char* name, const char* method, Estimator est
     const std::vector<double> s = averages(shells, sums, estimator, samples);
     std::vector<double> error(s.size(), undefined);
     if (blocks_.size() >= least_blocks) {
-        const std::size_t k = filled_blocks();
+        const std::vector<std::size_t> filled = filled_blocks();
         std::vector<std::vector<double>> left(s.size());
-        for (std::size_t b = 0; k >= least_blocks && b < k; ++b) {
+        for (const std::size_t b : filled) {
+            if (filled.size() < least_blocks) break;
             const std::vector<double> part = averages(shells, total(b), estimator, samples);
             for (std::size_t i = 0; i < s.size(); ++i) left[i].push_back(part[i]);
         }
-        const double student = student_widening(static_cast<double>(k));
+        const double student = student_widening(static_cast<double>(filled.size()));
         const std::vector<bool> slow = is_slow(shells, estimator);
         for (std::size_t i = 0; i < s.size(); ++i) {
             const auto spread = jackknife_error(left[i], least_blocks);
@@ -287,7 +293,7 @@ Spectrum StructureFactor::spectrum(Estimator estimator, std::span<const int> tim
     spectrum.k = shells.k;
     spectrum.s = averages(shells, sums, estimator, samples);
     const auto frames = static_cast<double>(added_);
-    const double block = frames / static_cast<double>(blocks_.size());
+    const double block = frames / static_cast<double>(filled_blocks().size());
     const std::vector<bool> slow = is_slow(shells, estimator);
     for (std::size_t i = 0; i < shells.k.size(); ++i) {
         // T/M from few blocks is noisy: the mean over shells within a fifth or so in k.

@@ -173,8 +173,9 @@ void StructureFactor::add_directions(ObservableResult& result, Estimator estimat
     result.curves.push_back(std::move(curve));
 
     std::array<std::vector<double>, 2> left;
-    const std::size_t k = filled_blocks();
-    for (std::size_t b = 0; k >= least_blocks && b < k; ++b) {
+    const std::vector<std::size_t> filled = filled_blocks();
+    for (const std::size_t b : filled) {
+        if (filled.size() < least_blocks) break;
         const auto part = anisotropies(shells, total(b), estimator);
         for (std::size_t h = 0; h < left.size(); ++h) left[h].push_back(part[h].back());
     }

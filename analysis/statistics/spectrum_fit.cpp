@@ -161,6 +161,12 @@ SpectrumFit without(std::string reason) {
     return fit;
 }
 
+// Why an exponent that was searched is none.
+std::optional<std::string> at_the_end(double alpha) {
+    if (alpha > least_alpha + 1e-6 && alpha < largest_alpha - 1e-6) return std::nullopt;
+    return fmt::format("the exponent runs to the end of its range, {:.2g}", alpha);
+}
+
 SpectrumFit finish(const Points& points, const Line& line, double alpha, bool alpha_is_free,
                    FitMethod method) {
     SpectrumFit fit;
@@ -229,9 +235,7 @@ SpectrumFit fit_spectrum(const Spectrum& spectrum, double k_max, std::optional<d
     const double exponent = alpha ? *alpha : best_alpha(at);
     const auto line = best_line(points, exponent, method);
     if (!line || !std::isfinite(line->objective)) return without("the fit does not converge");
-    if (!alpha && (exponent < least_alpha + 1e-6 || exponent > largest_alpha - 1e-6)) {
-        return without(fmt::format("the exponent runs to the end of its range, {:.2g}", exponent));
-    }
+    if (const auto reason = at_the_end(exponent); !alpha && reason) return without(*reason);
     SpectrumFit fit = finish(points, *line, exponent, !alpha, method);
     fit.k_max = k_max;
     return fit;
@@ -256,6 +260,12 @@ std::vector<SpectrumFit> fit_shared(std::span<const Spectrum> spectra,
         }
         return sum;
     });
+    if (const auto reason = at_the_end(alpha)) {
+        for (SpectrumFit& fit : fits) {
+            if (fit.ok()) fit = without(*reason);
+        }
+        return fits;
+    }
     double information = 0;  // of alpha, after S0 and S1
     for (std::size_t i = 0; i < spectra.size(); ++i) {
         if (!fits[i].ok()) continue;

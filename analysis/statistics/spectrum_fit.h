@@ -55,7 +55,8 @@ SpectrumFit fit_spectrum(const Spectrum& spectrum, double k_max, std::optional<d
 
 /// The same with one α for several spectra, each with its own S0, S1 and range: the α that makes
 /// the product of the likelihoods largest. Spectra that cannot be fitted are left out of the search
-/// and keep their reason.
+/// and keep their reason. Where the search ends at 0.2 or 4 there is no fit of any, with the
+/// reason.
 std::vector<SpectrumFit> fit_shared(std::span<const Spectrum> spectra,
                                     std::span<const double> k_max);
 

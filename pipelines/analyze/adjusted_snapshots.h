@@ -20,6 +20,8 @@ struct Adjustment {
 
     void apply_to(TrajectoryInfo& info) const;
     void apply_to(Snapshot& snapshot) const;
+
+    bool operator==(const Adjustment&) const = default;
 };
 
 /// How long a trajectory is by its time stamps [time unit].
@@ -37,6 +39,9 @@ class AdjustedSnapshots : public SnapshotSource {
     const TrajectoryInfo& info() const override { return info_; }
     std::int64_t count() const override { return source_.count(); }
     Snapshot read(std::int64_t index) override;
+
+    /// Makes a snapshot from elsewhere as the adjustment says.
+    void adjust(Snapshot& snapshot) const { adjustment_.apply_to(snapshot); }
 
     /// Whether a snapshot with that frame number was read.
     bool has_read(std::int64_t frame) const { return frames_.contains(frame); }

@@ -132,6 +132,10 @@ std::vector<Preview> previews_of(const Input& input) {
         std::erase_if(kept, [&](const Preview& preview) {
             return !snapshots.has_read(preview.snapshot.frame);
         });
+        for (Preview& preview : kept) {
+            snapshots.adjust(preview.snapshot);
+            preview.frame.time = preview.snapshot.time;
+        }
         if (!kept.empty()) return kept;
     }
     constexpr std::int64_t usual = 3;  // as track keeps by default

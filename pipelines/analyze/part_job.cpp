@@ -160,6 +160,12 @@ PartJobResult analyze_part(const AnalyzeJobOptions& options, Job& job) {
 
 Results merge_parts(const AnalyzeJobOptions& options, Job& job) {
     require_all_frames(options);
+    if (options.adjustment != Adjustment{}) {
+        throw OptionError({.problem = "parts are merged as they were measured",
+                           .actual = "a diameter, rate, box, boundary or acceleration is given",
+                           .expected = "none of these with option 'merge'",
+                           .suggestion = "give it with option 'partial', for each part"});
+    }
     OutputFile output(options.output, job.overwrite);
     const analysis::AnalysisOptions wanted = analysis_of(options);
     const std::vector<PartFile> files = checked_files(job.inputs, configuration_of(wanted));
@@ -176,8 +182,7 @@ Results merge_parts(const AnalyzeJobOptions& options, Job& job) {
                              counted(results.frames, "frame")));
     job.plan.skip("previews", "parts of an analysis hold no pictures", "");
     results.identity = identity_of(results.source);
-    results.observables.insert(results.observables.begin(),
-                               lengths_of(results.source, options.adjustment));
+    results.observables.insert(results.observables.begin(), lengths_of(results.source, {}));
     results.record = job.record();
     results.label = options.label;
     if (results.label.empty()) {

@@ -170,6 +170,14 @@ OverlayJobResult draw_overlay(const OverlayJobOptions& options, Job& job) {
     const auto* tracks = dynamic_cast<const io::TrajectoryFile*>(snapshots.get());
     const auto film =
         film_of(job, *snapshots, tracks == nullptr ? nullptr : &tracks->record(), options);
+    // A table does not say its unit.
+    if (film != nullptr && tracks != nullptr && tracks->info().length_unit != LengthUnit::pixel) {
+        throw InputError({.problem = fmt::format("'{}' is not of the film '{}'",
+                                                 job.inputs.front().string(), film->name()),
+                          .actual = "positions in diameters",
+                          .expected = "a trajectory in pixels of that film",
+                          .suggestion = "render the trajectory, or draw it without a film"});
+    }
     ParticleValues values(options.colour, *snapshots);
     report::OverlayOptions drawn_as =
         layout(*snapshots, film.get(), snapshots->read(0).box, options);

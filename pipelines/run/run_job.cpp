@@ -39,6 +39,13 @@ Configuration options_of_tracking(const TrackJobOptions& options) {
     if (!options.camera.empty()) {
         configuration.emplace_back("camera", io::describe_input(options.camera).checksum);
     }
+    // Their names are among the options; a picture of the same name may hold something else.
+    std::vector<std::string> files = pictures_of(options.film);
+    if (!options.calibration.empty()) files.push_back(options.calibration);
+    for (const std::string& file : files) {
+        configuration.emplace_back(fmt::format("content of '{}'", file),
+                                   io::describe_input(file).checksum);
+    }
     return configuration;
 }
 

@@ -184,7 +184,10 @@ void plan_tracking(const TrackJobOptions& options, Job& job) {
 
 TrackJobResult track_film(const TrackJobOptions& options, Job& job) {
     const std::string name = options.output.string();
-    options.lab.acceleration();  // contradictions are said before the work
+    options.lab.acceleration();  // contradictions are said before the work, as names that are taken
+    if (!options.save_calibration.empty()) {
+        const OutputFile checked(options.save_calibration, job.overwrite);
+    }
     job.inputs = io::recording_files(job.inputs);
     TracksInWork work(job, identity_of(options, job), options);
     Resumable& resumable = work.resumable;

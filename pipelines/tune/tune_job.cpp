@@ -112,6 +112,8 @@ void plan_tuning(const TuneJobOptions& options, Job& job) {
 }
 
 TuneJobResult run_tuning(const TuneJobOptions& options, Job& job) {
+    const fs::path settings_file = fs::path(options.output).replace_extension(".toml");
+    { const OutputFile checked(settings_file, job.overwrite); }  // refused before the work
     job.inputs = io::recording_files(job.inputs);
     tracking::TrackOptions tracking = options.tracking;
     tracking.threads = job.threads;
@@ -155,7 +157,7 @@ TuneJobResult run_tuning(const TuneJobOptions& options, Job& job) {
                          .edge_width = tracker.model().disc.edge_width,
                          .settings = advice ? settings_instead(tuning, options.film, advice->better)
                                             : suggested_settings(tuning, options.film),
-                         .settings_file = fs::path(options.output).replace_extension(".toml"),
+                         .settings_file = settings_file,
                          .weighed = tracker.weighed(),
                          .advice = advice ? advice->words : std::string()};
     std::vector<Results> runs = runs_of(look, tracker.info(), result.particles_mean, job);

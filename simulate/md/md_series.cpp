@@ -115,7 +115,7 @@ void MdSeries::restore(const std::vector<double>& numbers, const std::vector<dou
 double MdSeries::late_mean(const std::string& name) const {
     const Column* c = curve_.find(name);
     if (c == nullptr || rows_ == 0) return 0;
-    const std::size_t first = rows_ > 1 ? (rows_ + 1) / 2 : 0;
+    const std::size_t first = rows_ / 2;  // as analyze takes it
     double sum = 0;
     for (std::size_t i = first; i < rows_; ++i) sum += c->values[i];
     return sum / static_cast<double>(rows_ - first);

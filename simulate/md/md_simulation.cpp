@@ -49,10 +49,11 @@ void explain(const MdSystem& system, RunPlan& plan) {
         plan.skip("sinusoidal plates", "plates are at rest: contact times in closed form",
                   "sines and iterations");
     } else {
-        plan.run("sinusoidal plates", fmt::format("A = {:g} a, ω = {:g} sqrt(g/a), Γ = {:.4g}",
-                                                  system.amplitude, system.angular_frequency,
-                                                  system.amplitude * system.angular_frequency *
-                                                      system.angular_frequency));
+        const auto control = control_of(system);
+        plan.run("sinusoidal plates",
+                 fmt::format("A = {:g} a, ω = {:g} sqrt(g/a){}", system.amplitude,
+                             system.angular_frequency,
+                             control ? fmt::format(", Γ = {:.4g}", control->value) : ""));
     }
     if (system.contact_time > 0) {
         plan.run("contact-time model", fmt::format("t_c = {:g}", system.contact_time));

@@ -6,6 +6,7 @@
 
 #include "analysis/analysis.h"
 #include "analysis/density/number_variance.h"
+#include "analysis/pairs/pair_distribution.h"
 #include "analysis/spectra/sk_observable.h"
 #include "core/errors.h"
 #include "tests/analysis/synthetic_patterns.h"
@@ -109,6 +110,25 @@ TEST(PartOfRun, MergedPartsGiveValuesAndErrorsOfTheWhole) {
     for (std::size_t i = 0; i < whole.observables.size(); ++i) {
         expect_same(together.observables[i], whole.observables[i]);
     }
+}
+
+// g(r) of five frames of 37: each seventh of the whole, in whatever parts it comes.
+TEST(PartOfRun, ObservablesOfSomeFramesTakeTheSameOnesInParts) {
+    MemorySource source = gas();
+    AnalysisOptions few = options();
+    few.observables = {"gr"};
+    few.of<PairDistributionOptions>().frames = 5;
+    const Results whole = measure(source, few);
+    std::vector<Checkpoint> parts;
+    for (const auto& [first, end] : {std::pair{0, 13}, std::pair{13, 30}, std::pair{30, kFrames}}) {
+        MemorySource part = source;
+        part.snapshots.assign(source.snapshots.begin() + first, source.snapshots.begin() + end);
+        parts.push_back(measure_part(part, {first, kFrames}, few));
+    }
+    std::size_t next = 0;
+    const Results together = merged(
+        [&]() { return next < parts.size() ? std::optional(parts[next++]) : std::nullopt; }, few);
+    expect_same(together.observables.at(0), whole.observables.at(0));
 }
 
 TEST(PartOfRun, WhatFollowsParticlesIsLeftOutWithAWarning) {

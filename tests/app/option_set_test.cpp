@@ -76,6 +76,7 @@ TEST(OptionSet, RecordsNothingThatConcernsOneCallOnly) {
     own.affects(Effect::work);
     const OptionSet set("track", {own});
     EXPECT_THAT(set.configuration(), ElementsAre(Pair("strict", "true")));
+    EXPECT_THAT(set.indifferent(), ElementsAre("strict"));
 }
 
 TEST(OptionSet, FindsAnOptionByItsOtherNamesButRecordsItsName) {

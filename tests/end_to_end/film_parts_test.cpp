@@ -101,6 +101,10 @@ TEST_F(FilmParts, AnalysedApartAndMergedAreTheAnalysisInOnePiece) {
     EXPECT_THAT(some.err, HasSubstr("a part of a film is analysed as a whole"));
     EXPECT_EQ(
         analyze({"--merge", a_ + ".acc", b_ + ".acc", "--frames", "2:"}, folder_ / "x.h5").code, 2);
+    const Outcome other =
+        analyze({"--merge", a_ + ".acc", b_ + ".acc", "--boundary", "periodic"}, folder_ / "x.h5");
+    EXPECT_EQ(other.code, 2);
+    EXPECT_THAT(other.err, HasSubstr("merged as they were measured"));
     EXPECT_EQ(analyze({a_, b_}, folder_ / "x.h5").code, 2) << "two inputs are not merged unasked";
 }
 

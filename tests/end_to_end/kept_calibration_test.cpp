@@ -1,4 +1,5 @@
 // `grainfield track --save-calibration` and `--calibration`: films of a series measured alike.
+#include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -53,6 +54,14 @@ class KeptCalibration : public ::testing::Test {
     const ScratchFolder folder_;
     std::vector<std::string> frames_;
 };
+
+TEST_F(KeptCalibration, ANameThatIsTakenIsRefusedBeforeTheWork) {
+    const Outcome taken =
+        track(frames_, {"-o", folder_ / "d.h5", "--save-calibration", folder_ / "cal.toml"});
+    EXPECT_EQ(taken.code, 4);
+    EXPECT_THAT(taken.err, HasSubstr("cal.toml"));
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "d.h5"));
+}
 
 TEST_F(KeptCalibration, GivesTheSamePositionsToTheBit) {
     const Outcome again =

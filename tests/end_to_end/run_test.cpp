@@ -132,6 +132,23 @@ TEST_F(Run, DoesNotReplaceTracksOfOtherOptionsUnlessTold) {
     EXPECT_THAT(refused.err, HasSubstr("--force"));
 }
 
+TEST_F(Run, DoesNotKeepTracksOfAnotherMaskOfTheSameName) {
+    const ScratchFolder masks;
+    const ScratchFolder out;
+    const std::string mask = masks / "mask.png";
+    Image visible(testing::kPictureSize, testing::kPictureSize, 1);
+    testing::write_png(mask, visible);
+    ASSERT_EQ(run({"--sphere-diameter", "11", "--mask", mask}, out / "m").code, 0);
+    EXPECT_TRUE(is_kept(run({"--sphere-diameter", "11", "--mask", mask}, out / "m"), "track"));
+    for (int y = 0; y < testing::kPictureSize; ++y) visible(0, y) = 0;
+    testing::write_png(mask, visible);
+    const Outcome other = run({"--sphere-diameter", "11", "--mask", mask}, out / "m");
+    EXPECT_NE(other.code, 0);
+    EXPECT_THAT(other.err, HasSubstr("mask.png"));
+    EXPECT_FALSE(
+        is_kept(run({"--sphere-diameter", "11", "--mask", mask, "--force"}, out / "m"), "track"));
+}
+
 TEST_F(Run, UnitsOfTheLabAreThoseThatTheTracksHold) {
     for (const std::vector<std::string>& later :
          {std::vector<std::string>{"--vibration-frequency", "80"},

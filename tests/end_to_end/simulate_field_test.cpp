@@ -185,6 +185,20 @@ TEST(SimulateField, OneFileForEachNu) {
     EXPECT_TRUE(std::filesystem::exists(folder / "f-nu0.05.h5"));
 }
 
+TEST(SimulateField, AListThatIsGoneOnWithKeepsWhatIsTheSameAndRefusesWhatIsNot) {
+    const ScratchFolder folder;
+    const auto with = [&](const Words& more) { return run_grainfield(job(folder / "f.h5", more)); };
+    ASSERT_EQ(with({"--nu-list", "0.1"}).code, 0);
+    const Outcome longer = with({"--nu-list", "0.1,0.05", "--resume"});
+    ASSERT_EQ(longer.code, 0) << longer.err;
+    const json outputs = json::parse(longer.out)["outputs"];
+    ASSERT_EQ(outputs.size(), 2U) << longer.out;
+    EXPECT_THAT(outputs[0].get<std::string>(), HasSubstr("f-nu0.1.h5"));
+    const Outcome other = with({"--nu-list", "0.1,0.05", "--resume", "--nu", "0.3", "--b", "2"});
+    EXPECT_EQ(other.code, 3);
+    EXPECT_THAT(other.err, HasSubstr("--b: 4 there, 2 now"));
+}
+
 TEST(SimulateField, TheAdjointGivesACurveToo) {
     const ScratchFolder folder;
     const Outcome run = run_grainfield(

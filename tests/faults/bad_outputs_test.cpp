@@ -156,6 +156,15 @@ TEST_F(BadOutput, AFailureHalfWayLeavesNothingUnderTheFinalName) {
     EXPECT_EQ(out_.entries(), 0U);
 }
 
+TEST_F(Case18, HelpThatCannotBeWrittenIsReported) {
+    for (const char* words : {"--help", "--version", "track --help-all", "--man track"}) {
+        const Outcome outcome =
+            testing::shell(fmt::format("exec \"$GRAINFIELD\" {} > /dev/full", words));
+        EXPECT_EQ(outcome.code, 4) << words;
+        EXPECT_THAT(outcome.err, HasSubstr("standard output")) << words;
+    }
+}
+
 TEST_F(Case18, ClosedStandardOutputIsReported) {
     const Outcome outcome =
         testing::shell(fmt::format("exec \"$GRAINFIELD\" info '{}' --json > /dev/full", tracks_));

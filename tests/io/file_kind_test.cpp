@@ -21,6 +21,8 @@ TEST(FileKind, IsToldFromTheContentNotFromTheName) {
     EXPECT_EQ(identify(folder / "b.txt"), FileKind::results);
     write_bytes(folder / "c.h5", "# by some tracker\r\n\xEF\xBB\xBF\"Frame\", X ,Y\r\n");
     EXPECT_EQ(identify(folder / "c.h5"), FileKind::points);
+    write_bytes(folder / "d.csv", "frame,x_px,y_px\n");
+    EXPECT_EQ(identify(folder / "d.csv"), FileKind::points);
 }
 
 TEST(FileKind, OfAnythingElseIsUnknown) {

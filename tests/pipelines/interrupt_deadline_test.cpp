@@ -3,11 +3,13 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <string>
 #include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/errors.h"
 #include "core/support/interrupt.h"
 
 namespace grainfield::pipelines {
@@ -29,6 +31,19 @@ TEST(InterruptDeadline, EndsWorkThatIsStuckWithWhatTheLastActSays) {
             std::_Exit(1);
         },
         ExitedWithCode(128 + SIGTERM), "^warning: two frames are kept\n$");
+}
+
+TEST(InterruptDeadline, SaysWhatTheLastActFailsOf) {
+    EXPECT_EXIT(
+        {
+            catch_interrupts();
+            const InterruptDeadline deadline(
+                [](int) -> std::string { throw OutputError("the disk is full."); });
+            std::raise(SIGINT);
+            std::this_thread::sleep_for(30s);
+            std::_Exit(1);
+        },
+        ExitedWithCode(130), "^error: the disk is full.\n$");
 }
 
 TEST(InterruptDeadline, LeavesWorkThatStopsByItselfAlone) {

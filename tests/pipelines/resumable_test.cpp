@@ -153,6 +153,13 @@ TEST_F(CompleteJob, SaysThatThereIsNothingToDo) {
     EXPECT_NO_THROW(Resumable(job_, complete(), kResume)) << "begins anew";
 }
 
+TEST_F(CompleteJob, IsTheSameWhateverOptionsAreThatItDoesNotDependOn) {
+    job_.configuration.emplace_back("threads", "7");
+    EXPECT_THROW(Resumable(job_, complete(), kResume), InputError);
+    job_.indifferent = {"threads"};
+    EXPECT_THROW(Resumable(job_, complete(), kResume), AlreadyComplete);
+}
+
 TEST_F(CompleteJob, IsToldFromOneCutShortByTheCodeOfAWarningAlone) {
     const auto write = [&](WarningCode code) {
         Job made = job_;

@@ -217,5 +217,32 @@ TEST(StructureFactor, BlocksThatNoFrameCameToGiveNoError) {
     EXPECT_TRUE(std::isnan(column(sk.result(), "sk", "s_err").front()));
 }
 
+// Ten frames alike, then ten others: whether the run was to be twice as long does not make them
+// independent.
+TEST(StructureFactor, FramesOfARunThatWasCutShortAreAsAlikeAsThoseOfAWholeOne) {
+    RandomStream random(12, "alike");
+    const Box box = square_box(20);
+    StructureFactor whole({}, box, 320);
+    StructureFactor cut({}, box, 640);
+    Pattern p;
+    for (int f = 0; f < 320; ++f) {
+        if (f % 10 == 0) p = pattern(poisson_points(200, box, random), box, f);
+        whole.add(whole.measure(p));
+        cut.add(cut.measure(p));
+    }
+    const Spectrum all = whole.spectrum(StructureFactor::Estimator::raw);
+    const Spectrum half = cut.spectrum(StructureFactor::Estimator::raw);
+    double sum = 0;
+    double of_cut = 0;
+    for (std::size_t i = 0; i < all.dof.size(); ++i) {
+        sum += all.dof[i];
+        of_cut += half.dof[i];
+    }
+    // 1.35: eight blocks know how alike frames are less well than sixteen. Taken for
+    // independent: 9.
+    EXPECT_LT(of_cut / sum, 2);
+    EXPECT_GT(of_cut / sum, 0.5);
+}
+
 }  // namespace
 }  // namespace grainfield::analysis

@@ -2,7 +2,9 @@
 
 #include <cmath>
 #include <numbers>
+#include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/support/random.h"
@@ -124,6 +126,16 @@ TEST(Fit, SharesOneExponentOverSeveralSpectra) {
         EXPECT_LT(std::abs(fit.alpha - 1.3), 5 * fit.error[2]);
     }
     EXPECT_LT(fits[0].error[2], 0.8 * one.error[2]);
+}
+
+// A step is steeper than any power that is searched.
+TEST(FitShared, IsNoneWhereTheExponentRunsToTheEndOfItsRange) {
+    Spectrum step = spectrum(1, 0, 1, 100, nullptr);
+    for (std::size_t i = 0; i < step.k.size(); ++i) step.s[i] = step.k[i] < 0.9 ? 1 : 3;
+    const std::vector<Spectrum> spectra{step, step};
+    for (const SpectrumFit& fit : fit_shared(spectra, std::vector<double>{1, 1})) {
+        EXPECT_THAT(fit.reason, ::testing::HasSubstr("runs to the end of its range"));
+    }
 }
 
 TEST(Fit, GivesReasonsWhereItCannotBeMade) {

@@ -8,6 +8,7 @@
 
 #include "core/errors.h"
 #include "io/frame_files.h"
+#include "io/h5/trajectory_file.h"
 #include "io/input_record.h"
 #include "tests/support/disc_sequence.h"
 #include "tests/support/scratch_folder.h"
@@ -76,6 +77,25 @@ TEST(OverlayJob, DrawsOverTheFilmThatItIsGiven) {
         }
     }
     EXPECT_GT(bright / brights, dark / darks + 170.0 / 3);
+}
+
+TEST(OverlayJob, RefusesToDrawPositionsInDiametersOnAFilm) {
+    const testing::ScratchFolder folder;
+    const testing::ScratchFolder film;
+    testing::write_disc_sequence(film, 3);
+    TrajectoryInfo info;
+    info.length_unit = LengthUnit::diameter;
+    io::TrajectoryWriter writer(folder / "md.h5", info, Overwrite::refuse);
+    Snapshot snapshot;
+    snapshot.position = {{1, 2}};
+    snapshot.box.length = {4, 4};
+    writer.write(snapshot);
+    writer.finish({});
+    Job job;
+    job.inputs = {folder / "md.h5"};
+    OverlayJobOptions options = to(folder / "o.mkv");
+    options.film = film.path();
+    EXPECT_THROW(draw_overlay(options, job), InputError);
 }
 
 TEST(OverlayJob, FindsARecordedFilmFromAnyFolder) {
