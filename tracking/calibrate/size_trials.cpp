@@ -25,6 +25,15 @@ constexpr double kGoodOfAll = 0.5;
 /// … and if the image tells twice as many values apart as were fitted.
 constexpr double kResolved = 2;
 constexpr int kPartRounds = 4;  // most on a part of the frame
+
+/// Side of the part of the frame that is looked at: so many diameters, but so many pixels at least.
+struct PartSize {
+    int diameters, pixels;
+};
+constexpr PartSize kPart{30, 256};
+/// Where a crystal reaches into every part, so that no guess explains enough.
+constexpr PartSize kSmallPart{15, 128};
+
 /// What the user can say that settles it.
 constexpr const char* kGiveThem =
     "give calibrate.disc-diameter, calibrate.polarity, or both; tune shows the candidates";
@@ -34,10 +43,11 @@ struct Patch {
     int x = 0, y = 0;  ///< its first pixel in the frame
 };
 
-/// The square of about 30 diameters that is brightest on average, thus most dilute; the whole frame
-/// if it is not much larger. At least half of it is visible.
-Patch clearest_patch(const Image& counts, const ImageModel& model, const VisiblePixels& visible) {
-    const int side = std::max(256, static_cast<int>(30 * model.disc.diameter));
+/// The square of that size that is brightest on average, thus most dilute; the whole frame if it is
+/// not much larger. At least half of it is visible.
+Patch clearest_patch(const Image& counts, const ImageModel& model, const VisiblePixels& visible,
+                     PartSize size) {
+    const int side = std::max(size.pixels, static_cast<int>(size.diameters * model.disc.diameter));
     if (counts.width() < 3 * side / 2 || counts.height() < 3 * side / 2) return {counts, 0, 0};
     const Image darkness = model.darkness(counts);
     double best = 0;
@@ -72,7 +82,7 @@ Patch clearest_patch(const Image& counts, const ImageModel& model, const Visible
     return patch;
 }
 
-SizeTrial try_guess(const Image& work, const FirstGuess& guess, ModelFit fit) {
+SizeTrial try_guess(const Image& work, const FirstGuess& guess, PartSize size, ModelFit fit) {
     ImageModel model;
     model.binning = fit.blocks;
     model.background = guess.background;
@@ -83,7 +93,7 @@ SizeTrial try_guess(const Image& work, const FirstGuess& guess, ModelFit fit) {
         std::clamp(rough_edge_width(model.darkness(work), fit.visible), kNarrowestFirstEdge,
                    std::max(kNarrowestFirstEdge, kWidestFirstEdge * model.disc.diameter)));
     const VisiblePixels visible = fit.visible;
-    const Patch patch = clearest_patch(work, model, visible);
+    const Patch patch = clearest_patch(work, model, visible, size);
     const bool is_whole = patch.image.size() == work.size();
     // The background of a part is taken as part of the whole.
     ImageModel local = model;
@@ -119,7 +129,11 @@ struct Weighing {
     std::size_t guesses = 0;                ///< that there were
 };
 
-Weighing weigh(const Image& counts, const ModelFit& fit) {
+bool is_beyond_doubt(const ExplainedShare& explained) {
+    return explained.signal > kGood && explained.all > kGoodOfAll && explained.support > kResolved;
+}
+
+Weighing weigh(const Image& counts, const ModelFit& fit, PartSize size) {
     const CalibrationOptions& options = fit.options;
     const std::vector<FirstGuess> guesses =
         first_guesses(counts, fit.levels, options.polarity, options.uniform_tolerance, fit.visible);
@@ -132,15 +146,20 @@ Weighing weigh(const Image& counts, const ModelFit& fit) {
         if (options.diameter && tried_given == guess.polarity) continue;
         tried_given = guess.polarity;
         all.trials.push_back(try_guess(
-            guess.polarity == Polarity::bright ? turned_round(counts) : counts, guess, fit));
+            guess.polarity == Polarity::bright ? turned_round(counts) : counts, guess, size, fit));
         all.candidates.push_back(all.trials.back().candidate);
-        const ExplainedShare& explained = all.trials.back().fit.explained;
-        if (explained.signal > kGood && explained.all > kGoodOfAll &&
-            explained.support > kResolved) {
-            break;
-        }
+        if (is_beyond_doubt(all.trials.back().fit.explained)) break;
     }
     return all;
+}
+
+/// Where no guess explains enough of its part, one that explains a smaller part beyond doubt is
+/// added. Less does not count: discs of any size explain more of a small part by chance.
+void weigh_smaller_parts(const Image& counts, const ModelFit& fit, Weighing& all) {
+    Weighing small = weigh(counts, fit, kSmallPart);
+    if (small.trials.empty() || !is_beyond_doubt(small.trials.back().fit.explained)) return;
+    all.trials.push_back(std::move(small.trials.back()));
+    all.candidates.push_back(std::move(small.candidates.back()));
 }
 
 /// Where what was given explains little, what the frame says of itself is weighed too and added to
@@ -150,7 +169,7 @@ void weigh_unprompted(const Image& counts, ModelFit fit, const SizeCandidate& gi
     fit.options.diameter.reset();
     fit.options.edge_width.reset();
     fit.options.polarity = PolarityChoice::automatic;
-    const Weighing all = weigh(counts, fit);
+    const Weighing all = weigh(counts, fit, kPart);
     for (const SizeCandidate& found : all.candidates) {
         // What was given may have been guessed already.
         const bool is_known = std::ranges::any_of(weighed, [&](const SizeCandidate& known) {
@@ -168,7 +187,10 @@ void weigh_unprompted(const Image& counts, ModelFit fit, const SizeCandidate& gi
 std::optional<SizeTrial> best_trial(const Image& counts, const ModelFit& fit, RunPlan& plan,
                                     std::vector<SizeCandidate>& weighed) {
     const CalibrationOptions& options = fit.options;
-    Weighing all = weigh(counts, fit);
+    Weighing all = weigh(counts, fit, kPart);
+    if (!options.diameter && !choose_size(all.candidates).explains_enough) {
+        weigh_smaller_parts(counts, fit, all);
+    }
     weighed = all.candidates;
     const SizeChoice choice = choose_size(weighed);
     if (!choice.best) {

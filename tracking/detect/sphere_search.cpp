@@ -29,6 +29,9 @@ constexpr double kUnusual = 2;
 constexpr double kSurely = 0.5;
 /// Nearer than this to a rejected disc nothing is tried again: the gate of matching, D/4.
 constexpr double kSameAgain = 0.25;  // [D]
+/// A place that was tried so often is left. A disc that goes may have moved farther than D/4, so
+/// that only where it ended is rejected: it would come and go to the last pass.
+constexpr int kMostTries = 3;
 /// Share of the white noise in 3 × 3 blocks that is counted as noise. Its sum over n = 9 B² pixels
 /// scatters by sqrt(2/n), 4.7 % for blocks of 10 px: 0.9 is two standard deviations below its mean,
 /// so that in 98 % of all places no gain is overlooked for the noise.
@@ -162,6 +165,7 @@ SphereSearch::SphereSearch(JointFit& fit, DiscCorrelation& correlation,
       fit_(fit),
       correction_(correction),
       rejected_(fit.darkness().width(), fit.darkness().height(), kSameAgain * disc_.diameter),
+      tried_(rejected_),
       separation_(options.separation * disc_.diameter) {
     summary_.doubtful_are_false = options.doubtful_are_false && options.sphere_diameter.has_value();
 }
@@ -190,7 +194,14 @@ void SphereSearch::seed() {
 void SphereSearch::forget_rejections() {
     rejected_ =
         PointGrid(fit_.darkness().width(), fit_.darkness().height(), kSameAgain * disc_.diameter);
+    tried_ = rejected_;
     rejected_at_ = 0;
+}
+
+bool SphereSearch::is_tried_out(Vec2 place) const {
+    int tries = 0;
+    tried_.near(place, kSameAgain * disc_.diameter, [&](std::uint32_t, Vec2) { ++tries; });
+    return tries >= kMostTries;
 }
 
 std::int64_t SphereSearch::remove_unfounded() {
@@ -317,7 +328,7 @@ std::int64_t SphereSearch::add_missing() {
     for (const Peak& peak : local_maxima(gain, static_cast<float>(least),
                                          0.8 * disc_.diameter / correlation_.factor())) {
         const Vec2 place = correlation_.in_frame(peak.position);
-        if (rejected_.any(place, kSameAgain * disc_.diameter)) continue;
+        if (rejected_.any(place, kSameAgain * disc_.diameter) || is_tried_out(place)) continue;
         const std::optional<std::uint32_t> blocker = nearest(present, place, separation_);
         if (!blocker) {
             fit_.add(place);
@@ -327,6 +338,7 @@ std::int64_t SphereSearch::add_missing() {
         } else {
             continue;
         }
+        tried_.add(place, 0);
         ++added;
     }
     summary_.added += added;
@@ -391,10 +403,13 @@ SphereCell SphereSearch::cell() const {
     return {.diameter = options_.sphere_diameter.value_or(0), .height = options_.cell_height};
 }
 
-/// Whether it is seen now that doubtful spheres are false, as most of them hardly have room. Discs
-/// that the border or a mask cuts explain little, whatever they are.
+/// Whether it is seen now that doubtful spheres are false, as most of them hardly have room. Also
+/// where the model fits and none is asked for room: on the image of the last fit it may fit because
+/// of discs that are not there. Discs that the border or a mask cuts explain little, whatever they
+/// are.
 bool SphereSearch::finds_doubtful_false() {
-    if (!asks_for_room_ || correction_ == nullptr || options_.goal != SearchGoal::every_sphere) {
+    if (options_.evidence || summary_.doubtful_are_false || !options_.sphere_diameter ||
+        correction_ == nullptr || options_.goal != SearchGoal::every_sphere) {
         return false;
     }
     const double doubtful = kDoubtful * correlation_.full_gain();

@@ -132,6 +132,7 @@ class SphereSearch {
 
  private:
     void forget_rejections();
+    bool is_tried_out(Vec2 place) const;
     std::int64_t remove_unfounded();
     bool finds_doubtful_false();
     SphereCell cell() const;
@@ -149,6 +150,7 @@ class SphereSearch {
     JointFit& fit_;
     const BiasCorrection* correction_;
     PointGrid rejected_;           ///< places not to be tried again
+    PointGrid tried_;              ///< where discs were added
     double separation_;            ///< [px]
     bool asks_for_room_ = false;   ///< of doubtful spheres
     double threshold_ = 0;         ///< least misfit that a sphere must explain [contrast² px]

@@ -1,5 +1,7 @@
 #include "tracking/calibrate/size_trials.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "tests/support/layer_frames.h"
@@ -15,9 +17,9 @@ ModelFit fit_of(const Image& counts, const CalibrationOptions& options = {}) {
             .levels = levels_of(counts)};
 }
 
-Image liquid(int width) {
-    return testing::tanh_frame(testing::hard_disc_liquid(width, width, 16, 0.6, 1), 16, 1.2, 0.02,
-                               2);
+Image liquid(int width, double diameter = 16) {
+    return testing::tanh_frame(testing::hard_disc_liquid(width, width, diameter, 0.6, 1), diameter,
+                               1.2, 0.02, 2);
 }
 
 TEST(SizeTrials, TakeASmallFrameAsAWhole) {
@@ -53,6 +55,36 @@ TEST(SizeTrials, LookAtAPartOfALargeFrame) {
         EXPECT_GT(p.y, part.y - 16);
         EXPECT_LT(p.y, part.y + part.height + 16);
     }
+}
+
+/// The left of a liquid, and beyond it structures of 3 px that are no discs and darker on average.
+Image liquid_beside(int width, int liquid_width, double diameter) {
+    Image counts = liquid(width, diameter);
+    const Image texture = testing::noise_frame(width, width, 0, 1, 1, 3);
+    for (int y = 1; y + 1 < width; ++y) {
+        for (int x = liquid_width; x + 1 < width; ++x) {
+            double sum = 0;
+            for (int v = -1; v <= 1; ++v) {
+                for (int u = -1; u <= 1; ++u) sum += static_cast<double>(texture(x + u, y + v));
+            }
+            counts(x, y) = static_cast<float>(std::clamp(40 + 12 * sum, 30.0, 200.0));
+        }
+    }
+    return counts;
+}
+
+TEST(SizeTrials, LookAtASmallerPartWhereWhatIsNoDiscReachesIntoEveryPart) {
+    // Parts are 256 px and 128 px wide.
+    const Image counts = liquid_beside(400, 150, 8);
+    RunPlan plan;
+    std::vector<SizeCandidate> weighed;
+    const auto best = best_trial(counts, fit_of(counts), plan, weighed);
+    ASSERT_TRUE(best) << in_words(weighed);
+    EXPECT_FALSE(weighed.front().explained.signal >= kLeastExplained) << "of the usual part";
+    EXPECT_EQ(best->polarity, Polarity::dark);
+    EXPECT_NEAR(best->candidate.diameter, 8, 0.2);
+    EXPECT_NEAR(best->candidate.width, 15 * 8, 15 * (0.16 * 8 + 1));
+    EXPECT_GT(best->candidate.explained.signal, 0.95);
 }
 
 TEST(SizeTrials, WithoutDiscsHaveNoBestOne) {

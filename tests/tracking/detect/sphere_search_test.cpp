@@ -140,13 +140,14 @@ TEST(SphereSearch, SpheresThatExplainLittleNeedRoomWhereTheModelFitsBadly) {
 struct Doubtful {
     std::ptrdiff_t left = 0;
     bool are_false = false;
+    double evidence = 0;
 };
 
 /// `tight` doubtful discs stand beside others, 0.9 a away, where a cell of 1.3 a has room from
 /// 0.954 a on. `clear` ones stand alone. All are where positions are corrected, 1.2 a inside.
-/// Others explain 0.7, so that the model fits badly.
+/// Where others explain 0.7 the model fits badly.
 Doubtful doubtful_left(int tight, int clear, DetectionOptions options,
-                       const BiasCorrection* correction) {
+                       const BiasCorrection* correction, double others = 0.7) {
     constexpr double kA = 18;
     struct Spot {
         Vec2 place;
@@ -159,7 +160,7 @@ Doubtful doubtful_left(int tight, int clear, DetectionOptions options,
         const auto number = static_cast<int>(doubtful.size());
         const bool is_tight = is_inside && number < tight;
         const bool is_clear = is_inside && !is_tight && number < tight + clear;
-        spots.push_back({place, is_clear ? 0.2 : 0.7});
+        spots.push_back({place, is_clear ? 0.2 : others});
         if (is_tight) spots.push_back({place + Vec2{0.9 * kA, 0}, 0.2});
         if (is_tight || is_clear) doubtful.push_back(spots.back().place);
     }
@@ -189,7 +190,8 @@ Doubtful doubtful_left(int tight, int clear, DetectionOptions options,
     const auto is_left = [&](Vec2 place) {
         return std::ranges::any_of(fit.positions(), [&](Vec2 p) { return norm(p - place) < 2; });
     };
-    return {std::ranges::count_if(doubtful, is_left), search.summary().doubtful_are_false};
+    return {std::ranges::count_if(doubtful, is_left), search.summary().doubtful_are_false,
+            search.summary().evidence};
 }
 
 /// Of a film whose positions are known to be right.
@@ -214,6 +216,15 @@ TEST(SphereSearch, DoubtfulSpheresAreFalseWhereMostHardlyHaveRoom) {
     DetectionOptions asked;
     asked.evidence = 0.05;
     EXPECT_EQ(doubtful_left(10, 0, asked, &correction).left, 10);
+}
+
+TEST(SphereSearch, DoubtfulSpheresAreFalseAlsoWhereTheModelFits) {
+    const BiasCorrection correction = no_bias();
+    constexpr double kWell = 1;
+    EXPECT_EQ(doubtful_left(10, 4, {}, &correction, kWell).left, 0);
+    const Doubtful liquid = doubtful_left(10, 5, {}, &correction, kWell);
+    EXPECT_EQ(liquid.left, 15);
+    EXPECT_LT(liquid.evidence, 0.08) << "no single one is asked for room";
 }
 
 TEST(SphereSearch, DoubtfulSpheresAreFalseWhereTheFrameBeforeShowedIt) {
