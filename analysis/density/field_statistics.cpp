@@ -26,20 +26,38 @@ const std::vector<double>& series(const Checkpoint& checkpoint, const std::strin
     throw InputError(fmt::format("the checkpoint does not fit: '{}' is missing.", name));
 }
 
+BlockPlan plan_of(const Checkpoint& checkpoint) {
+    const auto found = checkpoint.integers.find("statistics plan");
+    if (found == checkpoint.integers.end() || found->second.size() != 2) {
+        throw InputError(
+            "the checkpoint does not fit: it does not say how long the run was to be.");
+    }
+    const auto [instants, blocks] = std::pair{found->second[0], found->second[1]};
+    const BlockPlan longest = BlockPlan::of(instants);
+    if (instants != longest.frames || blocks < 1 || blocks > longest.blocks) {
+        throw InputError({.problem = "the checkpoint does not fit: 'statistics plan'",
+                          .actual = fmt::format("{} instants in {} blocks", instants, blocks),
+                          .expected = fmt::format("1 to {} blocks", longest.blocks),
+                          .suggestion = "begin the run anew"});
+    }
+    return {instants, static_cast<int>(blocks)};
+}
+
 }  // namespace
 
 void FieldStatistics::prepare(const FieldFrame& like) {
     if (sums_) return;
     const DensityField& field = like.density.front();
-    const auto fields = instants_ * static_cast<std::int64_t>(like.density.size());
+    const auto replicas = static_cast<std::int64_t>(like.density.size());
     std::optional<StructureFactor> order;
     if (!like.order.value.empty()) {
         StructureFactorOptions of_order = options_;
         of_order.k_max = std::min(options_.k_max, order_k_max_);
-        order = StructureFactor::of_field(of_order, field, instants_);
+        order = StructureFactor::of_field(of_order, field, plan_);
     }
-    sums_.emplace(Accumulators{StructureFactor::of_field(options_, field, fields), std::move(order),
-                               FieldVariance(field, like.dimension, fields)});
+    sums_.emplace(Accumulators{StructureFactor::of_field(options_, field, plan_, replicas),
+                               std::move(order),
+                               FieldVariance(field, like.dimension, plan_, replicas)});
 }
 
 void FieldStatistics::write(const FieldFrame& frame) {
@@ -96,6 +114,7 @@ void FieldStatistics::save(Checkpoint& checkpoint) const {
     checkpoint.reals["statistics order squared"] = order_squared_.value;
     checkpoint.reals["statistics diffusivity"] = diffusivity_.value;
     checkpoint.reals["statistics mean density"] = mean_density_.value;
+    checkpoint.integers["statistics plan"] = {plan_.frames, plan_.blocks};
     if (!sums_) return;
     sums_->density.save(checkpoint, "statistics sk ");
     sums_->variance.save(checkpoint, "statistics variance ");
@@ -107,10 +126,16 @@ void FieldStatistics::restore(const Checkpoint& checkpoint, const FieldFrame& li
     diffusivity_.value = series(checkpoint, "statistics diffusivity");
     mean_density_.value = series(checkpoint, "statistics mean density");
     if (diffusivity_.value.empty()) return;
+    const BlockPlan wanted = plan_;
+    plan_ = plan_of(checkpoint);
     prepare(like);
     sums_->density.restore(checkpoint, "statistics sk ");
     sums_->variance.restore(checkpoint, "statistics variance ");
     if (sums_->order) sums_->order->restore(checkpoint, "statistics sk_order ");
+    plan_ = plan_.lengthened(wanted.frames);
+    sums_->density.lengthen(plan_);
+    sums_->variance.lengthen(plan_);
+    if (sums_->order) sums_->order->lengthen(plan_);
 }
 
 std::vector<FigureHint> field_figures() {

@@ -8,6 +8,7 @@
 
 #include "analysis/density/field_variance.h"
 #include "analysis/spectra/structure_factor.h"
+#include "analysis/statistics/blocks.h"
 #include "core/density_field.h"
 #include "core/figure_hint.h"
 #include "core/quantity_titles.h"
@@ -26,14 +27,14 @@ namespace grainfield::analysis {
 /// Replicas count as fields of the same instant; blocks of time hold all replicas of their
 /// instants, so that errors are honest though replicas share ψ. S and its errors are summed in
 /// double whatever the precision of the simulation. The state can be saved and taken up again bit
-/// by bit.
+/// by bit, also by a run that became longer: its blocks are then BlockPlan::lengthened.
 class FieldStatistics : public FieldSink {
  public:
     /// `instants`: how many there will be, for the blocks. `order_k_max` [1/l]: ψ has no modes
     /// above; what rounding leaves there is no spectrum.
     FieldStatistics(const StructureFactorOptions& options, std::int64_t instants,
                     double order_k_max = std::numeric_limits<double>::infinity())
-        : options_(options), instants_(instants), order_k_max_(order_k_max) {}
+        : options_(options), plan_(BlockPlan::of(instants)), order_k_max_(order_k_max) {}
 
     void write(const FieldFrame& frame) override;
     std::int64_t count() const { return static_cast<std::int64_t>(diffusivity_.value.size()); }
@@ -43,7 +44,8 @@ class FieldStatistics : public FieldSink {
     const StructureFactor* density() const { return sums_ ? &sums_->density : nullptr; }
 
     void save(Checkpoint& checkpoint) const;
-    /// `like`: any frame of the run, for the lattice. Throws InputError if the state does not fit.
+    /// `like`: any frame of the run, for the lattice. The checkpoint may be of a run of another
+    /// length. Throws InputError if the state does not fit.
     void restore(const Checkpoint& checkpoint, const FieldFrame& like);
 
  private:
@@ -56,7 +58,7 @@ class FieldStatistics : public FieldSink {
     ObservableResult means() const;
 
     StructureFactorOptions options_;
-    std::int64_t instants_;
+    BlockPlan plan_;  // of instants
     double order_k_max_;
     std::optional<Accumulators> sums_;
     MeanSeries order_squared_, diffusivity_, mean_density_;

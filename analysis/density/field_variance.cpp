@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 
@@ -11,8 +12,9 @@
 
 namespace grainfield::analysis {
 
-FieldVariance::FieldVariance(const DensityField& field, int dimension, std::int64_t frames)
-    : dimension_(dimension), spacing_(field.spacing), plan_(BlockPlan::of(frames)) {
+FieldVariance::FieldVariance(const DensityField& field, int dimension, const BlockPlan& instants,
+                             std::int64_t replicas)
+    : dimension_(dimension), spacing_(field.spacing), plan_(instants), replicas_(replicas) {
     const int shorter = dimension == 1 ? field.nx : std::min(field.nx, field.ny);
     for (int power = 1; power <= shorter / 2; power *= 2) {
         sizes_.push_back(power);
@@ -59,7 +61,8 @@ std::vector<double> FieldVariance::measure(const DensityField& field) const {
 }
 
 void FieldVariance::add(const std::vector<double>& sample) {
-    std::vector<double>& sums = sums_[static_cast<std::size_t>(plan_.block_of(added_++))];
+    std::vector<double>& sums =
+        sums_[static_cast<std::size_t>(plan_.block_of(added_++ / replicas_))];
     sums[0] += 1;
     for (std::size_t s = 0; s < sample.size(); ++s) sums[s + 1] += sample[s];
 }
@@ -79,7 +82,11 @@ ObservableResult FieldVariance::result() const {
                  {"mean", "l^d", "Window volume", {}}},
                 {}};
     double frames = 0;
-    for (const auto& block : sums_) frames += block[0];
+    double filled = 0;  // blocks
+    for (const auto& block : sums_) {
+        frames += block[0];
+        filled += block[0] > 0 ? 1 : 0;
+    }
     for (std::size_t s = 0; s < sizes_.size(); ++s) {
         double sum = 0;
         for (const auto& block : sums_) sum += block[s + 1];
@@ -98,12 +105,8 @@ ObservableResult FieldVariance::result() const {
     }
     const double volume = curve.columns[3].values.back();
     const double error = curve.columns[2].values.back() / volume;
-    Measurement largest{"variance_per_volume",
-                        "-",
-                        curve.columns[1].values.back() / volume,
-                        std::nullopt,
-                        static_cast<double>(sums_.size()),
-                        ""};
+    Measurement largest{"variance_per_volume", "-",    curve.columns[1].values.back() / volume,
+                        std::nullopt,          filled, ""};
     if (std::isfinite(error)) {
         largest.error = error;
     } else {
@@ -131,6 +134,14 @@ void FieldVariance::restore(const Checkpoint& checkpoint, const std::string& pre
     }
     if (!fits) throw InputError(fmt::format("the checkpoint does not fit: '{}'.", prefix));
     added_ = added->second[0];
+}
+
+void FieldVariance::lengthen(const BlockPlan& plan) {
+    sums_ = lengthened_blocks(sums_, plan_, plan, std::vector<double>(1 + sizes_.size(), 0),
+                              [](std::vector<double>& to, const std::vector<double>& from) {
+                                  std::ranges::transform(to, from, to.begin(), std::plus{});
+                              });
+    plan_ = plan;
 }
 
 }  // namespace grainfield::analysis

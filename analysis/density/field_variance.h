@@ -21,7 +21,10 @@ namespace grainfield::analysis {
 /// Cost O(cells × sizes) a field, about 1 ns each. Memory: 16 numbers a size.
 class FieldVariance {
  public:
-    FieldVariance(const DensityField& field, int dimension, std::int64_t frames);
+    /// `instants`: the blocks of time. Of each instant `replicas` fields are added, one after the
+    /// other, all to one block.
+    FieldVariance(const DensityField& field, int dimension, const BlockPlan& instants,
+                  std::int64_t replicas = 1);
 
     /// ⟨(N − ρ̄ ℓ^d)²⟩ over the positions, per size. Thread-safe.
     std::vector<double> measure(const DensityField& field) const;
@@ -30,6 +33,8 @@ class FieldVariance {
 
     void save(Checkpoint& checkpoint, const std::string& prefix) const;
     void restore(const Checkpoint& checkpoint, const std::string& prefix);
+    /// Goes on with the blocks of a run that became longer, a lengthened plan of its own.
+    void lengthen(const BlockPlan& plan);
 
  private:
     double mean_square(const DensityField& field, int m, double mean) const;
@@ -37,6 +42,7 @@ class FieldVariance {
     int dimension_;
     double spacing_;
     BlockPlan plan_;
+    std::int64_t replicas_;
     std::vector<int> sizes_;  // in cells
     std::int64_t added_ = 0;
     std::vector<std::vector<double>> sums_;  // per block: frames, then per size

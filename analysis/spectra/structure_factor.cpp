@@ -173,7 +173,7 @@ StructureFactor::Sample StructureFactor::measure(
 }
 
 void StructureFactor::add(Sample sample) {
-    Block& block = blocks_[static_cast<std::size_t>(plan_.block_of(first_ + added_++))];
+    Block& block = blocks_[static_cast<std::size_t>(plan_.block_of(first_ + added_++ / replicas_))];
     block.frames += 1;
     block.particles += sample.particles;
     const std::size_t modes = grid_.modes().size();

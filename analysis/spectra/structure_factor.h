@@ -99,9 +99,11 @@ class StructureFactor {
                     std::int64_t first = 0);
 
     /// Of a field on a periodic lattice: wavevectors up to options.k_max or the lattice's π/dx,
-    /// whichever is less.
+    /// whichever is less. `instants`: the blocks of time. Of each instant `replicas` fields are
+    /// added, one after the other, all to one block.
     static StructureFactor of_field(const StructureFactorOptions& options,
-                                    const DensityField& field, std::int64_t frames);
+                                    const DensityField& field, const BlockPlan& instants,
+                                    std::int64_t replicas = 1);
 
     /// Of a complex order parameter that particles carry, Q_k = Σ_j Q^j exp(−ik·r_j): what
     /// `OrderStructureFactor` wraps. The real and the imaginary part are two components, whose
@@ -127,6 +129,9 @@ class StructureFactor {
     /// accumulator built with the same options. Throws InputError if they do not fit.
     void save(Checkpoint& checkpoint, const std::string& prefix) const;
     void restore(const Checkpoint& checkpoint, const std::string& prefix);
+
+    /// Goes on with the blocks of a run that became longer, a lengthened plan of its own.
+    void lengthen(const BlockPlan& plan);
 
     const ModeGrid& grid() const { return grid_; }
 
@@ -206,7 +211,8 @@ class StructureFactor {
     std::shared_ptr<const DensityTransform> transform_;  // of particles
     std::size_t components_ = 1;
     bool counts_particles_ = true;
-    std::int64_t first_ = 0;  ///< of the run
+    std::int64_t first_ = 0;     ///< of the run
+    std::int64_t replicas_ = 1;  ///< samples of one instant
     std::int64_t added_ = 0;
     std::vector<Block> blocks_;
     std::vector<std::size_t> neumann_index_;  // of each mode in `cosine`, or nowhere

@@ -34,12 +34,22 @@ std::vector<double> numbers(const Checkpoint& checkpoint, const std::string& nam
 }  // namespace
 
 StructureFactor StructureFactor::of_field(const StructureFactorOptions& options,
-                                          const DensityField& field, std::int64_t frames) {
+                                          const DensityField& field, const BlockPlan& instants,
+                                          std::int64_t replicas) {
     StructureFactorOptions capped = options;
     capped.k_max = std::min(options.k_max, std::numbers::pi / field.spacing * (1 + 1e-12));
-    StructureFactor sk(capped, field.box(), frames);
+    StructureFactor sk(capped, field.box(), instants.frames);
     sk.counts_particles_ = false;
+    sk.replicas_ = replicas;
+    sk.plan_ = instants;
+    sk.blocks_.assign(static_cast<std::size_t>(instants.blocks), sk.empty_block());
     return sk;
+}
+
+void StructureFactor::lengthen(const BlockPlan& plan) {
+    blocks_ = lengthened_blocks(blocks_, plan_, plan, empty_block(),
+                                [](Block& to, const Block& from) { add_block(to, from, 1); });
+    plan_ = plan;
 }
 
 StructureFactor::Sample StructureFactor::measure(const DensityField& field, int dimension) const {

@@ -65,6 +65,18 @@ int BlockPlan::block_of(std::int64_t ordinal) const {
     return static_cast<int>(inside * blocks / frames);
 }
 
+std::int64_t BlockPlan::first_of(int block) const {
+    return (block * frames + blocks - 1) / blocks;
+}
+
+BlockPlan BlockPlan::lengthened(std::int64_t longer) const {
+    if (longer <= frames) return *this;
+    if (blocks == frames) return of(longer);  // of one frame each: they fit into any plan
+    BlockPlan plan = *this;
+    plan.frames *= (longer + frames - 1) / frames;
+    return plan;
+}
+
 std::optional<double> jackknife_error(std::span<const double> leave_one_out, std::size_t least) {
     double sum = 0;
     std::size_t count = 0;

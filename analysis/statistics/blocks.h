@@ -26,7 +26,30 @@ struct BlockPlan {
 
     /// The block of the ordinal-th frame; frames beyond the plan fall in the last one.
     int block_of(std::int64_t ordinal) const;
+    /// The first frame of a block.
+    std::int64_t first_of(int block) const;
+
+    /// The plan of a run that was to have the frames of this one and is to have `longer`. Each of
+    /// its blocks is made of whole blocks of this one, all of as many: the last blocks may stay
+    /// empty, as in a run that was cut short. A run that is to be shorter keeps its plan.
+    BlockPlan lengthened(std::int64_t longer) const;
+
+    friend bool operator==(const BlockPlan&, const BlockPlan&) = default;
 };
+
+/// The blocks of `from`, each in the place that `to`, a lengthened `from`, has for it. `empty`: a
+/// block without frames; add(to, from) joins two.
+template <class Block, class Add>
+std::vector<Block> lengthened_blocks(const std::vector<Block>& blocks, const BlockPlan& from,
+                                     const BlockPlan& to, const Block& empty, Add add) {
+    if (from == to) return blocks;
+    std::vector<Block> placed(static_cast<std::size_t>(to.blocks), empty);
+    for (int b = 0; b < from.blocks; ++b) {
+        const auto place = static_cast<std::size_t>(to.block_of(from.first_of(b)));
+        add(placed[place], blocks[static_cast<std::size_t>(b)]);
+    }
+    return placed;
+}
 
 /// Whether two runs are parts of one that were cut into blocks by its plan, the later one from
 /// frame `first` on: their blocks are then added one by one.

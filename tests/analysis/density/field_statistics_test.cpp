@@ -36,7 +36,7 @@ TEST(FieldStructureFactor, IsTheSumOverCells) {
     for (const auto& [nx, ny] : {std::pair{8, 6}, {7, 9}, {12, 1}}) {
         const int dimension = ny == 1 ? 1 : 2;
         const DensityField field = random_field(nx, ny, 3);
-        const StructureFactor sk = StructureFactor::of_field({.k_max = 100}, field, 1);
+        const StructureFactor sk = StructureFactor::of_field({.k_max = 100}, field, {});
         const auto sample = sk.measure(field, dimension);
         const double cell = std::pow(0.65, dimension);
         EXPECT_DOUBLE_EQ(sample.particles, cell * nx * ny);
@@ -74,7 +74,7 @@ TEST(FieldStructureFactor, AgreesWithParticlesAtTheCells) {
                                         (static_cast<double>(i / 10) + 0.5) * 0.65});
         }
     }
-    const StructureFactor sk = StructureFactor::of_field({.k_max = 100}, field, 1);
+    const StructureFactor sk = StructureFactor::of_field({.k_max = 100}, field, {});
     const auto of_field = sk.measure(field, 2);
     const auto of_particles = sk.measure(pattern);
     for (std::size_t m = 0; m < of_field.rho.size(); ++m) {
@@ -106,7 +106,7 @@ TEST(FieldVariance, IsThatOfEveryWindow) {
     for (const auto& [nx, ny] : {std::pair{16, 12}, {9, 11}, {20, 1}}) {
         const int dimension = ny == 1 ? 1 : 2;
         const DensityField field = random_field(nx, ny, 4, 2.5);
-        FieldVariance variance(field, dimension, 1);
+        FieldVariance variance(field, dimension, {});
         variance.add(variance.measure(field));
         const Curve curve = variance.result().curves.front();
         ASSERT_GE(curve.columns[0].values.size(), 3U);
@@ -193,6 +193,90 @@ TEST(FieldStatistics, GoesOnBitByBitAfterACheckpoint) {
     other.reals.erase("statistics diffusivity");
     EXPECT_THROW(FieldStatistics({}, 20).restore(other, frame_of(random_field(16, 10, 0), 2)),
                  InputError);
+}
+
+// A field that goes on from its predecessor, so that it matters which instants share a block.
+class Relaxing {
+ public:
+    FieldFrame next() {
+        const DensityField noise = random_field(12, 12, ++steps_);
+        if (last_.value.empty()) last_ = noise;
+        for (std::size_t i = 0; i < noise.size(); ++i) {
+            last_.value[i] = 0.4 * last_.value[i] + 0.9 * noise.value[i];
+        }
+        return frame_of(last_, 2);
+    }
+
+ private:
+    std::uint64_t steps_ = 0;
+    DensityField last_;
+};
+
+void expect_same_errors(const FieldStatistics& a, const FieldStatistics& b) {
+    int errors = 0;
+    for (std::size_t observable = 0; observable < 3; ++observable) {
+        const Curve one = a.results()[observable].curves.front();
+        const Curve other = b.results()[observable].curves.front();
+        for (std::size_t i = 0; i < one.columns[2].values.size(); ++i) {
+            const double error = other.columns[2].values[i];
+            EXPECT_NEAR(one.columns[1].values[i], other.columns[1].values[i], 1e-12);
+            ASSERT_EQ(std::isfinite(one.columns[2].values[i]), std::isfinite(error)) << one.name;
+            if (!std::isfinite(error)) continue;
+            EXPECT_NEAR(one.columns[2].values[i] / error, 1, 1e-9) << one.name << " " << i;
+            ++errors;
+        }
+    }
+    EXPECT_GT(errors, 10);
+}
+
+TEST(FieldStatistics, OfARunThatBecameLongerHaveTheErrorsOfOneOfThatLength) {
+    struct Case {
+        std::int64_t planned, done, longer, equal_to;
+    };
+    for (const Case& c : {Case{32, 20, 64, 64}, Case{32, 32, 96, 96}, Case{40, 40, 41, 80},
+                          Case{12, 9, 50, 50}, Case{64, 10, 40, 64}}) {
+        Relaxing run, same;
+        FieldStatistics begun({.k_max = 3}, c.planned);
+        for (std::int64_t i = 0; i < c.done; ++i) begun.write(run.next());
+        Checkpoint checkpoint;
+        begun.save(checkpoint);
+        FieldStatistics longer({.k_max = 3}, c.longer), whole({.k_max = 3}, c.equal_to);
+        longer.restore(checkpoint, Relaxing().next());
+        for (std::int64_t i = c.done; i < c.longer; ++i) longer.write(run.next());
+        for (std::int64_t i = 0; i < c.longer; ++i) whole.write(same.next());
+        SCOPED_TRACE(c.longer);
+        expect_same_errors(longer, whole);
+    }
+}
+
+TEST(FieldStatistics, TakeNoCheckpointWithAnImpossiblePlan) {
+    FieldStatistics begun({}, 20);
+    begun.write(frame_of(random_field(8, 8, 1), 2));
+    Checkpoint checkpoint;
+    begun.save(checkpoint);
+    for (const std::vector<std::int64_t>& plan :
+         {std::vector<std::int64_t>{20}, {20, 0}, {20, 17}, {0, 1}, {-5, 1}}) {
+        checkpoint.integers["statistics plan"] = plan;
+        EXPECT_THROW(
+            FieldStatistics({}, 20).restore(checkpoint, frame_of(random_field(8, 8, 1), 2)),
+            InputError);
+    }
+}
+
+// Three equal densities say what one says.
+TEST(FieldStatistics, HaveAllReplicasOfAnInstantInOneBlock) {
+    for (const std::int64_t instants : {10, 21}) {
+        Relaxing run;
+        FieldStatistics one({.k_max = 3}, instants), three({.k_max = 3}, instants);
+        for (std::int64_t i = 0; i < instants; ++i) {
+            FieldFrame frame = run.next();
+            one.write(frame);
+            frame.density.insert(frame.density.end(), 2, frame.density.front());
+            three.write(frame);
+        }
+        SCOPED_TRACE(instants);
+        expect_same_errors(three, one);
+    }
 }
 
 TEST(FieldStatistics, NothingOrOneFieldGivesReasons) {

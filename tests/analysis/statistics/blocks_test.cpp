@@ -1,6 +1,8 @@
 #include "analysis/statistics/blocks.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -27,6 +29,23 @@ TEST(BlockPlan, HasNoMoreBlocksThanFrames) {
     EXPECT_EQ(BlockPlan::of(3).blocks, 3);
     EXPECT_EQ(BlockPlan::of(0).blocks, 1);
     EXPECT_EQ(BlockPlan::of(3).block_of(99), 2);
+}
+
+TEST(BlockPlan, OfALongerRunTakesWholeBlocksTogether) {
+    for (const std::int64_t planned : {5, 16, 40, 100}) {
+        const BlockPlan plan = BlockPlan::of(planned);
+        EXPECT_EQ(plan.lengthened(planned / 2), plan) << "shorter";
+        for (const std::int64_t frames : {planned + 1, 2 * planned, 7 * planned + 3}) {
+            const BlockPlan longer = plan.lengthened(frames);
+            EXPECT_GE(longer.frames, frames);
+            EXPECT_LE(longer.blocks, 16);
+            EXPECT_GE(longer.block_of(frames - 1), std::min<std::int64_t>(frames, 8) - 1);
+            for (std::int64_t i = 0; i < planned; ++i) {
+                const std::int64_t first = plan.first_of(plan.block_of(i));
+                EXPECT_EQ(longer.block_of(i), longer.block_of(first)) << planned << " " << i;
+            }
+        }
+    }
 }
 
 TEST(Jackknife, OfAMeanIsTheUsualStandardError) {
