@@ -189,7 +189,10 @@ std::string ExportCommand::default_output(const std::vector<std::filesystem::pat
 }
 
 Summary ExportCommand::run(Session& session) {
-    if (!overlay_output_.empty()) return run_overlay(session);
+    if (!overlay_output_.empty()) {
+        return pipelines::run_or_discard("overlay", overlay_output_,
+                                         [&] { return run_overlay(session); });
+    }
     return pipelines::run_or_discard("export", output_, [&] { return work(session); });
 }
 

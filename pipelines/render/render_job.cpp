@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -13,6 +15,7 @@
 #include "io/input_record.h"
 #include "io/open_snapshots.h"
 #include "pipelines/configuration.h"
+#include "pipelines/interrupt_deadline.h"
 #include "pipelines/render/kept_frames.h"
 #include "pipelines/render/snapshot_window.h"
 #include "simulate/render/motion/grain_motion.h"
@@ -23,6 +26,8 @@ namespace grainfield::pipelines {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+constexpr double slow_frame = 1;  // [s]
 
 double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
@@ -147,6 +152,7 @@ Tally render_all(const RenderJobOptions& options, Scene& scene, const Job& job,
             progress.advance();
             continue;
         }
+        const auto begun = Clock::now();
         const simulate::SnapshotSeries series =
             window.around(scene.chosen[i], renderer.half_exposure());
         if (tally.frames == 0) tally.check = scene.check(series, job);
@@ -180,8 +186,10 @@ Tally render_all(const RenderJobOptions& options, Scene& scene, const Job& job,
         } else {
             progress.advance();
         }
-        // What was done before stays vouched for.
-        if (resumable.is_due() && index >= frames.done()) frames.save(tally.done());
+        // What was done before stays vouched for. A signal does not wait for a slow frame, so that
+        // those before it are saved at once.
+        const bool is_slow = seconds_since(begun) > slow_frame;
+        if ((is_slow || resumable.is_due()) && index >= frames.done()) frames.save(tally.done());
     }
     return tally;
 }
@@ -223,10 +231,13 @@ RenderJobResult render_frames(const RenderJobOptions& options, Job& job) {
                            .expected = "two names",
                            .suggestion = "give the positions a name of their own"});
     }
+    std::optional<DiscardDeadline> starting(std::in_place, "rendering", options.output);
     Scene scene = open_scene(options, job);
     Resumable resumable(job, identity_of(options, job), options.resume);
     resumable.require_free();
     resumable.explain();
+    starting.reset();
+    const InterruptDeadline deadline([&](int signal) { return resumable.cut_off(signal); });
     const simulate::Renderer& renderer = *scene.renderer;
     const bool is_video = io::is_video_name(options.output);
     const io::FrameWriterOptions announced{.format = options.format,

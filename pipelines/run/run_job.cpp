@@ -13,6 +13,7 @@
 #include "io/input_record.h"
 #include "io/joined_films.h"
 #include "pipelines/configuration.h"
+#include "pipelines/interrupt_deadline.h"
 #include "pipelines/lab.h"
 #include "pipelines/overlay/overlay_job.h"
 #include "pipelines/page/report_page.h"
@@ -333,11 +334,13 @@ RunJobResult run_film(const RunJobOptions& wanted, Job& job) {
             }
         }
     }
-    result.results = analyze(options, files, job, is_kept);
+    result.results = run_or_discard("analysis", files.results.string(),
+                                    [&] { return analyze(options, files, job, is_kept); });
     result.stages.push_back({"analyze", files.results, is_kept});
     throw_if_interrupted("run");
     // The page is quickly made, and its options may be others.
-    write_page(options, files, *result.results, job);
+    run_or_discard("report", files.report.string(),
+                   [&] { write_page(options, files, *result.results, job); });
     result.stages.push_back({"report", files.report, false});
     throw_if_interrupted("run");
     if (!options.overlay) {
@@ -346,7 +349,10 @@ RunJobResult run_film(const RunJobOptions& wanted, Job& job) {
         job.plan.skip("overlay", "one frame, which the report shows", "a video of the film");
     } else {
         const bool is_drawn = is_kept && is_there(files.overlay);
-        if (!is_drawn) result.signal = draw(files, job);
+        if (!is_drawn) {
+            result.signal =
+                run_or_discard("overlay", files.overlay.string(), [&] { return draw(files, job); });
+        }
         // A film cut short would pass for the whole.
         if (result.signal != 0) fs::remove(files.overlay);
         result.stages.push_back({"overlay", files.overlay, is_drawn});

@@ -129,6 +129,44 @@ TEST_P(Case17, AConversionStopsInTimeAndWritesNothing) {
     }
 }
 
+// One frame takes much longer than there is time after a signal.
+TEST_P(Case17, ASlowFrameDoesNotHoldUpTheEnd) {
+    const ScratchFolder input;
+    const std::string md = input / "md.h5";
+    ASSERT_EQ(testing::run_grainfield({"simulate", "md", "--grains", "200", "--length-x", "16",
+                                       "--length-y", "16", "--periods", "12", "-o", md})
+                  .code,
+              0);
+    const std::vector<std::string> camera{"--optics",    "raytrace", "--scale",        "200",
+                                          "--width",     "3200",     "--view-height",  "3200",
+                                          "--tolerance", "0",        "--most-samples", "4096"};
+    struct Job {
+        std::vector<std::string> words;
+        std::string output;
+    };
+    for (const Job& job :
+         {Job{{"render", md}, "film.mkv"}, Job{{"validate", "--trajectory", md}, "page.html"}}) {
+        const ScratchFolder folder;
+        std::vector<std::string> words = testing::with(job.words, {"-o", folder / job.output});
+        for (std::string option : camera) {
+            if (job.words[0] == "render" && option == "--view-height") option = "--height";
+            if (job.words[0] == "validate" && option == "--tolerance") {
+                option = "--raytrace-tolerance";
+            }
+            words.push_back(option);
+        }
+        const Process process(testing::program(words));
+        process.let_work(std::chrono::milliseconds(1500), GetParam());
+        const auto start = std::chrono::steady_clock::now();
+        process.send(GetParam());
+        const Outcome outcome = process.wait();
+        EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2)) << job.output;
+        EXPECT_EQ(outcome.code, 128 + GetParam()) << outcome.err;
+        EXPECT_THAT(outcome.err, HasSubstr(job.output + "' was not written"));
+        EXPECT_EQ(folder.entries(), 0U) << job.output;
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(BySignal, Case17, ::testing::Values(SIGINT, SIGTERM),
                          [](const auto& instance) {
                              return instance.param == SIGINT ? std::string("Interrupt")
