@@ -88,6 +88,7 @@ Summary CriticalCommand::work(Session& session) const {
     if (is_printed) session.outputs.clear();
 
     Summary summary;
+    if (pipelines::has_no_value(critical)) summary.code = ExitCode::bad_input;
     if (!is_printed) summary.text = words(session, critical, runs);
     summary.facts["runs"] = runs;
     for (const Measurement& m : critical.measurements) {

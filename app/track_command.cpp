@@ -251,6 +251,21 @@ ordered_json live_facts(const pipelines::LiveJobResult& result) {
             {"signal", result.signal}};
 }
 
+/// The first of the options that only a live source has and that has another value than by itself.
+std::string first_live_option(const pipelines::LiveJobOptions& live) {
+    pipelines::LiveJobOptions given = live;
+    pipelines::LiveJobOptions usual;
+    usual.source = given.source;
+    OptionTable table(""), as_usual("");
+    describe(given, table);
+    describe(usual, as_usual);
+    for (std::size_t i = 0; i < table.rows().size(); ++i) {
+        const Option& row = table.rows()[i];
+        if (to_text(row.get()) != to_text(as_usual.rows()[i].get())) return row.name;
+    }
+    return {};
+}
+
 /// Throws OptionError where neither a film nor a live source is given, or live options without one.
 void require_film(const Session& session, const pipelines::LiveJobOptions& live) {
     if (session.inputs.empty()) {
@@ -259,11 +274,14 @@ void require_film(const Session& session, const pipelines::LiveJobOptions& live)
                            .expected = "at least one VIDEO|IMAGE, or a live source (option 'live')",
                            .suggestion = "see 'grainfield track --help'"});
     }
-    if (live.preview.empty() && live.size.empty() && !live.waits) return;
-    throw OptionError({.problem = "option 'live' is not given",
-                       .actual = "options of a live source are",
-                       .expected = {},
-                       .suggestion = "name the source with 'live', or leave them out"});
+    if (const std::string given = first_live_option(live); !given.empty()) {
+        throw OptionError({.problem = fmt::format("option '{}' is of a live source", given),
+                           .actual = "option 'live' is not given",
+                           .expected = {},
+                           .suggestion = fmt::format("name the source with option 'live', or leave "
+                                                     "out option '{}'",
+                                                     given)});
+    }
 }
 
 }  // namespace

@@ -223,7 +223,22 @@ std::string parameter_text(const CriticalJobOptions& options, const std::vector<
     return options.values.empty() && known ? symbol(*known) : "control parameter";
 }
 
+// Why there is nothing but points, and what would help.
+std::string no_value(const ObservableResult& critical, std::size_t points, std::size_t runs) {
+    const char* advice =
+        points < runs ? "the warnings say what the runs that are left out would need, or add runs"
+                      : "add runs at other values of the control parameter";
+    return fmt::format(
+        "there is no critical value and no line: {}; {}. The output holds the "
+        "points alone",
+        critical.reason, advice);
+}
+
 }  // namespace
+
+bool has_no_value(const ObservableResult& critical) {
+    return critical.measurements.empty();
+}
 
 CriticalJobResult find_critical_point(const CriticalJobOptions& options, Job& job) {
     require_each_once(job.inputs);
@@ -250,6 +265,9 @@ CriticalJobResult find_critical_point(const CriticalJobOptions& options, Job& jo
     out.source.source = "results";
     out.observables = {analysis::critical_result(gathered.points, options.line,
                                                  parameter_text(options, results), gathered.alpha)};
+    if (has_no_value(out.observables.front())) {
+        job.plan.warn(no_value(out.observables.front(), gathered.points.size(), results.size()));
+    }
     out.record = job.record();
     io::write_results(options.output, out, job.overwrite);
     job.outputs.push_back(options.output);

@@ -33,8 +33,12 @@ struct CriticalJobResult {
     ObservableResult critical;
 };
 
+/// Whether a search gave neither a value nor a line: its `reason` says why.
+bool has_no_value(const ObservableResult& critical);
+
 /// Reads the results, puts a line through S0/S1 against the control parameter, and writes the
-/// output. Runs without S0/S1 are left out with a warning. Throws OptionError, InputError,
+/// output. Runs without S0/S1 are left out with a warning; where the others give no value their
+/// points are written, and a warning says what would help. Throws OptionError, InputError,
 /// OutputError, Interrupted.
 CriticalJobResult find_critical_point(const CriticalJobOptions& options, Job& job);
 

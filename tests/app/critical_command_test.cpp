@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -58,6 +59,25 @@ TEST(CriticalCommand, PrintsWhatJsonHoldsAndWritesNoFile) {
     EXPECT_NEAR(printed["critical_value"]["value"], 4.7, 1e-9);  // 0.7 − (Γ − 4) = 0
     EXPECT_TRUE(printed["outputs"].empty());
     EXPECT_EQ(folder.entries(), 3U) << "the inputs";
+}
+
+TEST(CriticalCommand, EndsAsABadInputWhereThePointsGiveNoValue) {
+    const testing::ScratchFolder folder;
+    CriticalCommand command;
+    const std::vector<OptionTable> tables = command.options();
+    tables.front().set("output", OptionValue(folder / "critical.h5"));
+    tables.front().set("values", OptionValue(std::string("4,4.3")));
+    Session session;
+    session.command = "critical";
+    session.inputs = {write_run(folder / "a.h5", 0.7), write_run(folder / "b.h5", 0.4)};
+    const Summary summary = command.run(session);
+    EXPECT_EQ(summary.code, ExitCode::bad_input);
+    ASSERT_EQ(session.plan.warnings().size(), 1U);
+    EXPECT_THAT(session.plan.warnings()[0].text,
+                ::testing::AllOf(::testing::HasSubstr("2 runs with S0/S1 and its error, 3 are"),
+                                 ::testing::HasSubstr("add runs at other values")));
+    const Results out = io::read_results(folder / "critical.h5");
+    EXPECT_NE(out.find("critical")->find_curve("critical"), nullptr) << "the points are kept";
 }
 
 }  // namespace

@@ -100,6 +100,22 @@ TEST_F(BadConfiguration, AFrameRangeThatSelectsNothingOrMakesNoSenseIsRefused) {
     expect_nothing_written();
 }
 
+TEST_F(BadConfiguration, AnOptionOfALiveSourceIsRefusedWithoutOne) {
+    for (const testing::Words& option : {testing::Words{"--live-size", "64,64"},
+                                         {"--live-depth", "12"},
+                                         {"--live-queue", "20"},
+                                         {"--live-wait"},
+                                         {"--live-silence", "5"},
+                                         {"--preview", "now.png"}}) {
+        const Outcome outcome =
+            run_grainfield(testing::with({"track", frame_, "-o", folder_ / "t.h5"}, option));
+        EXPECT_EQ(outcome.code, 2) << option[0];
+        EXPECT_THAT(outcome.err, AllOf(HasSubstr(option[0] + " is of a live source"),
+                                       HasSubstr("name the source with --live")));
+    }
+    expect_nothing_written();
+}
+
 TEST_F(BadConfiguration, AMissingFileIsABadInput) {
     const Outcome outcome =
         run_grainfield({"track", frame_, "-o", folder_ / "t.h5", "-c", folder_ / "missing.toml"});

@@ -101,7 +101,10 @@ TEST(CriticalJob, SaysHowMuchLongerARunWithoutARiseWouldHaveToBe) {
         write_run(folder / "unknown.h5", 10, true, {}, Measurement{"s1", "-", -1, 0.6, 100, ""})};
     const Found found = find(folder, inputs, by_value({6, 7, 8, 9, 10}));
     EXPECT_EQ(found.result.runs, 2U);
-    ASSERT_EQ(found.warnings.size(), 3U);
+    ASSERT_EQ(found.warnings.size(), 4U);
+    EXPECT_THAT(found.warnings[3], HasSubstr("2 runs with S0/S1 and its error, 3 are needed; the "
+                                             "warnings say what the runs that are left out"));
+    EXPECT_TRUE(has_no_value(found.result.critical));
     EXPECT_THAT(found.warnings[0], HasSubstr("S1 = 0.2 ± 0.5; a run 25 times as long"));
     EXPECT_THAT(found.warnings[1], HasSubstr("S1 = -2 ± 0.5; S falls"));
     EXPECT_THAT(found.warnings[2], HasSubstr("four times as long would show an S1 of 0.6"));
