@@ -180,7 +180,7 @@ std::vector<std::string> AnalyzeCommand::usual() const {
 }
 
 std::string AnalyzeCommand::default_output(const std::vector<std::filesystem::path>& inputs) const {
-    return named_after(inputs, "-results.h5");
+    return named_after(inputs, is_partial_ ? ".acc" : "-results.h5");
 }
 
 Summary AnalyzeCommand::run(Session& session) {

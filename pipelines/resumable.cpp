@@ -304,8 +304,10 @@ std::string Resumable::cut_off(int signal) const {
             "written.",
             name, identity_.output.string());
     }
-    return fmt::format("warning: interrupted by {}; '{}' holds what was saved last{}", name,
-                       checkpoint_path().string(), advice());
+    const std::string said =
+        fmt::format("warning: interrupted by {}; '{}' holds what was saved last{}", name,
+                    checkpoint_path().string(), advice());
+    return job_.plan.wording() ? job_.plan.wording()(said) : said;
 }
 
 void Resumable::finish() {

@@ -27,12 +27,21 @@ static_assert(std::endian::native == std::endian::little, "files are little-endi
 constexpr std::string_view signature("grainfield checkpoint\0", 22);
 constexpr std::uint32_t format_version = 1;
 
-[[noreturn]] void refuse(const fs::path& path, const std::string& actual,
+/// A file, and what it is read for.
+struct Source {
+    const fs::path& path;
+    CheckpointUse use;
+};
+
+[[noreturn]] void refuse(const Source& source, const std::string& actual,
                          const std::string& expected = {}) {
-    throw InputError({.problem = fmt::format("cannot go on from '{}'", path.string()),
+    const bool goes_on = source.use == CheckpointUse::resume;
+    throw InputError({.problem = fmt::format("cannot {} '{}'", goes_on ? "go on from" : "merge",
+                                             source.path.string()),
                       .actual = actual,
                       .expected = expected,
-                      .suggestion = "start again without option 'resume'"});
+                      .suggestion = goes_on ? "start again without option 'resume'"
+                                            : "measure that part again with option 'partial'"});
 }
 
 std::uint32_t checksum(std::string_view bytes) {
@@ -86,10 +95,10 @@ std::string serialised(const Checkpoint& checkpoint) {
 /// Takes values off the front of a file's content.
 class Reader {
  public:
-    Reader(std::string_view rest, const fs::path& path) : rest_(rest), path_(path) {}
+    Reader(std::string_view rest, const Source& source) : rest_(rest), source_(source) {}
 
     std::string_view take(std::uint64_t bytes) {
-        if (bytes > rest_.size()) refuse(path_, "the header promises more than the file holds");
+        if (bytes > rest_.size()) refuse(source_, "the header promises more than the file holds");
         const std::string_view piece = rest_.substr(0, bytes);
         rest_.remove_prefix(bytes);
         return piece;
@@ -105,7 +114,7 @@ class Reader {
         for (const json& entry : list) {
             const auto count = whole_from_json<std::uint64_t>(entry.at(1));
             if (count > rest_.size() / sizeof(T)) {
-                refuse(path_, "the header promises more than the file holds");
+                refuse(source_, "the header promises more than the file holds");
             }
             std::vector<T>& values = to[entry.at(0).get<std::string>()];
             values.resize(count);
@@ -117,12 +126,12 @@ class Reader {
 
  private:
     std::string_view rest_;
-    const fs::path& path_;
+    const Source& source_;
 };
 
-std::string content(const fs::path& path) {
+std::string content(const Source& source) {
     errno = 0;
-    std::ifstream file(path, std::ios::binary);
+    std::ifstream file(source.path, std::ios::binary);
     std::string bytes;
     std::vector<char> piece(1U << 20U);
     while (file) {
@@ -131,13 +140,14 @@ std::string content(const fs::path& path) {
     }
     // A folder opens as a file and fails on the first read.
     if (file.bad() || !file.eof()) {
-        refuse(path, errno == 0 ? "it cannot be read" : std::strerror(errno),
-               "the checkpoint of an interrupted run");
+        refuse(source, errno == 0 ? "it cannot be read" : std::strerror(errno),
+               source.use == CheckpointUse::resume ? "the checkpoint of an interrupted run"
+                                                   : "a part of an analysis");
     }
     return bytes;
 }
 
-Checkpoint parsed(Reader reader, const fs::path& path) {
+Checkpoint parsed(Reader reader, const Source& source) {
     Checkpoint checkpoint;
     try {
         const json header = json::parse(reader.take(reader.number<std::uint64_t>()));
@@ -151,9 +161,9 @@ Checkpoint parsed(Reader reader, const fs::path& path) {
         reader.arrays(header.at("reals"), checkpoint.reals);
         reader.arrays(header.at("integers"), checkpoint.integers);
     } catch (const json::exception& error) {
-        refuse(path, fmt::format("its header is damaged ({})", error.what()));
+        refuse(source, fmt::format("its header is damaged ({})", error.what()));
     }
-    if (!reader.is_empty()) refuse(path, "there is more in it than its header says");
+    if (!reader.is_empty()) refuse(source, "there is more in it than its header says");
     return checkpoint;
 }
 
@@ -176,39 +186,46 @@ void write_checkpoint(const Checkpoint& checkpoint, const fs::path& path) {
     output.commit();
 }
 
-Checkpoint read_checkpoint(const fs::path& path) {
-    const std::string bytes = content(path);
+Checkpoint read_checkpoint(const fs::path& path, CheckpointUse use) {
+    const Source source{path, use};
+    const std::string bytes = content(source);
     const std::string_view all(bytes);
     if (!all.starts_with(signature)) {
-        refuse(path, "it is not a checkpoint",
+        if (use == CheckpointUse::merge) {
+            refuse(source, "it is no part of an analysis",
+                   "the output of 'grainfield analyze --partial'");
+        }
+        refuse(source, "it is not a checkpoint",
                "a file that an interrupted run of grainfield left behind");
     }
-    Reader start(all.substr(signature.size()), path);
+    Reader start(all.substr(signature.size()), source);
     if (const auto version = start.number<std::uint32_t>(); version != format_version) {
-        refuse(path, fmt::format("format version {}", version),
+        refuse(source, fmt::format("format version {}", version),
                fmt::format("version {}", format_version));
     }
     constexpr std::size_t before = signature.size() + sizeof(std::uint32_t);
     constexpr std::size_t after = sizeof(std::uint32_t);
-    if (all.size() < before + after) refuse(path, "it is cut short");
+    if (all.size() < before + after) refuse(source, "it is cut short");
     const std::string_view checked = all.substr(0, all.size() - after);
-    if (Reader(all.substr(checked.size()), path).number<std::uint32_t>() != checksum(checked)) {
-        refuse(path, "it is damaged: the checksum does not fit");
+    if (Reader(all.substr(checked.size()), source).number<std::uint32_t>() != checksum(checked)) {
+        refuse(source, "it is damaged: the checksum does not fit");
     }
-    return parsed(Reader(checked.substr(before), path), path);
+    return parsed(Reader(checked.substr(before), source), source);
 }
 
 void require_same_configuration(
     const Checkpoint& checkpoint,
-    const std::vector<std::pair<std::string, std::string>>& configuration, const fs::path& path) {
+    const std::vector<std::pair<std::string, std::string>>& configuration, const fs::path& path,
+    CheckpointUse use) {
+    const bool goes_on = use == CheckpointUse::resume;
     const std::map<std::string, std::string> then(checkpoint.configuration.begin(),
                                                   checkpoint.configuration.end());
     const std::map<std::string, std::string> now(configuration.begin(), configuration.end());
     std::string differences;
     const auto note = [&](const std::string& name, const std::string& before,
                           const std::string& after) {
-        differences += fmt::format("{}{}: {} in the checkpoint, {} now",
-                                   differences.empty() ? "" : "; ", name, before, after);
+        differences += fmt::format("{}{}: {} in the {}, {} now", differences.empty() ? "" : "; ",
+                                   name, before, goes_on ? "checkpoint" : "part", after);
     };
     for (const auto& [name, value] : then) {
         const auto other = now.find(name);
@@ -219,6 +236,14 @@ void require_same_configuration(
         if (!then.contains(name)) note(name, "absent", value);
     }
     if (differences.empty()) return;
+    if (!goes_on) {
+        throw InputError(
+            {.problem = fmt::format("'{}' was measured with other options", path.string()),
+             .actual = differences,
+             .expected = "the same options for all parts and for their merging",
+             .suggestion = "give the options that the parts were measured with, or measure all "
+                           "parts again with these"});
+    }
     throw InputError({.problem = fmt::format("'{}' is of a run with other options", path.string()),
                       .actual = differences,
                       .expected = {},

@@ -19,9 +19,16 @@ namespace grainfield::io {
 /// Throws OutputError as OutputFile does, and when the disk is full; the old checkpoint then stays.
 void write_checkpoint(const Checkpoint& checkpoint, const std::filesystem::path& path);
 
+/// What stored state is read for: messages say what to do.
+enum class CheckpointUse {
+    resume,  ///< to go on with an interrupted run
+    merge    ///< to add it to that of other parts of an analysis
+};
+
 /// Exactly what was written, every bit. Throws InputError, naming the file, if it is missing, not a
 /// checkpoint, of another format version, cut short or damaged (checksum).
-Checkpoint read_checkpoint(const std::filesystem::path& path);
+Checkpoint read_checkpoint(const std::filesystem::path& path,
+                           CheckpointUse use = CheckpointUse::resume);
 
 /// Throws InputError that shows each option in which the checkpoint differs from `configuration`
 /// ("nu: 0.01 in the checkpoint, 0.003 now"), options that only one of them has included. The order
@@ -29,6 +36,6 @@ Checkpoint read_checkpoint(const std::filesystem::path& path);
 void require_same_configuration(
     const Checkpoint& checkpoint,
     const std::vector<std::pair<std::string, std::string>>& configuration,
-    const std::filesystem::path& path);
+    const std::filesystem::path& path, CheckpointUse use = CheckpointUse::resume);
 
 }  // namespace grainfield::io

@@ -71,7 +71,7 @@ PartFile place_of(const fs::path& path, const Checkpoint& checkpoint) {
             {.problem = fmt::format("'{}' holds no part of an analysis", path.string()),
              .actual = fmt::format("a file of kind '{}'", checkpoint.kind),
              .expected = "the output of 'grainfield analyze --partial'",
-             .suggestion = {}});
+             .suggestion = "measure each part with option 'partial' and merge what that writes"});
     }
     return {path, span->second[0], span->second[1], span->second[2], calibration->second};
 }
@@ -81,9 +81,9 @@ std::vector<PartFile> checked_files(const std::vector<fs::path>& inputs,
                                     const Configuration& configuration) {
     std::vector<PartFile> files;
     for (const fs::path& path : inputs) {
-        const Checkpoint checkpoint = io::read_checkpoint(path);
+        const Checkpoint checkpoint = io::read_checkpoint(path, io::CheckpointUse::merge);
         files.push_back(place_of(path, checkpoint));
-        io::require_same_configuration(checkpoint, configuration, path);
+        io::require_same_configuration(checkpoint, configuration, path, io::CheckpointUse::merge);
         throw_if_interrupted("analysis");
     }
     std::ranges::stable_sort(files, {}, &PartFile::begin);
@@ -174,7 +174,7 @@ Results merge_parts(const AnalyzeJobOptions& options, Job& job) {
         [&]() -> std::optional<Checkpoint> {
             throw_if_interrupted("analysis");
             if (next == files.size()) return std::nullopt;
-            return io::read_checkpoint(files[next++].path);
+            return io::read_checkpoint(files[next++].path, io::CheckpointUse::merge);
         },
         wanted, {.threads = job.threads, .plan = &job.plan});
     job.plan.run("merge",

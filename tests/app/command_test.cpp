@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "app/analyze_command.h"
 #include "app/option_set.h"
 #include "core/errors.h"
 #include "core/version.h"
@@ -145,6 +146,14 @@ TEST(Commands, HaveOneLinePurposesAndUniqueFlags) {
               (std::vector<std::string>{"run", "track", "link", "tune", "calibrate-camera",
                                         "simulate md", "simulate field", "render", "analyze",
                                         "critical", "compare", "validate", "export", "info"}));
+}
+
+TEST(AnalyzeCommand, NamesAPartAfterItsTracksWithTheEndingOfAccumulators) {
+    AnalyzeCommand analyze;
+    const std::vector<OptionTable> tables = analyze.options();
+    EXPECT_EQ(analyze.default_output({"a/part-0-tracks.h5"}), "part-0-results.h5");
+    tables.front().set("partial", OptionValue(true));
+    EXPECT_EQ(analyze.default_output({"a/part-0-tracks.h5"}), "part-0.acc");
 }
 
 }  // namespace

@@ -105,6 +105,13 @@ TEST_F(FilmParts, AnalysedApartAndMergedAreTheAnalysisInOnePiece) {
         analyze({"--merge", a_ + ".acc", b_ + ".acc", "--boundary", "periodic"}, folder_ / "x.h5");
     EXPECT_EQ(other.code, 2);
     EXPECT_THAT(other.err, HasSubstr("merged as they were measured"));
+    const Outcome otherwise =
+        analyze({"--merge", a_ + ".acc", b_ + ".acc", "--sk-k-max", "1"}, folder_ / "x.h5");
+    EXPECT_EQ(otherwise.code, 3);
+    EXPECT_THAT(otherwise.err, HasSubstr("a.h5.acc' was measured with other options"));
+    const Outcome tracks = analyze({"--merge", a_, b_}, folder_ / "x.h5");
+    EXPECT_EQ(tracks.code, 3);
+    EXPECT_THAT(tracks.err, HasSubstr("a.h5': it is no part of an analysis"));
     EXPECT_EQ(analyze({a_, b_}, folder_ / "x.h5").code, 2) << "two inputs are not merged unasked";
 }
 

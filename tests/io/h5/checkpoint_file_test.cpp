@@ -145,5 +145,37 @@ TEST(CheckpointFile, ShowsEachOptionThatDiffers) {
     }
 }
 
+TEST(CheckpointFile, ThatIsToBeMergedIsRefusedInWordsOfMerging) {
+    const testing::ScratchFolder folder;
+    const auto refusal_to_merge = [&](auto&& read) -> std::string {
+        try {
+            read();
+        } catch (const InputError& error) {
+            return error.what();
+        }
+        return "accepted";
+    };
+    const std::string path = folder / "part.acc";
+    const auto read = [&] { read_checkpoint(path, CheckpointUse::merge); };
+    const auto of_merging = AllOf(HasSubstr("cannot merge"), HasSubstr("part.acc"),
+                                  HasSubstr("measure that part again"), Not(HasSubstr("go on")),
+                                  Not(HasSubstr("resume")), Not(HasSubstr("checkpoint")));
+    EXPECT_THAT(refusal_to_merge(read), of_merging) << "missing";
+    put(path, "a table");
+    EXPECT_THAT(refusal_to_merge(read), of_merging);
+    write_checkpoint(sample(), path);
+    const std::string whole = bytes_of(path);
+    put(path, whole.substr(0, whole.size() / 2));
+    EXPECT_THAT(refusal_to_merge(read), of_merging);
+    EXPECT_THAT(refusal_to_merge([&] {
+                    require_same_configuration(sample(), {{"model.nu", "0.003"}}, path,
+                                               CheckpointUse::merge);
+                }),
+                AllOf(HasSubstr("part.acc' was measured with other options"),
+                      HasSubstr("grid.nx: 64 in the part, absent now"),
+                      HasSubstr("measure all parts again"), Not(HasSubstr("resume")),
+                      Not(HasSubstr("checkpoint"))));
+}
+
 }  // namespace
 }  // namespace grainfield::io
