@@ -3,6 +3,7 @@
 #include <complex>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <string>
 #include <utility>
@@ -17,6 +18,7 @@
 #include "analysis/order/bond_order.h"
 #include "core/support/interrupt.h"
 #include "core/support/parallel.h"
+#include "core/vec2.h"
 #include "core/version.h"
 #include "io/h5/results_file.h"
 #include "pipelines/page/report_page.h"
@@ -135,26 +137,37 @@ std::vector<std::filesystem::path> compare(const std::vector<SharedResults>& run
     return job->outputs;
 }
 
-/// Q_k and the number of neighbours of each particle of one snapshot that has a finite position.
+/// Q_k and the number of neighbours of each particle of one snapshot, in its order; NaN and 0 where
+/// the position is not finite.
 py::tuple bond_order(const std::shared_ptr<Trajectory>& trajectory, std::int64_t index,
                      const py::dict& keywords) {
+    constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
     struct Order {
         analysis::BondOrderOptions options;
-        analysis::BondOrderField field;
+        std::vector<std::complex<double>> q;
+        std::vector<int> neighbours;
     };
     const auto order = std::make_shared<Order>();
     set_options({analysis::describe(order->options)}, keywords);
     run_released([order, trajectory, index] {
         const Snapshot& snapshot = trajectory->snapshots.at(static_cast<std::size_t>(index));
-        order->field = analysis::bond_order(
-            analysis::pattern_of(snapshot, analysis::diameter_of(trajectory->info)),
-            order->options);
+        const double diameter = analysis::diameter_of(trajectory->info);
+        const analysis::BondOrderField field =
+            analysis::bond_order(analysis::pattern_of(snapshot, diameter), order->options);
+        order->q.assign(snapshot.size(), {undefined, undefined});
+        order->neighbours.assign(snapshot.size(), 0);
+        std::size_t next = 0;  // of the pattern, which has the finite positions alone
+        for (std::size_t i = 0; i < snapshot.size(); ++i) {
+            const Vec2 p = snapshot.position[i];
+            if (!is_finite({p.x / diameter, p.y / diameter})) continue;
+            order->q[i] = field.q[next];
+            order->neighbours[i] = field.neighbours[next++];
+        }
     });
-    const analysis::BondOrderField& field = order->field;
-    return py::make_tuple(
-        py::array_t<std::complex<double>>(static_cast<py::ssize_t>(field.q.size()), field.q.data()),
-        py::array_t<int>(static_cast<py::ssize_t>(field.neighbours.size()),
-                         field.neighbours.data()));
+    return py::make_tuple(py::array_t<std::complex<double>>(
+                              static_cast<py::ssize_t>(order->q.size()), order->q.data()),
+                          py::array_t<int>(static_cast<py::ssize_t>(order->neighbours.size()),
+                                           order->neighbours.data()));
 }
 
 py::list options_of(const std::string& job) {

@@ -81,8 +81,9 @@ def _box_numbers(box: Any) -> list[float] | None:
     raise _grainfield.OptionError(f"a box is (LX, LY) or (X, Y, LX, LY): {len(numbers)} numbers.")
 
 
-def _points_of(data: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
-    """Frame, position and identity of each point, by frame."""
+def _points_of(data: Any, keeps_all: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
+    """Frame, position and identity of each point, by frame. Of lists of arrays those that are not
+    finite are left out unless all are kept."""
     if is_table(data):
         time = data["frame"] if "frame" in data.columns else np.zeros(len(data), np.int64)
         data = data.assign(frame=time).sort_values("frame", kind="stable")
@@ -97,13 +98,16 @@ def _points_of(data: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
     frame = np.repeat(np.arange(len(frames)), counts)
     position = np.concatenate(frames) if frames else np.empty((0, 2))
     particle = np.concatenate([np.arange(n) for n in counts]) if is_linked else None
+    if keeps_all:
+        return frame, position, particle
     seen = np.isfinite(position).all(axis=1)
     return frame[seen], position[seen], None if particle is None else particle[seen]
 
 
 def trajectory_of(data: Any, box: Any, boundary: str | None, diameter: float | None,
-                  fps: float | None) -> _grainfield.Trajectory:
-    """The compiled form of whatever holds positions."""
+                  fps: float | None, keeps_all: bool = False) -> _grainfield.Trajectory:
+    """The compiled form of whatever holds positions. `keeps_all`: also those that are not finite,
+    for a value each."""
     from .trajectory import Trajectory
 
     if isinstance(data, Trajectory):
@@ -121,7 +125,7 @@ def trajectory_of(data: Any, box: Any, boundary: str | None, diameter: float | N
         raise _grainfield.OptionError("a periodic boundary needs the box: (LX, LY), the periods in "
                                       "the unit of the positions.")
     diameter = known.get("diameter", 1.0) if diameter is None else diameter
-    frame, position, particle = _points_of(data)
+    frame, position, particle = _points_of(data, keeps_all)
     return _grainfield.trajectory_from_points(
         frame, position, particle, box=_box_numbers(box), periodic=boundary == "periodic",
         diameter=diameter, pixels=known.get("length_unit", "a" if diameter == 1 else "px") == "px",

@@ -298,11 +298,12 @@ def bond_order(positions: Any, box: Any = None, boundary: str | None = None, *,
     Returns
     -------
     q : complex array
-        NaN where a particle has no neighbour. In the order of the positions; those that are not
-        finite have no entry.
+        One value for each position, in their order. NaN where a particle has no neighbour or its
+        position is not finite.
     neighbours : int array
+        0 where the position is not finite.
     """
-    data = trajectory_of(positions, box, boundary, diameter, None)
+    data = trajectory_of(positions, box, boundary, diameter, None, keeps_all=True)
     if not 0 <= frame < len(data):
         raise IndexError(f"there is no frame {frame}: there are {len(data)}")
     return _grainfield.bond_order(data, frame, options=options)

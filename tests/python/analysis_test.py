@@ -22,6 +22,27 @@ def test_a_square_lattice_has_order_one():
     np.testing.assert_allclose(np.abs(q6), 0, atol=1e-12)
 
 
+def test_bond_order_has_one_value_for_each_position_though_some_are_not_finite():
+    whole = square()
+    lost = [0, 7, 399]
+    holed = whole.copy()
+    holed[lost, [0, 1, 0]] = np.nan
+    seen = np.setdiff1d(np.arange(len(whole)), lost)
+    where = dict(box=(20, 20), boundary="periodic")
+    expected, expected_neighbours = gf.bond_order(whole[seen], **where)
+    for data in (holed, [holed], np.stack([holed, whole])):
+        q, neighbours = gf.bond_order(data, **where)
+        assert q.shape == neighbours.shape == (len(whole),)
+        assert np.isnan(q[lost]).all()
+        assert (neighbours[lost] == 0).all()
+        np.testing.assert_array_equal(q[seen], expected)
+        np.testing.assert_array_equal(neighbours[seen], expected_neighbours)
+    # A frame without a finite position is a frame all the same.
+    frames = [np.full((3, 2), np.nan), holed]
+    assert np.isnan(gf.bond_order(frames, frame=0, **where)[0]).all()
+    np.testing.assert_array_equal(gf.bond_order(frames, frame=1, **where)[0][seen], expected)
+
+
 def test_lengths_are_in_units_of_the_diameter():
     a = gf.q4(square(spacing=12.0), box=(240, 240), boundary="periodic", diameter=12.0)
     assert float(a["lattice_spacing"]) == pytest.approx(1, abs=1e-9)
