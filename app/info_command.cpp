@@ -199,11 +199,13 @@ Summary describe_results(const std::filesystem::path& path) {
     if (const ObservableResult* critical = results.find("critical"); critical != nullptr) {
         // Made of other results: it has no frames, particles or box of its own.
         const Curve* curve = critical->find_curve("critical");
-        const std::size_t runs = curve == nullptr ? 0 : curve->columns.front().values.size();
+        const bool has_points = curve != nullptr && !curve->columns.empty();
+        const std::size_t runs = has_points ? curve->columns.front().values.size() : 0;
         sheet.add("runs", "runs", runs,
-                  curve == nullptr ? "0" : fmt::format("{}, {}", runs, curve->title));
+                  has_points ? fmt::format("{}, {}", runs, curve->title) : "0");
         const Measurement* value = critical->find_measurement("critical_value");
-        if (const Measurement* power = critical->find_measurement("power"); power != nullptr) {
+        const Measurement* power = critical->find_measurement("power");
+        if (power != nullptr && power->value) {
             sheet.add("power", "power", *power->value,
                       report::with_error(*power->value, power->error ? &*power->error : nullptr));
         }

@@ -27,6 +27,15 @@ const std::vector<T>& stored(const std::map<std::string, std::vector<T>>& arrays
     return found->second;
 }
 
+WarningCode warning_code(std::int64_t number) {
+    constexpr auto last = static_cast<std::int64_t>(WarningCode::interrupted);
+    if (number < 0 || number > last) {
+        refuse(fmt::format("a warning in it has the code {}", number),
+               fmt::format("a code from 0 to {}", last));
+    }
+    return static_cast<WarningCode>(number);
+}
+
 }  // namespace
 
 void transfer(NumberArchive& archive, Track& track) {
@@ -178,8 +187,7 @@ void Tracker::restore(Run& run, const Checkpoint& checkpoint) {
     const auto codes = checkpoint.integers.find("warning codes");
     for (std::size_t i = 0; texts != checkpoint.texts.end() && i < texts->second.size(); ++i) {
         const bool is_coded = codes != checkpoint.integers.end() && i < codes->second.size();
-        const auto code =
-            is_coded ? static_cast<WarningCode>(codes->second[i]) : WarningCode::other;
+        const auto code = is_coded ? warning_code(codes->second[i]) : WarningCode::other;
         plan_.warn(code, texts->second[i]);
     }
     // Whether the next frame repeats the last one is seen by its pixels.

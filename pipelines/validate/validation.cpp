@@ -176,7 +176,7 @@ void analyse(Results& run, StoredTrajectory& snapshots, const ValidationSettings
 
 void require_memory(double particles, double available) {
     constexpr double bytes = 200;  // a particle and frame
-    if (available <= 0 || particles * bytes < available) return;
+    if (particles * bytes <= available) return;
     throw OptionError(
         {.problem = "validation keeps all positions in memory",
          .actual = fmt::format("{:.2g} GB for {:.3g} particles in all frames",

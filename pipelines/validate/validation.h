@@ -41,7 +41,7 @@ ValidationOutcome validate(const ValidationCase& scene, const ValidationSettings
                            tracking::TrackSummary& summary, RunPlan& plan);
 
 /// Throws OptionError if so many particles, summed over the frames, do not fit into `available`
-/// bytes (0: unknown).
+/// bytes (infinite: unknown).
 void require_memory(double particles, double available);
 
 }  // namespace grainfield::pipelines

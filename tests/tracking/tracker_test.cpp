@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/errors.h"
@@ -234,6 +235,15 @@ TEST(Tracker, RefusesACheckpointOfAnotherFilm) {
     damaged.reals["state"].pop_back();
     Tracker same(source, {}, plan);
     EXPECT_THROW(same.run(sink, progress, {}, {.from = &damaged}), InputError);
+    for (const std::int64_t code : {-1, 99}) {
+        Checkpoint strange = *saved;
+        strange.texts["warnings"] = {"dim"};
+        strange.integers["warning codes"] = {code};
+        Tracker again(source, {}, plan);
+        EXPECT_THAT([&] { again.run(sink, progress, {}, {.from = &strange}); },
+                    ::testing::ThrowsMessage<InputError>(::testing::HasSubstr(
+                        "a warning in it has the code " + std::to_string(code))));
+    }
 }
 
 TEST(Tracker, FramesLeftOutOnPurposeAreNotMissing) {

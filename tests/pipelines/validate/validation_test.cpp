@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include <gmock/gmock.h>
@@ -172,7 +173,8 @@ TEST(Validation, ComparesByTheKeysOfTheAnalysis) {
 
 TEST(Validation, RefusesWhatDoesNotFitIntoMemory) {
     EXPECT_NO_THROW(require_memory(1e6, 1e9));
-    EXPECT_NO_THROW(require_memory(1e12, 0)) << "unknown";
+    EXPECT_NO_THROW(require_memory(1e12, std::numeric_limits<double>::infinity())) << "unknown";
+    EXPECT_THROW(require_memory(1e6, 0), OptionError) << "all of it is taken";
     try {
         require_memory(1e8, 1e9);
         ADD_FAILURE();
