@@ -29,8 +29,10 @@ const std::vector<double>& series(const Checkpoint& checkpoint, const std::strin
 BlockPlan plan_of(const Checkpoint& checkpoint) {
     const auto found = checkpoint.integers.find("statistics plan");
     if (found == checkpoint.integers.end() || found->second.size() != 2) {
-        throw InputError(
-            "the checkpoint does not fit: it does not say how long the run was to be.");
+        throw InputError({.problem = "the checkpoint does not fit",
+                          .actual = "it does not say how long the run was to be",
+                          .expected = "instants and blocks of the error estimate",
+                          .suggestion = "begin the run anew"});
     }
     const auto [instants, blocks] = std::pair{found->second[0], found->second[1]};
     const BlockPlan longest = BlockPlan::of(instants);
