@@ -100,7 +100,7 @@ ObservableResult FieldVariance::result() const {
         curve.columns[0].values.push_back(side);
         curve.columns[1].values.push_back(sum / frames);
         curve.columns[2].values.push_back(
-            jackknife_error(left).value_or(std::numeric_limits<double>::quiet_NaN()));
+            student_jackknife_error(left).value_or(std::numeric_limits<double>::quiet_NaN()));
         curve.columns[3].values.push_back(std::pow(side, dimension_));
     }
     const double volume = curve.columns[3].values.back();
@@ -110,7 +110,7 @@ ObservableResult FieldVariance::result() const {
     if (std::isfinite(error)) {
         largest.error = error;
     } else {
-        largest.reason = "too few fields for an error";
+        largest.reason = too_few_blocks;
     }
     result.measurements = {largest};
     result.curves = {std::move(curve)};

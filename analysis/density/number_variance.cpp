@@ -218,6 +218,15 @@ void NumberVariance::add_block(Block& to, const Block& from) {
     }
 }
 
+// A run that was cut short leaves the last ones empty.
+std::vector<std::size_t> NumberVariance::filled_blocks() const {
+    std::vector<std::size_t> filled;
+    for (std::size_t b = 0; b < blocks_.size(); ++b) {
+        if (blocks_[b].frames > 0) filled.push_back(b);
+    }
+    return filled;
+}
+
 NumberVariance::Block NumberVariance::total(std::optional<std::size_t> without) const {
     Block sums = empty_block();
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
@@ -296,9 +305,11 @@ ObservableResult NumberVariance::result() const {
     const Values best = values(sums);
     std::vector<Values> left;
     if (added_ >= 2) {
-        left.resize(blocks_.size());
-        parallel_for(static_cast<std::int64_t>(blocks_.size()), threads_, [&](std::int64_t b) {
-            left[static_cast<std::size_t>(b)] = values(total(static_cast<std::size_t>(b)));
+        const std::vector<std::size_t> filled = filled_blocks();
+        left.resize(filled.size());
+        parallel_for(static_cast<std::int64_t>(filled.size()), threads_, [&](std::int64_t i) {
+            const auto at = static_cast<std::size_t>(i);
+            left[at] = values(total(filled[at]));
         });
     }
     const auto error_of = [&](VarianceReading reading) {
@@ -310,7 +321,7 @@ ObservableResult NumberVariance::result() const {
             }
             std::vector<double> values;
             for (const Values& part : left) values.push_back(part.of(reading)[s]);
-            error[s] = jackknife_error(values).value_or(undefined);
+            error[s] = student_jackknife_error(values).value_or(undefined);
         }
         return error;
     };
@@ -401,7 +412,7 @@ void NumberVariance::add_slopes(ObservableResult& result, const std::vector<doub
         for (const std::vector<double>& part : parts) values.push_back(part[s]);
         curve.columns[0].values.push_back(lengths_[s]);
         curve.columns[1].values.push_back(beta[s]);
-        curve.columns[2].values.push_back(jackknife_error(values).value_or(undefined));
+        curve.columns[2].values.push_back(student_jackknife_error(values).value_or(undefined));
     }
     if (!curve.columns[0].values.empty()) result.curves.push_back(std::move(curve));
 }
@@ -431,8 +442,8 @@ void NumberVariance::add_key_numbers(ObservableResult& result, const Values& bes
             // As many independent normal numbers have a variance with this relative error.
             relative.samples = 1 + 2 * std::pow(*relative.value / error, 2);
         } else if (reason.empty()) {
-            relative.reason = error == 0 ? "the same in every frame: no error from fluctuations"
-                                         : "too few frames for an error";
+            relative.reason =
+                error == 0 ? "the same in every frame: no error from fluctuations" : too_few_blocks;
         }
     } else {
         relative.reason = "no particle inside the border";

@@ -48,8 +48,9 @@ OptionTable describe(NumberVarianceOptions& options);
 /// On periodic axes all positions are used, wrapped, and ℓ is a multiple of L/round(L/step). Frames
 /// are taken as independent in the factor T − 1.
 ///
-/// Error: jackknife over at most 16 blocks of time. For one frame: σ² sqrt(2/(n − 1)) with
-/// n = (region/ℓ)² windows side by side, taken as independent.
+/// Error: jackknife over 4 to 16 blocks of time with Student's factor (student_jackknife_error);
+/// none of two or three frames. For one frame: σ² sqrt(2/(n − 1)) with n = (region/ℓ)² windows side
+/// by side, taken as independent.
 ///
 /// Cost O(N + positions × sizes) a frame. Memory: 4 B × cells × 16 blocks.
 class NumberVariance {
@@ -96,6 +97,7 @@ class NumberVariance {
                          const std::string& reason) const;
     Block empty_block() const;
     static void add_block(Block& to, const Block& from);
+    std::vector<std::size_t> filled_blocks() const;
     Block total(std::optional<std::size_t> without) const;
     Values values(const Block& sums) const;
     double single_frame_error(double variance, double length) const;

@@ -39,10 +39,11 @@ OptionTable describe(DisplacementOptions& options);
 /// minimum images (a particle must move less than half a periodic box between two sightings) and
 /// stored relative to the track's first one, so nothing is lost far from the origin.
 ///
-/// Errors: jackknife over 16 groups of particles (particles as independent; overlapping start
-/// times are thereby allowed for). D = slope/4 over the last decade of lags with free offset, so
-/// that localisation noise (4σ²) and exposure do not enter; exponent = d ln(MSD − 4σ²)/d ln τ
-/// there, σ = 0 unless given. What the offset says when exposure or noise are given: add_msd.
+/// Errors: jackknife over 16 groups of particles with Student's factor (particles as independent;
+/// overlapping start times are thereby allowed for). D = slope/4 over the last decade of lags with
+/// free offset, so that localisation noise (4σ²) and exposure do not enter; exponent = d ln(MSD −
+/// 4σ²)/d ln τ there, σ = 0 unless given. What the offset says when exposure or noise are given:
+/// add_msd.
 ///
 /// On request the self part of the van Hove function, curve `van_hove`: the density of the
 /// displacements Δx and Δy at given lags, of all particles (lags in numbers of frames, as

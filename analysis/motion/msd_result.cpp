@@ -16,7 +16,6 @@ namespace grainfield::analysis {
 namespace {
 
 constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t least_groups = 4;  // of particles, for an error from their scatter
 constexpr std::array<const char*, 3> names{"all", "liquid", "solid"};
 
 // The mean of each lag, with group `without` left out (none if beyond the last).
@@ -34,12 +33,6 @@ std::vector<double> mean_without(const MsdTable::Series& series, std::size_t wit
         if (pairs > 0) mean[l] = sum / pairs;
     }
     return mean;
-}
-
-std::size_t groups_with_pairs(const MsdTable::Series& series, std::size_t lag) {
-    std::size_t count = 0;
-    for (const auto& group : series.pairs) count += group[lag] > 0;
-    return count;
 }
 
 struct Line {
@@ -150,7 +143,7 @@ Measurement fitted(const char* what, const char* unit, const std::string& phase,
         return m;
     }
     m.value = value;
-    m.error = jackknife_error(left_out, least_groups);
+    m.error = student_jackknife_error(left_out);
     m.samples = samples;
     if (!m.error) {
         m.reason = (note.empty() ? "" : note + "; ") +
@@ -262,12 +255,11 @@ void add_msd(const MsdTable& table, ObservableResult& result) {
             std::vector<double> values;
             for (std::size_t g = 0; g < left.size(); ++g) {
                 pairs += series.pairs[g][l];
-                values.push_back(left[g][l]);
+                if (series.pairs[g][l] > 0) values.push_back(left[g][l]);
             }
             t.values.push_back(table.time[l]);
             msd.values.push_back(mean[l]);
-            const bool enough = groups_with_pairs(series, l) >= 3;
-            err.values.push_back(enough ? jackknife_error(values).value_or(undefined) : undefined);
+            err.values.push_back(student_jackknife_error(values).value_or(undefined));
             n.values.push_back(pairs);
             phase.push_back(name);
         }

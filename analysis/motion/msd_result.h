@@ -26,7 +26,8 @@ struct MsdTable {
 };
 
 /// Turns the sums into the curve `msd` (t, phase, msd, err, n) and the measurements `d_*`
-/// (diffusion coefficient) and `exponent_*`, with jackknife errors over the groups.
+/// (diffusion coefficient) and `exponent_*`, with jackknife errors over the groups that
+/// have pairs, at least four, and Student's factor (student_jackknife_error).
 ///
 /// Both are fitted over the last decade of lags: MSD = 4 D t + c with weights 1/t² (equal relative
 /// errors), ln(MSD − 4 σ²) = exponent · ln t + const, where σ is 0 unless it is given. At least

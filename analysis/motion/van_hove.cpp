@@ -69,7 +69,9 @@ void add_van_hove_lag(std::span<const VanHoveGroup> groups, double width, std::i
     }
     Curve& curve = curve_of(result);
     std::vector<VanHoveGroup> left;
-    for (std::size_t g = 0; g < groups.size(); ++g) left.push_back(pooled(groups, g));
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        if (groups[g].number > 0) left.push_back(pooled(groups, g));
+    }
     for (std::size_t b = 0; b < van_hove_bins; ++b) {
         // Both signs fall in a bin of |x|.
         const auto density = [&](const VanHoveGroup& sum) {
@@ -79,7 +81,7 @@ void add_van_hove_lag(std::span<const VanHoveGroup> groups, double width, std::i
         for (const VanHoveGroup& part : left) values.push_back(density(part));
         curve.columns[0].values.push_back((static_cast<double>(b) + 0.5) * width);
         curve.columns[1].values.push_back(density(all));
-        curve.columns[2].values.push_back(jackknife_error(values).value_or(undefined));
+        curve.columns[2].values.push_back(student_jackknife_error(values).value_or(undefined));
         curve.columns[3].values.push_back(time);
         curve.text_columns["lag"].push_back(fmt::format("{}", lag));
     }
@@ -88,12 +90,13 @@ void add_van_hove_lag(std::span<const VanHoveGroup> groups, double width, std::i
     Measurement m{name,
                   "-",
                   non_gaussian(all),
-                  jackknife_error(values),
+                  student_jackknife_error(values),
                   0.5 * all.number,
                   "non-Gaussian parameter at this lag [frames]; samples: pairs of sightings"};
     if (!(m.error.value_or(0) > 0)) {
+        m.reason += m.error ? "; all particles move alike: no error from their scatter"
+                            : "; particles in fewer than four groups of the jackknife: no error";
         m.error.reset();
-        m.reason += "; too few particles for an error";
     }
     result.measurements.push_back(std::move(m));
 }

@@ -29,7 +29,8 @@ constexpr std::size_t van_hove_bins = 30;
 VanHoveGroup pooled(std::span<const VanHoveGroup> groups, std::size_t without);
 
 /// Appends the rows of one lag to the curve `van_hove` (x, t as text "lag", g, err) of `result`,
-/// which is made when it is not there, and the measurement alpha2_lag_<lag>.
+/// which is made when it is not there, and the measurement alpha2_lag_<lag>. Errors: jackknife over
+/// the groups that hold displacements, at least four, with Student's factor.
 void add_van_hove_lag(std::span<const VanHoveGroup> groups, double width, std::int64_t lag,
                       double time, ObservableResult& result);
 

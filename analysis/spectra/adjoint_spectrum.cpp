@@ -50,10 +50,7 @@ Estimate estimate(const std::vector<const WaveSamples*>& waves, double correlati
     for (const Sum& block : of_block) {
         without.push_back((all.of_s - block.of_s) / (all.count - block.count));
     }
-    const auto k = static_cast<double>(blocks);
-    if (const auto spread = jackknife_error(without, least_blocks)) {
-        result.error = std::sqrt((k - 1) / (k - 3)) * *spread;
-    }
+    if (const auto spread = student_jackknife_error(without, least_blocks)) result.error = *spread;
     return result;
 }
 

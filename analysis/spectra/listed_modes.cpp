@@ -180,10 +180,9 @@ std::optional<double> ListedModes::error(std::span<const Block> left_out, std::s
     for (const Block& sums : left_out) {
         left.push_back(value(sums, mode, is_connected, independent));
     }
-    const auto k = static_cast<double>(left.size());
-    const auto spread = jackknife_error(left, least_blocks);
+    const auto spread = student_jackknife_error(left, least_blocks);
     if (!spread || !(*spread > 1e-13 * std::abs(s))) return std::nullopt;
-    return *spread * std::sqrt((k - 1) / (k - 3));
+    return spread;
 }
 
 // As StructureFactor::is_slow: the block means of the vectors within a fifth in |k| drift.

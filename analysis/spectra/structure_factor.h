@@ -81,7 +81,7 @@ std::string edges_text(const StructureFactorOptions& options);
 ///
 /// which is some sqrt(π/(ν + 1)) on average for an isotropic pattern, ν the degrees of freedom; the
 /// exact mean for the directions and overlaps of the modes of the grid stands beside it (chance2,
-/// chance4). Error: jackknife.
+/// chance4). Error: jackknife with Student's factor, from eight blocks on.
 ///
 /// Memory: 16 blocks × 56 B × modes, whatever the number of frames; more than 2 GB is refused
 /// (OptionError) before it is taken.

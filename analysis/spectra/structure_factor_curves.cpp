@@ -259,11 +259,10 @@ Curve StructureFactor::curve(const char* name, const char* method, Estimator est
             const std::vector<double> part = averages(shells, total(b), estimator, samples);
             for (std::size_t i = 0; i < s.size(); ++i) left[i].push_back(part[i]);
         }
-        const double student = student_widening(static_cast<double>(filled.size()));
         const std::vector<bool> slow = is_slow(shells, estimator);
         for (std::size_t i = 0; i < s.size(); ++i) {
-            const auto spread = jackknife_error(left[i], least_blocks);
-            if (spread && !slow[i]) error[i] = student * *spread;
+            const auto spread = student_jackknife_error(left[i], least_blocks);
+            if (spread && !slow[i]) error[i] = *spread;
         }
     } else {
         error = few_frames_error(shells, estimator, s);

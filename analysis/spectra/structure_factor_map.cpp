@@ -183,7 +183,7 @@ void StructureFactor::add_directions(ObservableResult& result, Estimator estimat
         Measurement m{h == 0 ? "anisotropy_2" : "anisotropy_4",
                       "-",
                       whole[h].back(),
-                      jackknife_error(left[h], least_blocks),
+                      student_jackknife_error(left[h], least_blocks),
                       independent,
                       fmt::format("relative amplitude of the {}-fold harmonic; an isotropic "
                                   "pattern shows {:.3g} by chance",

@@ -99,6 +99,15 @@ double student_widening(double n) {
     return std::sqrt((n - 1) / (n - 3));
 }
 
+std::optional<double> student_jackknife_error(std::span<const double> leave_one_out,
+                                              std::size_t least) {
+    const auto spread = jackknife_error(leave_one_out, std::max(least, least_values));
+    if (!spread) return std::nullopt;
+    const auto finite =
+        std::ranges::count_if(leave_one_out, [](double x) { return std::isfinite(x); });
+    return *spread * student_widening(static_cast<double>(finite));
+}
+
 double correlation_of_excess(double excess, double block) {
     const auto of = [block](double r) {
         return (1 + r) / (1 - r) - 2 * r * (1 - std::pow(r, block)) / (block * (1 - r) * (1 - r));

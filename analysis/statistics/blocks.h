@@ -92,6 +92,17 @@ std::optional<double> jackknife_error(std::span<const double> leave_one_out, std
 /// Student's t: sqrt((n − 1)/(n − 3)), so that (mean − truth)/error has variance one. n > 3.
 double student_widening(double n);
 
+/// The standard error that a result shows: jackknife_error times student_widening of the number K
+/// of finite values, so that (estimate − truth)/error has variance one for few blocks too.
+/// Every value is of a block (or group) that holds data: empty ones would count in K. Empty when
+/// fewer than `least` finite values are given, at least four.
+std::optional<double> student_jackknife_error(std::span<const double> leave_one_out,
+                                              std::size_t least = 4);
+
+/// Why a measurement has no error where student_jackknife_error has none.
+inline constexpr const char* too_few_blocks =
+    "fewer than four blocks of frames: no error from fluctuations";
+
 /// The correlation r from value to value of a series that relaxes exponentially, from the excess
 /// `excess` of the variance of the means of `block` values over that of independent ones,
 ///   excess = (1 + r)/(1 − r) − 2 r (1 − r^b)/(b (1 − r)²),  b = block,

@@ -118,6 +118,41 @@ TEST(FieldVariance, IsThatOfEveryWindow) {
     }
 }
 
+// Fields one to `fields` of a run that was meant to have 16.
+ObservableResult variance_of(int fields) {
+    const DensityField first = random_field(16, 12, 1);
+    FieldVariance variance(first, 2, 16);
+    for (int f = 0; f < fields; ++f) {
+        variance.add(
+            variance.measure(random_field(16, 12, static_cast<std::uint64_t>(f) + 1, 2.5)));
+    }
+    return variance.result();
+}
+
+// Of a mean of T values the jackknife is s/sqrt(T).
+TEST(FieldVariance, HasAnErrorWithStudentsFactorFromTheBlocksThatHoldFields) {
+    const int fields = 5;
+    const Curve curve = variance_of(fields).curves.front();
+    double mean = 0;
+    double squares = 0;
+    for (int f = 0; f < fields; ++f) {
+        const double v =
+            brute_variance(random_field(16, 12, static_cast<std::uint64_t>(f) + 1, 2.5), 2, 2);
+        mean += v / fields;
+        squares += v * v;
+    }
+    const double s = std::sqrt((squares - fields * mean * mean) / (fields - 1));
+    EXPECT_NEAR(curve.columns[2].values[1], s / std::sqrt(5.0) * std::sqrt(2.0), 1e-9);
+    EXPECT_EQ(variance_of(fields).measurements[0].samples, fields);
+}
+
+TEST(FieldVariance, OfThreeFieldsHasAReasonInPlaceOfAnError) {
+    const ObservableResult r = variance_of(3);
+    EXPECT_FALSE(r.measurements[0].error.has_value());
+    EXPECT_NE(r.measurements[0].reason.find("fewer than four blocks"), std::string::npos);
+    for (const double error : r.curves.front().columns[2].values) EXPECT_TRUE(std::isnan(error));
+}
+
 // White noise of variance v a cell: σ² = v ℓ^d dx^d (1 − m^d/n^d) (fixed sum), S = v dx^d.
 TEST(FieldStatistics, WhiteNoiseIsFlat) {
     FieldStatistics statistics({.k_max = 4}, 200);

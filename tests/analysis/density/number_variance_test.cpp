@@ -86,6 +86,50 @@ TEST(NumberVariance, OfOneFrameIsPooledAndSaysSo) {
     EXPECT_TRUE(std::isnan(column(r, "variance", "err").back()));
 }
 
+// The result of the frames, all but one.
+ObservableResult variance_without(const std::vector<Pattern>& frames, std::size_t without) {
+    NumberVariance variance({}, frames.front().box, static_cast<std::int64_t>(frames.size()) - 1);
+    for (std::size_t f = 0; f < frames.size(); ++f) {
+        if (f != without) variance.add(variance.measure(frames[f]));
+    }
+    return variance.result();
+}
+
+TEST(NumberVariance, HasAnErrorWithStudentsFactorFromTheBlocksThatHoldFrames) {
+    RandomStream random(9, "student");
+    const Box box = square_box(40);
+    std::vector<Pattern> frames;
+    for (int f = 0; f < 5; ++f) {
+        frames.push_back(pattern(poisson_points(1600, box, random), box, f));
+    }
+    NumberVariance variance({}, box, 16);  // a run that was cut short: 11 blocks are empty
+    for (const Pattern& p : frames) variance.add(variance.measure(p));
+    const ObservableResult r = variance.result();
+    for (const char* curve : {"variance", "variance_slope"}) {
+        const char* value = std::string(curve) == "variance" ? "variance" : "beta";
+        std::vector<double> left;
+        for (std::size_t f = 0; f < frames.size(); ++f) {
+            left.push_back(column(variance_without(frames, f), curve, value)[3]);
+        }
+        EXPECT_NEAR(column(r, curve, "err")[3], *student_jackknife_error(left), 1e-12) << curve;
+    }
+}
+
+TEST(NumberVariance, OfThreeFramesHasAReasonInPlaceOfAnError) {
+    RandomStream random(10, "few");
+    const Box box = square_box(40);
+    NumberVariance variance({}, box, 3);
+    for (int f = 0; f < 3; ++f) {
+        variance.add(variance.measure(pattern(poisson_points(1600, box, random), box, f)));
+    }
+    const ObservableResult r = variance.result();
+    const Measurement* m = r.find_measurement("relative_variance_10a");
+    EXPECT_TRUE(m->value.has_value());
+    EXPECT_FALSE(m->error.has_value());
+    EXPECT_NE(m->reason.find("fewer than four blocks"), std::string::npos) << m->reason;
+    EXPECT_TRUE(std::isnan(column(r, "variance", "err")[3]));
+}
+
 TEST(NumberVariance, NamesItsReadingsApartSoThatNoneIsComparedWithAnother) {
     RandomStream random(7, "names");
     const Box box = square_box(60, Boundary::walls);

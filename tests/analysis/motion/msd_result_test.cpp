@@ -105,6 +105,37 @@ TEST(MsdResult, TakesTheGivenLocalisationErrorOutOfTheExponent) {
     EXPECT_NEAR(*result.find_measurement("exponent_all")->value, 0.8, 1e-12);
 }
 
+// Pairs in so many of the 16 groups only; their means differ.
+ObservableResult of_groups(std::size_t groups) {
+    MsdTable t = table([](double lag) { return lag; });
+    for (auto& series : t.series) {
+        for (std::size_t g = 0; g < 16; ++g) {
+            for (double& sum : series.sum[g]) {
+                sum = g < groups ? sum * (1 + 0.1 * static_cast<double>(g)) : 0;
+            }
+            if (g >= groups) series.pairs[g].assign(6, 0);
+        }
+    }
+    ObservableResult result;
+    add_msd(t, result);
+    return result;
+}
+
+TEST(MsdResult, HasTheErrorOfTheMeanOfItsGroupsWithStudentsFactor) {
+    const ObservableResult r = of_groups(5);
+    // Group means 1, 1.1 … 1.4 times the lag: variance 0.025; Student's factor sqrt(4/2).
+    const double share = std::sqrt(0.025 / 5) * std::sqrt(2.0);
+    const Curve* curve = r.find_curve("msd");
+    EXPECT_NEAR(curve->find("err")->values[2], 4 * share, 1e-12);
+    EXPECT_NEAR(*r.find_measurement("d_all")->error, 0.25 * share, 1e-12);
+}
+
+TEST(MsdResult, OfThreeGroupsHasNoError) {
+    const ObservableResult r = of_groups(3);
+    EXPECT_TRUE(std::isnan(r.find_curve("msd")->find("err")->values[0]));
+    EXPECT_FALSE(r.find_measurement("d_all")->error.has_value());
+}
+
 TEST(MsdResult, WithoutPairsIsAReason) {
     MsdTable t = table([](double) { return 0.0; });
     for (auto& series : t.series) {

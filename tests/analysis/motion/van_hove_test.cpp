@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "analysis/motion/displacement.h"
+#include "analysis/statistics/blocks.h"
 #include "core/errors.h"
 #include "tests/analysis/synthetic_patterns.h"
 
@@ -62,6 +63,50 @@ TEST(VanHove, OfABrownianWalkIsGaussian) {
         // sqrt(24/n)/3 for n Gaussian numbers.
         EXPECT_NEAR(*m->value, 0, 6 * std::sqrt(24.0 / 30000) / 3);
         EXPECT_GT(*m->error, 0);
+    }
+}
+
+// So many of 16 groups hold displacements, of other widths.
+ObservableResult of_groups(int number) {
+    std::vector<VanHoveGroup> groups(16, VanHoveGroup{std::vector<double>(van_hove_bins, 0.0)});
+    for (int g = 0; g < number; ++g) {
+        for (const double x : {0.5, 1.5 + 0.1 * g}) {
+            groups[static_cast<std::size_t>(g)].add({x, -x}, 1);
+        }
+    }
+    ObservableResult result;
+    add_van_hove_lag(groups, 1, 1, 1, result);
+    return result;
+}
+
+TEST(VanHove, HasAnErrorWithStudentsFactorFromTheGroupsThatHoldDisplacements) {
+    const Measurement m = *of_groups(5).find_measurement("alpha2_lag_1");
+    const auto sums = [](int without) {
+        double square = 0;
+        double fourth = 0;
+        double number = 0;
+        for (int g = 0; g < 5; ++g) {
+            if (g == without) continue;
+            for (const double x : {0.5, 1.5 + 0.1 * g}) {
+                number += 1;
+                square += x * x;
+                fourth += x * x * x * x;
+            }
+        }
+        return fourth / number / (3 * std::pow(square / number, 2)) - 1;
+    };
+    std::vector<double> left;
+    for (int g = 0; g < 5; ++g) left.push_back(sums(g));
+    EXPECT_NEAR(*m.error, *student_jackknife_error(left), 1e-12);
+}
+
+TEST(VanHove, OfThreeGroupsHasAReasonInPlaceOfAnError) {
+    const ObservableResult r = of_groups(3);
+    EXPECT_FALSE(r.find_measurement("alpha2_lag_1")->error.has_value());
+    EXPECT_NE(r.find_measurement("alpha2_lag_1")->reason.find("fewer than four groups"),
+              std::string::npos);
+    for (const double error : r.find_curve("van_hove")->find("err")->values) {
+        EXPECT_TRUE(std::isnan(error));
     }
 }
 

@@ -16,10 +16,11 @@ using namespace synthetic;
 constexpr int frames = 64;
 
 // Gaussian modes of S(k) = 1 + m cos(mθ) amplitude.
-ObservableResult measured(double two, double four) {
+ObservableResult measured(double two, double four, int number = frames, int without = -1) {
     const Box box = square_box(40);
-    StructureFactor sk({.k_max = 2}, box, frames);
-    for (int f = 0; f < frames; ++f) {
+    StructureFactor sk({.k_max = 2}, box, without < 0 ? number : number - 1);
+    for (int f = 0; f < number; ++f) {
+        if (f == without) continue;
         RandomStream random(3, "directions", static_cast<std::uint64_t>(f));
         std::vector<std::complex<double>> rho;
         for (const Mode& mode : sk.grid().modes()) {
@@ -52,6 +53,17 @@ TEST(StructureFactorMap, FindsTheHarmonicsOfS) {
     EXPECT_NEAR(*r.find_measurement("anisotropy_4")->value, 0.2, 0.05);
     EXPECT_GT(*r.find_measurement("anisotropy_2")->error, 0.002);
     EXPECT_LT(*r.find_measurement("anisotropy_2")->error, 0.03);
+}
+
+TEST(StructureFactorMap, HasAnErrorOfItsAnisotropyWithStudentsFactor) {
+    for (const char* name : {"anisotropy_2", "anisotropy_4"}) {
+        std::vector<double> left;
+        for (int f = 0; f < 8; ++f) {
+            left.push_back(*measured(0.3, 0.2, 8, f).find_measurement(name)->value);
+        }
+        const Measurement m = *measured(0.3, 0.2, 8).find_measurement(name);
+        EXPECT_NEAR(*m.error, *student_jackknife_error(left), 1e-12) << name;
+    }
 }
 
 TEST(StructureFactorMap, OfAnIsotropicPatternShowsChanceOnly) {

@@ -66,6 +66,18 @@ TEST(Jackknife, RefusesTooFewValues) {
     EXPECT_FALSE(jackknife_error(std::vector<double>{1, 2, std::nan("")}).has_value());
 }
 
+TEST(Jackknife, WithStudentsFactorIsWiderByTheSpreadOfT) {
+    const std::vector<double> left{1, 2, std::nan(""), 4, 4.5};
+    EXPECT_NEAR(*student_jackknife_error(left), std::sqrt(3.0) * *jackknife_error(left), 1e-14);
+}
+
+TEST(Jackknife, WithStudentsFactorAsksForFourBlocks) {
+    const std::vector<double> left{1, 2, 4};
+    EXPECT_FALSE(student_jackknife_error(left).has_value());
+    EXPECT_FALSE(student_jackknife_error(left, 2).has_value());
+    EXPECT_FALSE(student_jackknife_error(std::vector<double>{1, 2, 4, 5}, 8).has_value());
+}
+
 TEST(MeanSeries, GivesAReasonInsteadOfANumberWhenEmpty) {
     const Measurement m = MeanSeries{}.measurement("x", "-", std::nullopt, "nothing seen");
     EXPECT_FALSE(m.value.has_value());
