@@ -18,6 +18,7 @@
 namespace grainfield::analysis {
 namespace {
 
+constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 std::vector<double> sides_of(const SyntheticOptions& options, double own) {
@@ -39,7 +40,7 @@ std::optional<SpectrumModel::Line> line_of(const ObservableResult& fit) {
     };
     const auto error = [&](const char* name) {
         const Measurement* m = fit.find_measurement(name);
-        return m == nullptr ? 0 : m->error.value_or(0);
+        return m == nullptr ? undefined : m->error.value_or(undefined);
     };
     if (!value("s0") || !value("s1") || !value("alpha") || !value("k_fit")) return std::nullopt;
     return SpectrumModel::Line{*value("s0"),   *value("s1"), *value("alpha"),
@@ -59,9 +60,19 @@ std::vector<double> windows_up_to(double last) {
     return windows;
 }
 
+// None of a fitted exponent without one; a given exponent is exact.
+std::optional<double> error_of_alpha(const ObservableResult& fit) {
+    const OptionValue* exponent = fit.find_option("exponent");
+    const bool is_fitted = exponent != nullptr && to_text(*exponent) == "free";
+    const Measurement* alpha = fit.find_measurement("alpha");
+    if (!is_fitted || alpha == nullptr) return 0;
+    return alpha->error;
+}
+
 Measurement crossover(const ObservableResult& fit, const SpectrumModel::Line& line) {
     const Measurement* ratio = fit.find_measurement("s0_over_s1");
-    if (ratio == nullptr || !ratio->value) return missing("crossover_length", "a", "no S0/S1");
+    if (ratio == nullptr) return missing("crossover_length", "a", "no S0/S1");
+    if (!ratio->value) return missing("crossover_length", "a", ratio->reason);
     const auto length = [&](double r) {
         return 2 * std::numbers::pi * std::pow(r, -1 / line.alpha);
     };
@@ -80,9 +91,12 @@ Measurement crossover(const ObservableResult& fit, const SpectrumModel::Line& li
     }
     Measurement m{"crossover_length", "a", length(r), std::nullopt, ratio->samples, ""};
     if (spread > 0 && spread < r) {
-        const Measurement* alpha = fit.find_measurement("alpha");
-        const double bend = alpha == nullptr ? 0 : alpha->error.value_or(0);
-        m.error = length(r) / line.alpha * std::hypot(spread / r, std::log(r) / line.alpha * bend);
+        const std::optional<double> bend = error_of_alpha(fit);
+        if (!bend) {
+            m.reason = "the fitted exponent has no error";
+            return m;
+        }
+        m.error = length(r) / line.alpha * std::hypot(spread / r, std::log(r) / line.alpha * *bend);
     } else if (spread > 0) {
         m.reason = fmt::format("S0/S1 vanishes within its error: above {:.3g}", length(r + spread));
     } else {

@@ -45,8 +45,9 @@ SyntheticInput synthetic_input(const StructureFactor& sk, const ObservableResult
 /// times it, and inf. Below the lowest measured k there is the fit only: without one, no box is
 /// larger than the measured one; nor any box if the lowest shells have no error. Where the shells
 /// end S = 1 is taken (of a field: the last value); `beyond` is what of the variance comes from
-/// there. err: from the errors of S0, S1 and the shells, and the whole of `beyond`. Windows whose
-/// variance would be negative (S0 < 0) are left out, with a reason.
+/// there. err: from the errors of S0, S1 and the shells, and the whole of `beyond`; missing where
+/// S0 or S1 has none. Windows whose variance would be negative (S0 < 0) are left out, with a
+/// reason.
 ///
 /// Measurement crossover_length: ℓ* = 2π a (S0/S1)^(−1/α), above which the S0 term rules
 /// (`castillo2019`), error of first order, by the errors of S0/S1 and of α without their

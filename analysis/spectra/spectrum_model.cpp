@@ -2,8 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace grainfield::analysis {
+namespace {
+
+constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
+
+}  // namespace
 
 SpectrumModel SpectrumModel::of_fit(const Line& fit, Tail tail) {
     SpectrumModel model;
@@ -36,8 +42,9 @@ SpectrumModel SpectrumModel::of_measured(const Spectrum& spectrum, const std::op
     for (std::size_t i = 0; i < spectrum.k.size(); ++i) {
         const double k = spectrum.k[i];
         if (!std::isfinite(spectrum.s[i]) || (fit && k <= fit->k_end)) continue;
-        double error = i < spectrum.error.size() ? spectrum.error[i] : 0;
-        if (!std::isfinite(error)) error = std::abs(spectrum.s[i]) / std::sqrt(spectrum.dof[i]);
+        const double dof = i < spectrum.dof.size() ? spectrum.dof[i] : 0;
+        double error = i < spectrum.error.size() ? spectrum.error[i] : undefined;
+        if (!std::isfinite(error)) error = std::abs(spectrum.s[i]) / std::sqrt(dof);
         if (!std::isfinite(error)) continue;
         model.k_.push_back(k);
         model.theta_.push_back(spectrum.s[i]);
@@ -72,12 +79,12 @@ double SpectrumModel::value(double k) const {
 double SpectrumModel::variance(const std::vector<double>& jacobian) const {
     double variance = 0;
     for (std::size_t p = 0; p < error_.size(); ++p) {
-        variance += std::pow(jacobian[p] * error_[p], 2);
+        if (jacobian[p] != 0) variance += std::pow(jacobian[p] * error_[p], 2);
     }
-    if (fit_) {
+    if (fit_ && jacobian[0] != 0 && jacobian[1] != 0) {
         variance += 2 * fit_->correlation * jacobian[0] * error_[0] * jacobian[1] * error_[1];
     }
-    return std::max(0.0, variance);
+    return variance < 0 ? 0 : variance;  // NaN stays: std::max would make it zero
 }
 
 }  // namespace grainfield::analysis

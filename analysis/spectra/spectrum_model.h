@@ -26,7 +26,7 @@ class SpectrumModel {
         double weight = 0;
     };
 
-    struct Line {  // of a fit S0 + S1 (ka)^α, with standard errors
+    struct Line {  // of a fit S0 + S1 (ka)^α, with standard errors (NaN: not known)
         double s0 = 0, s1 = 0, alpha = 1;
         double s0_error = 0, s1_error = 0;
         double correlation = 0;
@@ -44,8 +44,8 @@ class SpectrumModel {
     static SpectrumModel of_fit(const Line& fit, Tail tail = Tail::one);
 
     /// The fit below its end, the shells above; without a fit the first shell's value below it.
-    /// `spectrum.error` may hold NaN: then S/sqrt(ν). Shells without a finite S, or whose modes are
-    /// slower than the run (ν = 0), are left out.
+    /// `spectrum.error` may hold NaN or be short: then S/sqrt(ν). Shells without a finite S, or
+    /// whose modes are slower than the run (ν = 0), are left out.
     static SpectrumModel of_measured(const Spectrum& spectrum, const std::optional<Line>& fit,
                                      Tail tail = Tail::one);
 
@@ -63,7 +63,7 @@ class SpectrumModel {
     /// Where S(k) has corners: 0, k_fit, the shells, k_max; rising.
     const std::vector<double>& corners() const { return corners_; }
 
-    /// Variance of Σ_p J_p θ_p.
+    /// Variance of Σ_p J_p θ_p; NaN where a parameter that counts (J_p ≠ 0) has no error.
     double variance(const std::vector<double>& jacobian) const;
 
     /// Whether small k are those of a fit; otherwise nothing is known below the lowest shell.

@@ -103,6 +103,38 @@ TEST(SyntheticResult, SaysWhereTheCrossoverLies) {
     EXPECT_THAT(none.reason, HasSubstr("not positive"));
 }
 
+// NaN in place of the error: std::max(0.0, NaN) is 0, a variance that is known exactly.
+TEST(SyntheticResult, HasNoErrorWhereTheFitHasNone) {
+    SyntheticInput in = input();
+    in.fit.measurements[1].error.reset();  // of S0
+    const ObservableResult r = synthetic_result(in, {});
+    const auto variance = of_side(r.curves[0], "variance", "inf");
+    const auto error = of_side(r.curves[0], "err", "inf");
+    ASSERT_GT(error.size(), 20U);
+    for (std::size_t i = 0; i < error.size(); ++i) {
+        EXPECT_GT(variance[i], 0);
+        EXPECT_TRUE(std::isnan(error[i]));
+    }
+}
+
+TEST(SyntheticResult, TakesAShellWithoutAnErrorAsSoManyModes) {
+    Spectrum spectrum = input().spectrum;
+    const SpectrumModel whole = SpectrumModel::of_measured(spectrum, std::nullopt);
+    spectrum.error.clear();
+    const SpectrumModel none = SpectrumModel::of_measured(spectrum, std::nullopt);
+    const std::vector<double> jacobian(whole.size(), 1.0);
+    EXPECT_GT(none.variance(jacobian), 0);
+    EXPECT_NEAR(none.variance(jacobian) / whole.variance(jacobian), 1, 1e-12);
+}
+
+TEST(SyntheticResult, CrossoverOfAFittedExponentWithoutAnErrorHasNone) {
+    SyntheticInput in = input();
+    in.fit.options = {{"exponent", OptionValue(std::string("free"))}};
+    const Measurement m = *synthetic_result(in, {}).find_measurement("crossover_length");
+    EXPECT_TRUE(m.value && !m.error);
+    EXPECT_THAT(m.reason, HasSubstr("exponent"));
+}
+
 TEST(SyntheticResult, WithoutAFitKnowsNoLargerBoxThanTheMeasuredOne) {
     const ObservableResult r = synthetic_result(input(false), {});
     ASSERT_EQ(r.curves.size(), 1U);
