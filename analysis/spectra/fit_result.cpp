@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -89,11 +90,25 @@ Measurement measured(std::string name, const char* unit, double value, std::opti
     return m;
 }
 
+// Why a fit has no S0/S1; empty if it has one.
+std::string without_ratio(const SpectrumFit& fit) {
+    if (!fit.ok()) return fit.reason;
+    return rises(fit.s1, fit.error[1]) ? "" : no_rise(fit.s1, fit.error[1]);
+}
+
+std::string systematic_name(const char* what) {
+    return std::string("s0_over_s1_systematic_") + what;
+}
+
 // Half of what S0/S1 moves by when the fit is made in two other ways.
 Measurement systematic(const char* what, const SpectrumFit& a, const SpectrumFit& b,
                        const char* meaning) {
-    const std::string name = std::string("s0_over_s1_systematic_") + what;
-    if (!a.ok() || !b.ok()) return missing(name, "-", a.ok() ? b.reason : a.reason);
+    const std::string name = systematic_name(what);
+    for (const SpectrumFit* fit : {&a, &b}) {
+        if (std::string why = without_ratio(*fit); !why.empty()) {
+            return missing(name, "-", std::move(why));
+        }
+    }
     return {name, "-", 0.5 * std::abs(a.ratio() - b.ratio()), std::nullopt, 0, meaning};
 }
 
@@ -198,7 +213,7 @@ Measurement chi2_of(const SpectrumFit& fit, const FitOptions& options) {
             "whether the curve describes the shells: about 1 where it does"};
 }
 
-void add_range(const Evidence& evidence, const SpectrumFit& fit, double samples,
+void add_range(const Evidence& evidence, const SpectrumFit& fit, bool has_ratio, double samples,
                const FitOptions& options, ObservableResult& result) {
     auto& m = result.measurements;
     const PrePeak peak = find_pre_peak(evidence.spectrum);
@@ -212,7 +227,8 @@ void add_range(const Evidence& evidence, const SpectrumFit& fit, double samples,
     }
     m.push_back({"k_fit", "1/a", fit.k_max, std::nullopt, 0,
                  fmt::format("end of the fit; chi2 = {:.4g} for {} shells", fit.chi2, fit.points)});
-    if (const auto interval = ratio_interval(evidence.spectrum, fit); interval) {
+    const auto interval = has_ratio ? ratio_interval(evidence.spectrum, fit) : std::nullopt;
+    if (interval) {
         const char* meaning = "end of the 68 % profile-likelihood interval";
         m.push_back({"s0_over_s1_low", "-", interval->low, std::nullopt, 0, meaning});
         m.push_back({"s0_over_s1_high", "-", interval->high, std::nullopt, 0, meaning});
@@ -237,15 +253,20 @@ ObservableResult fit_of_evidence(const Evidence& evidence, const FitOptions& opt
         if (std::isfinite(spectrum.dof[i])) samples += spectrum.dof[i];
     }
     auto& m = result.measurements;
-    m.push_back(fitted("s0_over_s1", fit.ratio(), values.ratio, fit.ratio_error(), samples));
+    const Measurement s1 = fitted("s1", fit.s1, values.s1, fit.error[1], samples);
+    const double s1_error = s1.error.value_or(std::numeric_limits<double>::quiet_NaN());
+    const std::string why = rises(fit.s1, s1_error) ? "" : no_rise(fit.s1, s1_error);
+    m.push_back(why.empty()
+                    ? fitted("s0_over_s1", fit.ratio(), values.ratio, fit.ratio_error(), samples)
+                    : missing("s0_over_s1", "-", why));
     m.push_back(fitted("s0", fit.s0, values.s0, fit.error[0], samples));
-    m.push_back(fitted("s1", fit.s1, values.s1, fit.error[1], samples));
+    m.push_back(s1);
     if (options.exponent == Exponent::free) {
         m.push_back(fitted("alpha", fit.alpha, values.alpha, fit.error[2], samples));
     } else {
         m.push_back({"alpha", "-", fit.alpha, std::nullopt, 0, "given, not fitted"});
     }
-    add_range(evidence, fit, samples, options, result);
+    add_range(evidence, fit, why.empty(), samples, options, result);
     m.push_back(chi2_of(fit, options));
     if (evidence.others) {
         const bool plane = options.modes == FitModes::box;
@@ -254,11 +275,18 @@ ObservableResult fit_of_evidence(const Evidence& evidence, const FitOptions& opt
                                     : "modes that fit between the walls; error from the likelihood";
         const SpectrumFit other =
             fit_spectrum(*evidence.others, fit.k_max, fit.alpha, options.method);
-        m.push_back(other.ok()
+        const std::string none = without_ratio(other);
+        m.push_back(none.empty()
                         ? measured(name, "-", other.ratio(), other.ratio_error(), samples, meaning)
-                        : missing(name, "-", other.reason));
+                        : missing(name, "-", none));
     }
-    add_systematics(spectrum, fit, options, result);
+    if (why.empty()) {
+        add_systematics(spectrum, fit, options, result);
+    } else {
+        for (const char* what : {"alpha", "range", "grid"}) {
+            m.push_back(missing(systematic_name(what), "-", why));
+        }
+    }
     result.curves = {fit_curve(fit, spectrum.k.front())};
     return result;
 }

@@ -40,6 +40,9 @@ OptionTable describe(FitOptions& options);
 /// 0.5 and 0.8 k_pp (0.77 and 1.23 of a given range), and by leaving out every second shell. Curve
 /// "fit": k, s, s_err.
 ///
+/// S0/S1 is missing, with the reason, unless S1 is above two of its errors (`rises`): it may be
+/// anything there. Its systematics are missing with it, and its interval is left out.
+///
 /// Errors: half the central 68 % of `bootstrap` resamplings of the K blocks of time, the pre-peak
 /// searched anew in each, times sqrt(K/(K − 3)) for the small number of blocks, and never less than
 /// the error from the likelihood (blocks alone gave pulls 1.16 wide). With fewer than eight blocks

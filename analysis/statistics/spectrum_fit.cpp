@@ -13,6 +13,7 @@ namespace {
 
 constexpr double least_alpha = 0.2;
 constexpr double largest_alpha = 4;
+constexpr double least_rise = 2;  // standard errors of S1
 
 // The shells inside the range.
 struct Points {
@@ -203,6 +204,32 @@ SpectrumFit finish(const Points& points, const Line& line, double alpha, bool al
 }
 
 }  // namespace
+
+bool rises(double s1, double error) {
+    return s1 > least_rise * error;
+}
+
+std::string no_rise(double s1, double error) {
+    if (std::isnan(error)) return "S1 has no error: whether S grows with k is not known";
+    const std::string number = fmt::format("S1 = {:.2g} ± {:.2g}", s1, error);
+    if (s1 > 0) {
+        const double factor = std::ceil(std::pow(least_rise * error / s1, 2) - 1e-9);
+        return fmt::format(
+            "S is not known to grow with k: {}; a run {:.0f} times as long would tell it from "
+            "zero, if it stays",
+            number, factor);
+    }
+    const std::string what = "S does not grow with k in its range: " + number;
+    if (s1 < -least_rise * error) {
+        return what +
+               "; S falls, and no length of the run makes up for that: is the end of the fit "
+               "(--fit-k-max) too far out?";
+    }
+    return what +
+           fmt::format(
+               "; its sign is not known: a run four times as long would show an S1 of {:.2g}",
+               error);
+}
 
 double SpectrumFit::ratio_error() const {
     const double r = ratio();

@@ -53,6 +53,14 @@ struct SpectrumFit {
 SpectrumFit fit_spectrum(const Spectrum& spectrum, double k_max, std::optional<double> alpha,
                          FitMethod method = FitMethod::whittle);
 
+/// Whether S is known to grow with k: S1 above two of its standard errors. Only then is S0/S1 a
+/// number: near S1 = 0 it may be anything. Without an error of S1 (NaN) nothing is known.
+bool rises(double s1, double error);
+
+/// Why S0/S1 is missing where S does not rise. Says how long a run would show a rise: errors fall
+/// as the root of the number of independent snapshots.
+std::string no_rise(double s1, double error);
+
 /// The same with one α for several spectra, each with its own S0, S1 and range: the α that makes
 /// the product of the likelihoods largest. Spectra that cannot be fitted are left out of the search
 /// and keep their reason. Where the search ends at 0.2 or 4 there is no fit of any, with the

@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include <fmt/format.h>
@@ -18,6 +19,8 @@ namespace grainfield::pipelines {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 std::optional<double> number_in(const std::string& text) {
     double value = 0;
@@ -74,33 +77,6 @@ RunIdentity critical_identity(const std::vector<Results>& results) {
     return identity;
 }
 
-// S0/S1 means something only where S grows with k: by more than the error of S1, else the ratio may
-// be anything.
-bool rises(double s1, double error) {
-    return s1 > 0 && s1 > error;
-}
-
-// Why a run without a rise is left out, and what would show one: errors fall as the root of the
-// number of independent snapshots.
-std::string no_rise(double s1, double error) {
-    const std::string what =
-        fmt::format("S does not grow with k in its range: S1 = {:.2g} ± {:.2g}", s1, error);
-    if (s1 < -2 * error) {
-        return what +
-               "; S falls, and no length of the run makes up for that: is the end of the fit "
-               "(--fit-k-max) too far out?";
-    }
-    if (!(s1 > 0)) {
-        return what + fmt::format(
-                          "; its sign is not known: a run four times as long would show "
-                          "an S1 of {:.2g}",
-                          error);
-    }
-    const double factor = std::ceil(4 * error * error / (s1 * s1) - 1e-9);
-    return what +
-           fmt::format("; a run {:.0f} times as long would tell it from zero, if it stays", factor);
-}
-
 struct Gathered {
     std::vector<analysis::CriticalPoint> points;
     std::optional<Measurement> alpha;
@@ -114,12 +90,13 @@ Gathered as_fitted(const std::vector<Results>& results, const std::vector<double
         const ObservableResult* fit = results[i].find("fit");
         const Measurement* m = fit == nullptr ? nullptr : fit->find_measurement("s0_over_s1");
         const Measurement* s1 = fit == nullptr ? nullptr : fit->find_measurement("s1");
-        const bool falls = s1 != nullptr && s1->value && !rises(*s1->value, s1->error.value_or(0));
+        const double s1_error = s1 == nullptr ? unknown : s1->error.value_or(unknown);
+        const bool falls = s1 != nullptr && s1->value && !analysis::rises(*s1->value, s1_error);
         if (m != nullptr && m->value && m->error && !falls) {
             gathered.points.push_back({x[i], *m->value, *m->error});
             continue;
         }
-        const std::string why = falls            ? no_rise(*s1->value, s1->error.value_or(0))
+        const std::string why = falls            ? analysis::no_rise(*s1->value, s1_error)
                                 : fit == nullptr ? "it has no fit; analyse it again (a density "
                                                    "field with a range of the fit)"
                                 : !fit->reason.empty()     ? fit->reason
@@ -151,9 +128,9 @@ Gathered with_shared_exponent(const std::vector<Results>& results, const std::ve
             plan.warn(fmt::format("'{}' is left out: {}", results[i].label, fits[i].reason));
             continue;
         }
-        if (!rises(fits[i].s1, fits[i].error[1])) {
+        if (!analysis::rises(fits[i].s1, fits[i].error[1])) {
             plan.warn(fmt::format("'{}' is left out: {}", results[i].label,
-                                  no_rise(fits[i].s1, fits[i].error[1])));
+                                  analysis::no_rise(fits[i].s1, fits[i].error[1])));
             continue;
         }
         gathered.points.push_back({x[i], fits[i].ratio(), fits[i].ratio_error()});
@@ -259,7 +236,9 @@ CriticalJobResult find_critical_point(const CriticalJobOptions& options, Job& jo
              .suggestion = "see the warnings; --fit-k-max of analyze sets the range of the fit"});
     }
     Results out;
-    out.identity = critical_identity(results);
+    // A copy: gcc 12 takes a moved one for uninitialized.
+    const RunIdentity identity = critical_identity(results);
+    out.identity = identity;
     out.label = options.label;
     out.box = results.front().box;
     out.source.source = "results";

@@ -83,7 +83,7 @@ TEST(FitTheory, TakesPlaneWavesBetweenWallsIfAskedTo) {
     RandomStream random(53, "plane waves");
     StructureFactor sk({}, walls, 20);
     for (int f = 0; f < 20; ++f) {
-        sk.add(sk.measure(pattern(poisson_points(900, walls, random), walls, f)));
+        sk.add(sk.measure(pattern(square_lattice(30, 1, 0.3, random), walls, f)));
     }
     const FitOptions of_box{.k_max = 1.5, .bootstrap = 0};
     const FitOptions of_planes{.k_max = 1.5, .modes = FitModes::plane_waves, .bootstrap = 0};

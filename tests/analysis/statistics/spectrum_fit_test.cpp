@@ -150,6 +150,21 @@ TEST(Fit, GivesReasonsWhereItCannotBeMade) {
     EXPECT_NEAR(fit.s1, 0, 1e-9);
 }
 
+TEST(Rise, IsKnownAboveTwoErrorsOfTheSlopeOnly) {
+    EXPECT_TRUE(rises(0.21, 0.1));
+    EXPECT_FALSE(rises(0.19, 0.1));
+    EXPECT_FALSE(rises(-1, 0.1));
+    EXPECT_FALSE(rises(1, std::nan("")));
+}
+
+TEST(Rise, SaysWhyThereIsNone) {
+    using ::testing::HasSubstr;
+    EXPECT_THAT(no_rise(0.2, 0.2), HasSubstr("S1 = 0.2 ± 0.2; a run 4 times as long"));
+    EXPECT_THAT(no_rise(-2, 0.5), HasSubstr("S falls"));
+    EXPECT_THAT(no_rise(-0.2, 0.5), HasSubstr("its sign is not known"));
+    EXPECT_THAT(no_rise(1, std::nan("")), HasSubstr("no error"));
+}
+
 TEST(PrePeak, IsFoundWhereItIsAndNotInvented) {
     int invented = 0;
     Pull position;

@@ -110,6 +110,20 @@ TEST(CriticalJob, SaysHowMuchLongerARunWithoutARiseWouldHaveToBe) {
     EXPECT_THAT(found.warnings[2], HasSubstr("four times as long would show an S1 of 0.6"));
 }
 
+// 1.6 errors: an S0/S1 that a version before stored may be anything.
+TEST(CriticalJob, LeavesOutARunWhoseS1IsNotAboveTwoErrors) {
+    const testing::ScratchFolder folder;
+    const std::vector<std::filesystem::path> inputs{
+        write_run(folder / "a.h5", 6), write_run(folder / "b.h5", 7),
+        write_run(folder / "c.h5", 8, true, {}, Measurement{"s1", "-", 0.8, 0.5, 100, ""}),
+        write_run(folder / "d.h5", 9, true, {}, Measurement{"s1", "-", 0.8, {}, 100, ""})};
+    const Found found = find(folder, inputs, by_value({6, 7, 8, 9}));
+    EXPECT_EQ(found.result.runs, 2U);
+    ASSERT_EQ(found.warnings.size(), 2U);
+    EXPECT_THAT(found.warnings[0], HasSubstr("S1 = 0.8 ± 0.5; a run 2 times as long"));
+    EXPECT_THAT(found.warnings[1], HasSubstr("S1 has no error"));
+}
+
 TEST(CriticalJob, SaysWhatIsWrongWithTheControlParameter) {
     const testing::ScratchFolder folder;
     const std::vector<std::filesystem::path> inputs{write_run(folder / "a.h5", 6)};
