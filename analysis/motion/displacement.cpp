@@ -329,7 +329,12 @@ ObservableResult Displacement::result(const PhaseHistory* phases) const {
             most_parts, 100 * tolerance);
         return result;
     }
-    for (double t : time_) clock->window.push_back(phases != nullptr ? phases->window_of(t) : -1);
+    const WindowRule rule = phases != nullptr ? phases->rule() : WindowRule{};
+    for (double t : time_) {
+        const std::int64_t window = phases != nullptr ? phases->window_of(t) : -1;
+        const bool counts = window >= 0 && !rule.is_short(phases->frames_in(window));
+        clock->window.push_back(counts ? window : -1);
+    }
     const std::vector<std::size_t> lags = this->lags(*clock);
     std::vector<Sums> sums(groups, Sums{std::vector<LagSums>(lags.size()), {}});
     parallel_for(groups, threads_, [&](std::int64_t group) {

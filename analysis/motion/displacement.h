@@ -33,11 +33,12 @@ OptionTable describe(DisplacementOptions& options);
 ///
 /// taken over every pair of frames τ apart in which particle j was seen (a gap in a track removes
 /// its pairs, nothing is interpolated). The phase is that of the particle at the start, in the
-/// window of the phase history that contains t. Lags are differences of time stamps, not of frame
-/// numbers: pairs of frames share a lag if their differences agree within a tenth; t in the curve
-/// is their mean. Stamps that fit no even grid that well give a reason. Positions are unwrapped by
-/// minimum images (a particle must move less than half a periodic box between two sightings) and
-/// stored relative to the track's first one, so nothing is lost far from the origin.
+/// window of the phase history that contains t; none in a short window (WindowRule). Lags are
+/// differences of time stamps, not of frame numbers: pairs of frames share a lag if their
+/// differences agree within a tenth; t in the curve is their mean. Stamps that fit no even grid
+/// that well give a reason. Positions are unwrapped by minimum images (a particle must move less
+/// than half a periodic box between two sightings) and stored relative to the track's first one, so
+/// nothing is lost far from the origin.
 ///
 /// Errors: jackknife over 16 groups of particles with Student's factor (particles as independent;
 /// overlapping start times are thereby allowed for). D = slope/4 over the last decade of lags with

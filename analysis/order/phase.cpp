@@ -126,6 +126,8 @@ void PhaseHistory::close_window() {
     row.frames = open_frames_;
     const auto next = static_cast<std::int64_t>(windows_.size());
     const std::int64_t window = windows_.try_emplace(open_key_, next).first->second;
+    frames_in_.resize(windows_.size(), 0.0);
+    frames_in_[static_cast<std::size_t>(window)] = row.frames;
     for (std::size_t t : touched_) {
         Track& track = tracks_[t];
         const Phase phase =
@@ -230,6 +232,8 @@ void PhaseHistory::merge(const PhaseHistory& later) {
     for (const auto& [number, key] : by_number) {
         const auto next = static_cast<std::int64_t>(windows_.size());
         here.push_back(windows_.try_emplace(key, next).first->second);
+        // Of a window that both have, the classes of the first part stay.
+        if (here.back() == next) frames_in_.push_back(closed.frames_in(number));
     }
     for (const auto& [id, from] : closed.index_.all()) {
         const Track& source = closed.tracks_[from];
@@ -254,18 +258,21 @@ std::span<const Phase> PhaseHistory::classes(std::int64_t id, std::int64_t& firs
     return tracks_[at->second].classes;
 }
 
-// The least number of frames of a window that counts in the mean fractions: half of the median. The
-// average of fewer scatters more, so that more particles pass for solid.
-double PhaseHistory::least_frames() const {
-    if (!window_.length) return 0;
+double PhaseHistory::frames_in(std::int64_t window) const {
+    const auto at = static_cast<std::size_t>(window);
+    return window >= 0 && at < frames_in_.size() ? frames_in_[at] : 0;
+}
+
+WindowRule PhaseHistory::rule() const {
+    if (!window_.length) return {};
     std::vector<double> frames;
     for (const Row& row : rows_) {
         if (row.all > 0) frames.push_back(row.frames);
     }
-    if (frames.empty()) return 0;
+    if (frames.empty()) return {};
     const auto middle = frames.begin() + static_cast<std::ptrdiff_t>(frames.size() / 2);
     std::ranges::nth_element(frames, middle);
-    return 0.5 * *middle;
+    return {0.5 * *middle};
 }
 
 // What limits the meaning of the fractions, means of so many windows; empty if nothing does.
@@ -302,14 +309,18 @@ ObservableResult PhaseHistory::result() const {
     Column liquid{"liquid_fraction", "-", "Liquid fraction", {}};
     MeanSeries solid_mean;
     MeanSeries liquid_mean;
-    const double least = least_frames();
+    const WindowRule rule = this->rule();
+    std::size_t left_out = 0;
     for (const Row& row : rows_) {
         if (row.all <= 0) continue;
+        if (rule.is_short(row.frames)) {
+            ++left_out;
+            continue;
+        }
         frame.values.push_back(static_cast<double>(row.frame));
         time.values.push_back(row.time);
         solid.values.push_back(row.solid / row.all);
         liquid.values.push_back(row.liquid / row.all);
-        if (row.frames < least) continue;
         solid_mean.add(row.solid / row.all);
         liquid_mean.add(row.liquid / row.all);
     }
@@ -319,8 +330,7 @@ ObservableResult PhaseHistory::result() const {
     }
     curve.columns = {frame, time, solid, liquid};
     result.curves = {curve};
-    const std::string why =
-        remark(solid_mean.value.size(), solid.values.size() - solid_mean.value.size());
+    const std::string why = remark(solid_mean.value.size(), left_out);
     for (auto& [name, mean] :
          {std::pair{"solid_fraction", &solid_mean}, std::pair{"liquid_fraction", &liquid_mean}}) {
         Measurement m = mean->measurement(name, "-", std::nullopt, why);

@@ -35,6 +35,15 @@ struct PhaseWindow {
     static PhaseWindow of(const PhaseOptions& options, const TrajectoryInfo& info);
 };
 
+/// Which windows T_o count. A window that holds fewer than half of the median number of frames is
+/// short, as at the end of a run or of a part of it. The average of few frames scatters more, so
+/// that more particles pass for solid. Fractions, their curve, clusters and displacements by phase
+/// all leave it out.
+struct WindowRule {
+    double least = 0;  ///< frames
+    bool is_short(double frames) const { return frames < least; }
+};
+
 /// The observable "phase": each particle is liquid, solid or between by its time average
 ///
 ///   m_j = ⟨|Q4^j|⟩ over T_o;  liquid: m_j ≤ 0.4, solid: m_j ≥ 0.7
@@ -42,7 +51,8 @@ struct PhaseWindow {
 /// (`castillo2019`). Windows of length T_o lie on a fixed grid of time, n T_o ≤ t < (n+1) T_o; a
 /// particle is classified in a window in which it is seen in at least half of the frames. Without
 /// identities, with one frame or without T_o every frame is its own window, and `reason` says so,
-/// as it does when T_o is so short that no window holds two frames.
+/// as it does when T_o is so short that no window holds two frames. Short windows (WindowRule) are
+/// in neither the curve `phase` nor the means, and `reason` counts them.
 ///
 /// Curve `q4_fluctuation`: mean over particles and windows of the standard deviation σ of |Q4| in
 /// the window, by its mean m in bins of 0.05 (windows in which a particle is seen five times or
@@ -80,6 +90,12 @@ class PhaseHistory {
     /// How many windows are closed.
     std::int64_t windows() const { return static_cast<std::int64_t>(windows_.size()); }
 
+    /// Which of them count, by all frames so far.
+    WindowRule rule() const;
+
+    /// Frames of a window, as its classes were made from them; 0: no such window.
+    double frames_in(std::int64_t window) const;
+
     /// Whether particles are followed through windows of more than one frame.
     bool follows() const { return window_.length.has_value(); }
 
@@ -103,7 +119,6 @@ class PhaseHistory {
     void count(Row& row, Phase phase) const;
     double key_of(double time) const;
     static void note(Track& track, std::int64_t window, Phase phase);
-    double least_frames() const;
     std::string remark(std::size_t windows, std::size_t left_out) const;
     void note_fluctuation(const Track& track);
     void add_fluctuation(ObservableResult& result) const;
@@ -119,6 +134,7 @@ class PhaseHistory {
     Row open_;
     int open_frames_ = 0;
     std::map<double, std::int64_t> windows_;  // number of each window by its place on the grid
+    std::vector<double> frames_in_;           // of each window by its number
     std::vector<Row> rows_;
     struct Spread {  // of the standard deviations in a bin of m
         double sum = 0, squares = 0, count = 0;

@@ -129,7 +129,8 @@ void PhaseObservable::add_clusters(const PhaseHistory& history) {
         solid.push_back(at >= 0 && at < static_cast<std::int64_t>(classes.size()) &&
                         classes[static_cast<std::size_t>(at)] == Phase::solid);
     }
-    clusters_.add({std::move(last_.id), std::move(solid), last_.field.get(), last_.time});
+    clusters_.add({std::move(last_.id), std::move(solid), last_.field.get(), last_.time,
+                   history.frames_in(window)});
     last_ = {};
 }
 
@@ -145,8 +146,9 @@ void PhaseObservable::finish(const Inputs& inputs) {
 }
 
 ObservableResult PhaseObservable::result(const Inputs& inputs) const {
-    ObservableResult result = inputs.of<SharedPhases>().history().result();
-    clusters_.add_to(result);
+    const PhaseHistory& history = inputs.of<SharedPhases>().history();
+    ObservableResult result = history.result();
+    clusters_.add_to(result, history.rule());
     if (examples_) examples_->add_to(result);
     return result;
 }

@@ -46,6 +46,15 @@ std::vector<int> clusters_of(const SolidClusters::Frame& frame) {
     return cluster;
 }
 
+// The numbers of the windows that count and have one.
+MeanSeries of_counted(const MeanSeries& series, const std::vector<bool>& counted) {
+    MeanSeries kept;
+    for (std::size_t w = 0; w < counted.size(); ++w) {
+        if (counted[w] && std::isfinite(series.value[w])) kept.add(series.value[w]);
+    }
+    return kept;
+}
+
 }  // namespace
 
 void SolidClusters::add_sizes(const std::vector<double>& size) {
@@ -65,13 +74,15 @@ void SolidClusters::add_sizes(const std::vector<double>& size) {
     }
     for (std::size_t b = 0; b < counts.size(); ++b) sizes_[b].add(counts[b]);
     largest_.add(size.empty() ? 0 : *std::ranges::max_element(size));
-    if (particles > 0) mean_size_.add(squares / particles);
+    mean_size_.add(particles > 0 ? squares / particles : std::numeric_limits<double>::quiet_NaN());
 }
 
 void SolidClusters::add(const Frame& frame) {
     const std::vector<int> cluster = clusters_of(frame);
     Window now;
     now.time = frame.time;
+    now.number = frames_.size();
+    frames_.push_back(frame.frames);
     for (std::size_t i = 0; i < cluster.size(); ++i) {
         if (cluster[i] < 0) continue;
         const auto c = static_cast<std::size_t>(cluster[i]);
@@ -99,8 +110,7 @@ void SolidClusters::follow(const Window& before, const Window& now) {
     std::ranges::stable_sort(
         order, [&](std::size_t a, std::size_t b) { return before.size[a] > before.size[b]; });
     std::vector<bool> taken(now.size.size(), false);
-    double trials = 0;
-    double deaths = 0;
+    Step step{before.number, now.number, 0, 0, now.time - before.time};
     for (const std::size_t c : order) {
         if (before.size[c] < static_cast<double>(least)) continue;
         int heir = -1;
@@ -113,13 +123,11 @@ void SolidClusters::follow(const Window& before, const Window& now) {
         }
         const bool lives =
             heir >= 0 && 2 * most >= before.size[c] && !taken[static_cast<std::size_t>(heir)];
-        trials += 1;
+        step.trials += 1;
         if (lives) taken[static_cast<std::size_t>(heir)] = true;
-        if (!lives) deaths += 1;
+        if (!lives) step.deaths += 1;
     }
-    at_risk_ += trials * (now.time - before.time);
-    trials_.push_back(trials);
-    deaths_.push_back(deaths);
+    steps_.push_back(step);
 }
 
 void SolidClusters::merge(const SolidClusters& later) {
@@ -128,9 +136,14 @@ void SolidClusters::merge(const SolidClusters& later) {
         *this = later;
         return;
     }
-    if (last_ && later.first_) follow(*last_, *later.first_);
-    if (!first_) first_ = later.first_;
-    const std::size_t windows = largest_.value.size();
+    const std::size_t windows = frames_.size();
+    const auto moved = [&](std::optional<Window> window) {
+        if (window) window->number += windows;
+        return window;
+    };
+    const std::optional<Window> next = moved(later.first_);
+    if (last_ && next) follow(*last_, *next);
+    if (!first_) first_ = next;
     const std::size_t bins = std::max(sizes_.size(), later.sizes_.size());
     sizes_.resize(bins, {std::vector<double>(windows, 0.0)});
     const MeanSeries none{std::vector<double>(later.largest_.value.size(), 0.0)};
@@ -139,16 +152,33 @@ void SolidClusters::merge(const SolidClusters& later) {
     }
     largest_.append(later.largest_);
     mean_size_.append(later.mean_size_);
-    if (later.last_) last_ = later.last_;
-    at_risk_ += later.at_risk_;
-    trials_.insert(trials_.end(), later.trials_.begin(), later.trials_.end());
-    deaths_.insert(deaths_.end(), later.deaths_.begin(), later.deaths_.end());
+    frames_.insert(frames_.end(), later.frames_.begin(), later.frames_.end());
+    if (later.last_) last_ = moved(later.last_);
+    for (Step step : later.steps_) {
+        step.from += windows;
+        step.to += windows;
+        steps_.push_back(step);
+    }
 }
 
-Measurement SolidClusters::lifetime() const {
+std::vector<bool> SolidClusters::counted(const WindowRule& rule) const {
+    std::vector<bool> counted;
+    for (const double frames : frames_) counted.push_back(!rule.is_short(frames));
+    return counted;
+}
+
+Measurement SolidClusters::lifetime(const std::vector<bool>& counted) const {
     const char* name = "cluster_lifetime";
-    const double trials = std::accumulate(trials_.begin(), trials_.end(), 0.0);
-    const double deaths = std::accumulate(deaths_.begin(), deaths_.end(), 0.0);
+    std::vector<double> all_trials, all_deaths;
+    double at_risk = 0;  // time
+    for (const Step& step : steps_) {
+        if (!counted[step.from] || !counted[step.to]) continue;
+        all_trials.push_back(step.trials);
+        all_deaths.push_back(step.deaths);
+        at_risk += step.trials * step.time;
+    }
+    const double trials = std::accumulate(all_trials.begin(), all_trials.end(), 0.0);
+    const double deaths = std::accumulate(all_deaths.begin(), all_deaths.end(), 0.0);
     if (!follows_) {
         return missing(name, "time unit", "every frame is classified alone: no lives to follow");
     }
@@ -156,17 +186,16 @@ Measurement SolidClusters::lifetime() const {
         return missing(
             name, "time unit",
             trials > 0
-                ? fmt::format("no cluster of {} particles died: longer than {:.3g}", least,
-                              at_risk_)
+                ? fmt::format("no cluster of {} particles died: longer than {:.3g}", least, at_risk)
                 : fmt::format("no cluster of {} particles is followed through two windows", least));
     }
     if (deaths == trials) {
         return missing(name, "time unit",
                        fmt::format("all clusters died within a window: shorter than {:.3g}",
-                                   at_risk_ / trials));
+                                   at_risk / trials));
     }
     // Seen at the ends of windows Δ only: p = 1 − exp(−Δ/τ).
-    const double step = at_risk_ / trials;
+    const double step = at_risk / trials;
     const double death = deaths / trials;
     const double rate = -std::log1p(-death);  // Δ/τ
     Measurement life{name, "time unit", step / rate, std::nullopt, deaths, ""};
@@ -175,7 +204,7 @@ Measurement SolidClusters::lifetime() const {
         return life;
     }
     const double independent = std::sqrt(death * (1 - death) / trials);
-    const SeriesError shown = ratio_error(deaths_, trials_);
+    const SeriesError shown = ratio_error(all_deaths, all_trials);
     const double share_error = std::max(independent, shown.error.value_or(0));
     life.samples *= std::pow(independent / share_error, 2);
     if (shown.is_slow) {
@@ -187,8 +216,18 @@ Measurement SolidClusters::lifetime() const {
     return life;
 }
 
-void SolidClusters::add_to(ObservableResult& result) const {
+void SolidClusters::add_to(ObservableResult& result, const WindowRule& rule) const {
     if (!result.reason.empty() || largest_.value.empty()) return;
+    const std::vector<bool> counted = this->counted(rule);
+    const MeanSeries largest = of_counted(largest_, counted);
+    const MeanSeries mean_size = of_counted(mean_size_, counted);
+    if (largest.value.empty()) {
+        const char* why = "no window with particles holds enough frames";
+        result.measurements.push_back(missing("largest_cluster", "-", why));
+        result.measurements.push_back(missing("cluster_size", "-", why));
+        result.measurements.push_back(missing("cluster_lifetime", "time unit", why));
+        return;
+    }
     constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
     Curve curve{"clusters",
                 "Sizes of the solid clusters",
@@ -197,22 +236,28 @@ void SolidClusters::add_to(ObservableResult& result) const {
                  {"err", "-", "Standard error", {}},
                  {"samples", "-", "Independent windows", {}}},
                 {}};
-    for (std::size_t b = 0; b < sizes_.size(); ++b) {
+    std::size_t bins = sizes_.size();
+    const auto is_seen = [](double clusters) { return clusters > 0; };
+    while (bins > 0 && std::ranges::none_of(of_counted(sizes_[bins - 1], counted).value, is_seen)) {
+        --bins;  // in short windows only
+    }
+    for (std::size_t b = 0; b < bins; ++b) {
         // The geometric centre of sizes 2^b … 2^(b+1) − 1.
         const double low = std::exp2(static_cast<double>(b));
-        const Measurement mean = sizes_[b].measurement("clusters", "-", std::nullopt, "");
+        const Measurement mean =
+            of_counted(sizes_[b], counted).measurement("clusters", "-", std::nullopt, "");
         curve.columns[0].values.push_back(std::sqrt(low * (2 * low - 1)));
         curve.columns[1].values.push_back(*mean.value);
         curve.columns[2].values.push_back(mean.error.value_or(undefined));
         curve.columns[3].values.push_back(mean.samples);
     }
-    if (!sizes_.empty()) result.curves.push_back(std::move(curve));
+    if (!curve.columns[0].values.empty()) result.curves.push_back(std::move(curve));
     const std::string one = "one window: no error from fluctuations";
-    result.measurements.push_back(largest_.measurement("largest_cluster", "-", std::nullopt, one));
+    result.measurements.push_back(largest.measurement("largest_cluster", "-", std::nullopt, one));
     result.measurements.push_back(
-        mean_size_.value.empty() ? missing("cluster_size", "-", "no solid particle in any window")
-                                 : mean_size_.measurement("cluster_size", "-", std::nullopt, one));
-    result.measurements.push_back(lifetime());
+        mean_size.value.empty() ? missing("cluster_size", "-", "no solid particle in any window")
+                                : mean_size.measurement("cluster_size", "-", std::nullopt, one));
+    result.measurements.push_back(lifetime(counted));
 }
 
 }  // namespace grainfield::analysis

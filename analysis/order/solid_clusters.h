@@ -22,7 +22,8 @@ namespace grainfield::analysis {
 ///
 ///   n(s)  mean number of clusters of size s a window, in bins of factor 2   (curve `clusters`)
 ///
-/// with the error of a mean over windows that may be alike (series_error).
+/// with the error of a mean over windows that may be alike (series_error). Short windows
+/// (WindowRule), and the steps to and from them, are left out.
 ///
 /// A cluster of at least `least` particles survives in the next window as the cluster that holds
 /// most of its particles, if these are at least half of it. Of several that claim the same one the
@@ -47,6 +48,7 @@ class SolidClusters {
         std::vector<bool> solid;  // of each particle
         const BondOrderField* field = nullptr;
         double time = 0;
+        double frames = 1;  // of the window
     };
 
     /// `follows`: whether frames are windows one after the other, so that lives can be followed.
@@ -57,25 +59,32 @@ class SolidClusters {
     /// Adds the windows that follow these; the run must have been cut between two windows.
     void merge(const SolidClusters& later);
 
-    /// Appends curve and measurements to the result of "phase".
-    void add_to(ObservableResult& result) const;
+    /// Appends curve and measurements to the result of "phase", of the windows that count.
+    void add_to(ObservableResult& result, const WindowRule& rule = {}) const;
 
  private:
     struct Window {                                     // the solid particles, each in its cluster
         std::unordered_map<std::int64_t, int> cluster;  // of each identity
         std::vector<double> size;                       // of each cluster
         double time = 0;
+        std::size_t number = 0;  // in the order of frames_
+    };
+    struct Step {  // from window to window
+        std::size_t from = 0, to = 0;
+        double trials = 0, deaths = 0;
+        double time = 0;
     };
     void follow(const Window& before, const Window& now);
     void add_sizes(const std::vector<double>& size);
-    Measurement lifetime() const;
+    std::vector<bool> counted(const WindowRule& rule) const;
+    Measurement lifetime(const std::vector<bool>& counted) const;
 
     bool follows_;
-    std::vector<MeanSeries> sizes_;  // clusters a window, by bin of factor two
-    MeanSeries largest_, mean_size_;
+    std::vector<MeanSeries> sizes_;   // clusters a window, by bin of factor two
+    MeanSeries largest_, mean_size_;  // a window; NaN: no solid particle
+    std::vector<double> frames_;      // in each window
     std::optional<Window> first_, last_;
-    double at_risk_ = 0;                   // time
-    std::vector<double> trials_, deaths_;  // of each step from window to window
+    std::vector<Step> steps_;
 };
 
 }  // namespace grainfield::analysis

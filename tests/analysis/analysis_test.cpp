@@ -111,6 +111,20 @@ TEST(Analysis, OfALinkedVideoMeasuresAllObservables) {
     EXPECT_NEAR(*results[5].find_measurement("number_density")->value, 1400.0 / 1600, 1e-12);
 }
 
+// Four frames are a window of 0.4 s; a fifth one stands alone in the next.
+TEST(Analysis, LeavesAShortLastWindowOutOfPhasesAndClusters) {
+    MemorySource whole = video(4);
+    MemorySource with_rest = video(5);
+    const ObservableResult a = run(whole)[1];
+    const ObservableResult b = run(with_rest)[1];
+    ASSERT_EQ(b.name, "phase");
+    for (const char* name : {"solid_fraction", "largest_cluster", "cluster_size"}) {
+        ASSERT_TRUE(a.find_measurement(name)->value.has_value()) << name;
+        EXPECT_EQ(*a.find_measurement(name)->value, *b.find_measurement(name)->value) << name;
+    }
+    EXPECT_EQ(b.find_curve("phase")->find("t")->values.size(), 1U);
+}
+
 TEST(Analysis, TakesATrajectoryInMemoryWithNothingElseGiven) {
     MemorySource source = video(6);
     const Trajectory trajectory{source.description, source.snapshots};

@@ -115,6 +115,24 @@ TEST(Displacement, SplitsByThePhaseAtTheStart) {
     for (const auto& [t, value] : series(r, "all")) EXPECT_NEAR(value, t * t / 2, 1e-12 * t * t);
 }
 
+TEST(Displacement, TakesNoPhaseFromAWindowOfFewFrames) {
+    // As above, but with a window of one frame, in which the liquid particle looks solid.
+    const Box box = square_box(1000, Boundary::walls);
+    TrajectoryInfo info;
+    info.time_unit = TimeUnit::second;
+    PhaseHistory phases({.window = 4.0}, info, 17);
+    Displacement msd(all_lags, 17);
+    for (int f = 0; f < 20; ++f) {
+        if (f > 8 && f < 12) continue;
+        phases.add({f, static_cast<double>(f), {0, 1}, {f == 8 ? 0.9F : 0.1F, 0.9F}});
+        msd.add(linked({{10.0 + f, 5}, {500, 500}}, {0, 1}, box, f));
+    }
+    phases.close_window();
+    const ObservableResult r = msd.result(&phases);
+    for (const auto& [t, value] : series(r, "solid")) EXPECT_EQ(value, 0) << t;
+    for (const auto& [t, value] : series(r, "liquid")) EXPECT_NEAR(value, t * t, 1e-12 * t * t);
+}
+
 TEST(Displacement, UsesTheTimeStampsAndTheStrideOfTheFrames) {
     const Box box = square_box(1000, Boundary::walls);
     Displacement msd(all_lags, 20);

@@ -54,21 +54,38 @@ ObservableResult liquid_of(const std::vector<double>& times) {
     return phases.result();
 }
 
-TEST(PhaseHistory, MeanFractionsLeaveOutWindowsOfFewFrames) {
-    const auto fraction = [](int frames) {
+TEST(PhaseHistory, MeanFractionsAndTheirCurveLeaveOutWindowsOfFewFrames) {
+    const auto fraction = [](int frames, std::size_t windows) {
         std::vector<double> times;
         for (int f = 0; f < frames; ++f) times.push_back(0.1 * f);  // four a window
         const ObservableResult r = liquid_of(times);
-        EXPECT_EQ(r.find_curve("phase")->find("frame")->values.size(),
-                  static_cast<std::size_t>((frames + 3) / 4))
-            << "all are drawn";
+        EXPECT_EQ(r.find_curve("phase")->find("frame")->values.size(), windows);
         return *r.find_measurement("solid_fraction");
     };
-    EXPECT_EQ(*fraction(8).value, 0);
-    EXPECT_EQ(*fraction(9).value, 0) << "a window of one frame, which looks solid";
-    EXPECT_NE(fraction(9).reason.find("windows of few frames left out: 1"), std::string::npos);
-    EXPECT_EQ(fraction(10).reason.find("left out"), std::string::npos) << "half of the frames";
-    EXPECT_EQ(*fraction(1).value, 0.5) << "the only one there is";
+    EXPECT_EQ(*fraction(8, 2).value, 0);
+    EXPECT_EQ(*fraction(9, 2).value, 0) << "a window of one frame, which looks solid";
+    EXPECT_NE(fraction(9, 2).reason.find("windows of few frames left out: 1"), std::string::npos);
+    EXPECT_EQ(fraction(10, 3).reason.find("left out"), std::string::npos) << "half of the frames";
+    EXPECT_EQ(*fraction(1, 1).value, 0.5) << "the only one there is";
+}
+
+TEST(PhaseHistory, TellsShortWindowsByTheirFramesAlsoWhenMerged) {
+    PhaseHistory first({}, seconds(), 9), second({}, seconds(), 9);
+    for (int f = 0; f < 9; ++f) {
+        first.add({f, 0.1 * f, {0}, {0.9F}});
+        second.add({f, 1.2 + 0.1 * f, {0}, {0.9F}});
+    }
+    first.merge(second);
+    const WindowRule rule = first.rule();
+    const auto is_short = [&](double t) {
+        return rule.is_short(first.frames_in(first.window_of(t)));
+    };
+    EXPECT_FALSE(is_short(0.4));
+    EXPECT_TRUE(is_short(0.8));
+    EXPECT_FALSE(is_short(1.2));
+    EXPECT_TRUE(is_short(2.0));
+    EXPECT_EQ(first.frames_in(-1), 0);
+    EXPECT_EQ(first.frames_in(99), 0);
 }
 
 TEST(PhaseHistory, MeanFractionsAreNotThoseOfOneDenseWindow) {

@@ -115,6 +115,37 @@ TEST(SolidClusters, OfTwoMergedHalvesAreThoseOfTheWhole) {
     EXPECT_EQ(sizes->find("clusters")->values, b.find_curve("clusters")->find("clusters")->values);
 }
 
+TEST(SolidClusters, LeaveOutShortWindowsAlsoWhenMerged) {
+    const BondOrderField field = chain(20);
+    const auto window = [&](const char* solid, double time, double frames) {
+        SolidClusters::Frame f = frame(field, solid, time);
+        f.frames = frames;
+        return f;
+    };
+    const char* cluster = "xxxxxxxxxx..........";
+    const char* none = "....................";
+    SolidClusters first(true), second(true);
+    for (SolidClusters* part : {&first, &second}) {
+        const double start = part == &first ? 0 : 3;
+        part->add(window(cluster, start, 4));
+        part->add(window(cluster, start + 1, 4));
+        part->add(window("xxxxxxxxxxxxxxxxxxxx", start + 2, 1));
+    }
+    second.add(window(none, 6, 1));
+    first.merge(second);
+    ObservableResult all, counted;
+    first.add_to(all);
+    first.add_to(counted, {2});
+    EXPECT_DOUBLE_EQ(*all.find_measurement("largest_cluster")->value, 80.0 / 7);
+    EXPECT_DOUBLE_EQ(*counted.find_measurement("largest_cluster")->value, 10);
+    EXPECT_DOUBLE_EQ(*counted.find_measurement("cluster_size")->value, 10);
+    EXPECT_EQ(counted.find_curve("clusters")->find("clusters")->values,
+              (std::vector<double>{0, 0, 0, 1}));
+    EXPECT_TRUE(all.find_measurement("cluster_lifetime")->value.has_value());
+    EXPECT_THAT(counted.find_measurement("cluster_lifetime")->reason,
+                testing::HasSubstr("no cluster of 8 particles died: longer than 2"));
+}
+
 TEST(SolidClusters, ThatAllOutliveTheRunHaveAReason) {
     const BondOrderField field = chain(20);
     SolidClusters clusters(true);
