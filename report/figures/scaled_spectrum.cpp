@@ -21,6 +21,12 @@ std::optional<double> slope_of(const Results& run, std::string& reason) {
         reason = !fit->reason.empty() ? fit->reason : "its fit has no S1";
         return std::nullopt;
     }
+    // The analysis gives no S0/S1 where it does not know that S grows with k.
+    const Measurement* ratio = fit->find_measurement("s0_over_s1");
+    if (ratio != nullptr && !ratio->value) {
+        reason = ratio->reason;
+        return std::nullopt;
+    }
     if (*s1->value > s1->error.value_or(0)) return *s1->value;
     reason = *s1->value > 0 ? "its S1 is zero within its error"
                             : "S does not grow with k in the range of its fit";

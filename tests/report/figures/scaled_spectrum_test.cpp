@@ -55,5 +55,16 @@ TEST(ScaledSpectrum, LeavesOutRunsWithoutASlopeAndSaysWhy) {
     EXPECT_THAT(figure.absent[2].reason, HasSubstr("no fit"));
 }
 
+// S1 is above one of its errors and below two.
+TEST(ScaledSpectrum, LeavesOutRunsWithoutAnS0OverS1AsTheAnalysisDoes) {
+    Results run = run_with(0.15, false);
+    run.observables[1].measurements.push_back(
+        {"s0_over_s1", "-", std::nullopt, std::nullopt, 0, "S is not known to grow with k"});
+    const Figure figure = scaled_spectrum({run}, {"A"});
+    EXPECT_TRUE(figure.series.empty());
+    ASSERT_EQ(figure.absent.size(), 1U);
+    EXPECT_EQ(figure.absent[0].reason, "S is not known to grow with k");
+}
+
 }  // namespace
 }  // namespace grainfield::report
