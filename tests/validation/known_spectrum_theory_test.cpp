@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -27,7 +28,7 @@ constexpr int frames = 40;
 constexpr int trials = 20;
 
 struct Fitted {
-    CriticalPoint box, planes;
+    std::optional<CriticalPoint> box, planes;  // none where S1 is not above two of its errors
 };
 
 // One run at S0/S1 = ratio; the control parameter is the ratio itself, so that it vanishes at zero.
@@ -52,7 +53,8 @@ std::vector<Fitted> runs(double ratio, double alpha) {
                 fit_result(sk, {.alpha = alpha, .k_max = 0.45, .modes = modes, .bootstrap = 60});
             const Measurement* m = fit.find_measurement("s0_over_s1");
             EXPECT_EQ(fit.reason, "");
-            return CriticalPoint{ratio, m->value.value(), m->error.value()};
+            if (!m->value) return std::optional<CriticalPoint>();
+            return std::optional(CriticalPoint{ratio, *m->value, m->error.value()});
         };
         fitted.push_back({point(FitModes::box), point(FitModes::plane_waves)});
     }
@@ -62,7 +64,7 @@ std::vector<Fitted> runs(double ratio, double alpha) {
 // 80 pulls for each exponent: their mean has a standard error of .11, their width of about .1 (1.3
 // times that of normal numbers, for the long tails of a ratio). Bars: four of them.
 //
-// An interval of the critical value is to cover it in 68 %. Measured are 26 of the 40 here, and 23
+// An interval of the critical value is to cover it in 68 %. Measured are 25 of the 40 here, and 23
 // of 26 at the size of the experiment. Fewer than 17 of 40 have a probability of 2e-4. That all 20
 // of an exponent are covered would say nothing, so intervals that are too wide are found by half of
 // them. Halved about the critical value, they cover it in 38 %, and in 48 % if they cover in 80 %:
@@ -76,10 +78,14 @@ TEST(KnownSpectrumTheory, ModesBetweenWallsCoverTheRatioAndTheCriticalPointAndPl
         for (const double ratio : {0.1, 0.07, 0.04, 0.0}) {
             series.push_back(runs(ratio, alpha));
             for (const Fitted& f : series.back()) {
-                box.add((f.box.ratio - ratio) / f.box.error);
-                planes.add((f.planes.ratio - ratio) / f.planes.error);
+                if (f.box) box.add((f.box->ratio - ratio) / f.box->error);
+                if (f.planes) planes.add((f.planes->ratio - ratio) / f.planes->error);
             }
         }
+        // S1 is above two of its errors in 79 and 80 of 80: what is left out selects next to
+        // nothing.
+        EXPECT_GE(box.count, 76) << alpha;
+        EXPECT_GE(planes.count, 76) << alpha;
         EXPECT_LT(std::abs(box.mean()), 0.45) << alpha;
         EXPECT_GT(box.width(), 0.6) << alpha;
         EXPECT_LT(box.width(), 1.4) << alpha;
@@ -87,7 +93,9 @@ TEST(KnownSpectrumTheory, ModesBetweenWallsCoverTheRatioAndTheCriticalPointAndPl
         EXPECT_LT(planes.mean(), -0.8) << alpha;
         for (std::size_t trial = 0; trial < trials; ++trial) {
             std::vector<CriticalPoint> points;
-            for (const auto& of_ratio : series) points.push_back(of_ratio[trial].box);
+            for (const auto& of_ratio : series) {
+                if (of_ratio[trial].box) points.push_back(*of_ratio[trial].box);
+            }
             const CriticalFit fit = fit_critical(points, CriticalLine::free);
             if (!fit.interval || !fit.critical) continue;
             const double low = fit.interval->low, high = fit.interval->high;
