@@ -121,7 +121,7 @@ TEST(FieldVariance, IsThatOfEveryWindow) {
 // Fields one to `fields` of a run that was meant to have 16.
 ObservableResult variance_of(int fields) {
     const DensityField first = random_field(16, 12, 1);
-    FieldVariance variance(first, 2, 16);
+    FieldVariance variance(first, 2, BlockPlan::of(16));
     for (int f = 0; f < fields; ++f) {
         variance.add(
             variance.measure(random_field(16, 12, static_cast<std::uint64_t>(f) + 1, 2.5)));
