@@ -124,10 +124,11 @@ Summary SimulateFieldCommand::run(Session& session) {
         return explanation(session.plan);
     }
     Summary summary;
+    bool has_plan = false;  // that of the first job that runs
     for (const pipelines::FieldJobOptions& job : jobs) {
         pipelines::Job one = job_of(session, job);
         const auto take_over = [&] {
-            if (&job == &jobs.front()) session.plan = one.plan;
+            if (!std::exchange(has_plan, true)) session.plan = one.plan;
             for (const Warning& warning : one.plan.warnings()) session.plan.warn(warning);
             std::ranges::copy(one.outputs, std::back_inserter(session.outputs));
         };
@@ -138,6 +139,7 @@ Summary SimulateFieldCommand::run(Session& session) {
             if (jobs.size() == 1) throw;
             // Of a list, what an earlier run finished is left as it is.
             summary.text += fmt::format("{}\n", complete.what());
+            summary.facts["runs"].push_back({{"nu", job.field.model.nu}, {"complete", true}});
             session.outputs.push_back(job.output);
             continue;
         } catch (...) {

@@ -8,7 +8,6 @@
 #include "app/random_summary.h"
 #include "app/validation_summary.h"
 #include "core/errors.h"
-#include "pipelines/interrupt_deadline.h"
 
 namespace grainfield::app {
 
@@ -73,9 +72,7 @@ Summary ValidateCommand::run(Session& session) {
     require_output(session, output_);
     require_html_name(output_);
     job_.output = output_;
-    return pipelines::run_or_discard("validation", output_, [&] {
-        return is_random ? run_random(session) : run_one_camera(session);
-    });
+    return is_random ? run_random(session) : run_one_camera(session);
 }
 
 Summary ValidateCommand::run_random(Session& session) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -236,10 +237,12 @@ Box box_of(const PointsAre& is, const Numbers& position) {
     if (is.box) {
         box = {.origin = {(*is.box)[0], (*is.box)[1]}, .length = {(*is.box)[2], (*is.box)[3]}};
     } else {
-        Vec2 low{position.at(0, 0), position.at(0, 1)};
-        Vec2 high = low;
+        constexpr double infinite = std::numeric_limits<double>::infinity();
+        Vec2 low{infinite, infinite};
+        Vec2 high = -1.0 * low;
         for (py::ssize_t i = 0; i < position.shape(0); ++i) {
             const Vec2 p{position.at(i, 0), position.at(i, 1)};
+            if (!std::isfinite(p.x) || !std::isfinite(p.y)) continue;
             low = {std::fmin(low.x, p.x), std::fmin(low.y, p.y)};
             high = {std::fmax(high.x, p.x), std::fmax(high.y, p.y)};
         }

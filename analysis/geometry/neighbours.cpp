@@ -222,7 +222,8 @@ void CellList::within(int i, double radius, NeighbourList& out) const {
     const Vec2 centre = place(static_cast<std::size_t>(self));
     if (tree_) return tree_->within(centre, radius * radius, out);
     // As many rings of cells as the radius spans; what they cover may be less by a rounding.
-    int rings = std::max(1, static_cast<int>(std::ceil(radius / std::min(x_.width, y_.width))));
+    const double spanned = std::ceil(radius / std::min(x_.width, y_.width));
+    int rings = std::max(1, static_cast<int>(std::min<double>(spanned, x_.cells + y_.cells)));
     while (gather(centre, rings, out) < radius) ++rings;
     out.keep_if([radius](const Neighbour& n) { return n.r2 < radius * radius; });
 }

@@ -144,10 +144,13 @@ ListedModes::Block ListedModes::total(std::optional<std::size_t> without) const 
     return sums;
 }
 
-// K blocks, var(frame)/var(block mean) of them in each.
+// K blocks that hold frames, var(frame)/var(block mean) of them in each. Of one block of several it
+// is not known: all its frames count as one.
 double ListedModes::independent_frames(const Block& sums, std::size_t mode) const {
-    const auto k = static_cast<double>(blocks_.size());
+    const auto k = static_cast<double>(
+        std::ranges::count_if(blocks_, [](const Block& block) { return block.frames > 0; }));
     if (sums.frames <= k) return sums.frames;
+    if (k < 2) return blocks_.size() > 1 ? k : sums.frames;
     const std::complex<double> mean = sums.rho[mode] / sums.frames;
     double of_blocks = 0;
     for (const Block& block : blocks_) {

@@ -109,7 +109,9 @@ std::vector<double> StructureFactor::samples(const Shells& shells, Estimator est
     const std::vector<std::size_t> filled = filled_blocks();
     const auto k = static_cast<double>(filled.size());
     std::vector<double> samples(shells.k.size(), frames);
-    if (k < 2 || frames <= k) return samples;
+    if (frames <= k) return samples;
+    // Of one block of several it is not known: all its frames count as one.
+    if (k < 2) return std::vector<double>(shells.k.size(), blocks_.size() > 1 ? k : frames);
     for (std::size_t s = 0; s < samples.size(); ++s) {
         double of_frames = 0;
         double of_blocks = 0;
@@ -212,7 +214,8 @@ std::vector<double> StructureFactor::independent_modes(const Shells& shells,
 
 std::vector<double> StructureFactor::few_frames_error(const Shells& shells, Estimator estimator,
                                                       const std::vector<double>& s) const {
-    const auto frames = static_cast<double>(added_);
+    // Fields of one instant are no independent ones.
+    const auto frames = static_cast<double>(added_ / replicas_);
     const double each = estimator == Estimator::raw         ? frames
                         : estimator == Estimator::connected ? frames - 1
                                                             : 0.5 * (frames - 1);

@@ -128,6 +128,7 @@ Gathered with_shared_exponent(const std::vector<Results>& results, const std::ve
             plan.warn(fmt::format("'{}' is left out: {}", results[i].label, fits[i].reason));
             continue;
         }
+        // By the error that the likelihood gives, as the weights of the points are.
         if (!analysis::rises(fits[i].s1, fits[i].error[1])) {
             plan.warn(fmt::format("'{}' is left out: {}", results[i].label,
                                   analysis::no_rise(fits[i].s1, fits[i].error[1])));

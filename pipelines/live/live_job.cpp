@@ -350,7 +350,7 @@ LiveJobResult track_live(const LiveJobOptions& live, const TrackJobOptions& opti
     });
     job.outputs.push_back(options.output);
     if (kept) kept->optics = tracker.optics();
-    if (kept) save_calibration(options.save_calibration, *kept, camera, job);
+    if (kept) save_calibration(options.save_calibration, *kept, camera, job.overwrite, job);
     return result;
 }
 

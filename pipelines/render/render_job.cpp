@@ -255,8 +255,8 @@ RenderJobResult render_frames(const RenderJobOptions& options, Job& job) {
     const Tally tally = render_all(options, scene, job, resumable, kept, truth ? &*truth : nullptr);
     const auto asked = static_cast<std::int64_t>(scene.chosen.size());
     const bool is_done = tally.done() == asked;
-    // Before the output, which takes its time.
-    if (!is_done && tally.done() > kept.done()) kept.save(tally.done());
+    // Before the output, which takes its time to be completed.
+    if (tally.done() > kept.done()) kept.save(tally.done());
     if (tally.frames > 0 || !is_video) {
         writer->finish();
         for (const auto& path : writer->outputs()) job.outputs.push_back(path);

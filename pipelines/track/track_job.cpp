@@ -168,6 +168,23 @@ class Resumption {
 
 }  // namespace
 
+namespace {
+
+/// The lab's units and numbers do not change positions, but stand in the output, and `strict`
+/// decides whether there is one: a complete output of other ones is no output of this job.
+void mind_what_is_recorded(Job& job) {
+    LabUnits lab;
+    OptionTable recorded("");
+    describe(lab, recorded);
+    std::erase_if(job.indifferent, [&](const std::string& name) {
+        return name == "strict" || std::ranges::any_of(recorded.rows(), [&](const Option& option) {
+                   return option.name == name;
+               });
+    });
+}
+
+}  // namespace
+
 void plan_tracking(const TrackJobOptions& options, Job& job) {
     options.lab.acceleration();  // contradictions are said before the work
     job.inputs = io::recording_files(job.inputs);
@@ -185,12 +202,13 @@ void plan_tracking(const TrackJobOptions& options, Job& job) {
 TrackJobResult track_film(const TrackJobOptions& options, Job& job) {
     const std::string name = options.output.string();
     options.lab.acceleration();  // contradictions are said before the work, as names that are taken
-    if (!options.save_calibration.empty()) {
-        const OutputFile checked(options.save_calibration, job.overwrite);
-    }
+    mind_what_is_recorded(job);
     job.inputs = io::recording_files(job.inputs);
     TracksInWork work(job, identity_of(options, job), options);
     Resumable& resumable = work.resumable;
+    if (!options.save_calibration.empty()) {
+        const OutputFile checked(options.save_calibration, resumable.overwrite());
+    }
     std::optional<io::SnapshotLog>& log = work.log;
     std::optional<KeptTracks>& tracks = work.tracks;
     std::optional<tracking::Camera> camera;
@@ -261,7 +279,8 @@ TrackJobResult track_film(const TrackJobOptions& options, Job& job) {
     tracks->finish(job.record());
     job.outputs.push_back(options.output);
     if (!options.save_calibration.empty()) {
-        save_calibration(options.save_calibration, tracker.to_keep(), camera, job);
+        save_calibration(options.save_calibration, tracker.to_keep(), camera, resumable.overwrite(),
+                         job);
     }
     if (is_complete) resumable.finish();
     return result;

@@ -163,9 +163,10 @@ void add_curves(const TrackJobResult& result, KeptTracks& tracks) {
 }
 
 void save_calibration(const std::string& path, tracking::KeptCalibration kept,
-                      const std::optional<tracking::Camera>& camera, Job& job) {
+                      const std::optional<tracking::Camera>& camera, Overwrite overwrite,
+                      Job& job) {
     kept.camera = camera;
-    write_file(path, text_of(kept), job.overwrite);
+    write_file(path, text_of(kept), overwrite);
     job.outputs.emplace_back(path);
 }
 

@@ -64,6 +64,6 @@ void add_curves(const TrackJobResult& result, KeptTracks& tracks);
 
 /// Writes the file of `track --save-calibration`. Throws OutputError.
 void save_calibration(const std::string& path, tracking::KeptCalibration kept,
-                      const std::optional<tracking::Camera>& camera, Job& job);
+                      const std::optional<tracking::Camera>& camera, Overwrite overwrite, Job& job);
 
 }  // namespace grainfield::pipelines

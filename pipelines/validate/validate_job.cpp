@@ -1,10 +1,12 @@
 #include "pipelines/validate/validate_job.h"
 
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "core/support/interrupt.h"
+#include "pipelines/interrupt_deadline.h"
 #include "pipelines/page/report_page.h"
 #include "pipelines/track/calibration_file.h"
 #include "pipelines/validate/validation_report.h"
@@ -46,12 +48,17 @@ void plan_validation(const ValidateJobOptions& options, Job& job) {
 }
 
 ValidateJobResult run_validation(const ValidateJobOptions& options, Job& job) {
+    // After the first frame a signal leaves the scores of those that are done.
+    std::optional<DiscardDeadline> none_done(std::in_place, "validation", options.output);
     const ValidationScene scene = open_scene(options.scene, job);
     ReportPage page(options.output, options.report, job);
     tracking::TrackSummary tracked;
+    ValidationSettings settings = settings_of(options, scene, job);
+    settings.on_frame = [&] { none_done.reset(); };
     ValidationOutcome outcome =
         validate({*scene.frames, *scene.truth, scene.sphere_diameter, scene.vibration_frequency},
-                 settings_of(options, scene, job), tracked, job.plan);
+                 settings, tracked, job.plan);
+    none_done.reset();
     std::vector<ThresholdCheck> checks = check(options.thresholds, outcome);
     std::vector<Results> runs;
     for (const Results& run : outcome.runs) runs.push_back(page_run(run, job));

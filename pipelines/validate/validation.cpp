@@ -223,6 +223,7 @@ ValidationOutcome validate(const ValidationCase& scene, const ValidationSettings
     std::vector<Preview> previews;
     summary = tracker.run(sink, progress,
                           [&](const Frame& frame, const Snapshot& snapshot, std::int64_t) {
+                              if (settings.on_frame) settings.on_frame();
                               if (choice.takes(snapshot.frame))
                                   previews.push_back({frame, snapshot, {}});
                           });

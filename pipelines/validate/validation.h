@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 
 #include "analysis/spectra/fit_result.h"
@@ -28,6 +29,7 @@ struct ValidationSettings {
     int threads = 1;
     Verbosity verbosity = Verbosity::normal;
     bool slow_frames = false;  ///< a frame takes long: show the progress from the first one on
+    std::function<void()> on_frame = {};  ///< called after each frame that was tracked
 };
 
 /// Tracks the frames, scores what was found against the truth, and analyses both. True positions

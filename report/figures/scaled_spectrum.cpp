@@ -27,9 +27,8 @@ std::optional<double> slope_of(const Results& run, std::string& reason) {
         reason = ratio->reason;
         return std::nullopt;
     }
-    if (*s1->value > s1->error.value_or(0)) return *s1->value;
-    reason = *s1->value > 0 ? "its S1 is zero within its error"
-                            : "S does not grow with k in the range of its fit";
+    if (*s1->value > 0) return *s1->value;
+    reason = "S does not grow with k in the range of its fit";
     return std::nullopt;
 }
 

@@ -63,6 +63,12 @@ TEST_F(KeptCalibration, ANameThatIsTakenIsRefusedBeforeTheWork) {
     EXPECT_FALSE(std::filesystem::exists(folder_ / "d.h5"));
 }
 
+TEST_F(KeptCalibration, OfACompleteRunIsNoObstacleToItsRepetition) {
+    const Outcome again = track(frames_, {"-o", folder_ / "a.h5", "--save-calibration",
+                                          folder_ / "cal.toml", "--resume"});
+    EXPECT_EQ(again.code, 0) << again.err;
+}
+
 TEST_F(KeptCalibration, GivesTheSamePositionsToTheBit) {
     const Outcome again =
         track(frames_, {"-o", folder_ / "b.h5", "--calibration", folder_ / "cal.toml"});

@@ -37,6 +37,11 @@ def test_bond_order_has_one_value_for_each_position_though_some_are_not_finite()
         assert (neighbours[lost] == 0).all()
         np.testing.assert_array_equal(q[seen], expected)
         np.testing.assert_array_equal(neighbours[seen], expected_neighbours)
+    # Without a box it is that of the positions that are finite.
+    lost_far = whole.copy()
+    lost_far[0] = [np.inf, -np.inf]
+    assert np.isnan(gf.bond_order(lost_far)[0][0])
+    np.testing.assert_array_equal(gf.bond_order(lost_far)[0][1:], gf.bond_order(whole[1:])[0])
     # A frame without a finite position is a frame all the same.
     frames = [np.full((3, 2), np.nan), holed]
     assert np.isnan(gf.bond_order(frames, frame=0, **where)[0]).all()

@@ -43,12 +43,21 @@ struct Patch {
     int x = 0, y = 0;  ///< its first pixel in the frame
 };
 
+int side_of(PartSize size, double diameter) {
+    return std::max(size.pixels, static_cast<int>(size.diameters * diameter));
+}
+
+bool is_larger_than_a_part(const Image& counts, double diameter, PartSize size) {
+    const int least = 3 * side_of(size, diameter) / 2;
+    return counts.width() >= least && counts.height() >= least;
+}
+
 /// The square of that size that is brightest on average, thus most dilute; the whole frame if it is
 /// not much larger. At least half of it is visible.
 Patch clearest_patch(const Image& counts, const ImageModel& model, const VisiblePixels& visible,
                      PartSize size) {
-    const int side = std::max(size.pixels, static_cast<int>(size.diameters * model.disc.diameter));
-    if (counts.width() < 3 * side / 2 || counts.height() < 3 * side / 2) return {counts, 0, 0};
+    if (!is_larger_than_a_part(counts, model.disc.diameter, size)) return {counts, 0, 0};
+    const int side = side_of(size, model.disc.diameter);
     const Image darkness = model.darkness(counts);
     double best = 0;
     Patch patch;
@@ -156,10 +165,15 @@ Weighing weigh(const Image& counts, const ModelFit& fit, PartSize size) {
 /// Where no guess explains enough of its part, one that explains a smaller part beyond doubt is
 /// added. Less does not count: discs of any size explain more of a small part by chance.
 void weigh_smaller_parts(const Image& counts, const ModelFit& fit, Weighing& all) {
+    const bool has_parts = std::ranges::any_of(all.candidates, [&](const SizeCandidate& tried) {
+        return is_larger_than_a_part(counts, tried.diameter / fit.blocks.factor, kSmallPart);
+    });
+    if (!has_parts) return;
     Weighing small = weigh(counts, fit, kSmallPart);
     if (small.trials.empty() || !is_beyond_doubt(small.trials.back().fit.explained)) return;
     all.trials.push_back(std::move(small.trials.back()));
     all.candidates.push_back(std::move(small.candidates.back()));
+    ++all.guesses;
 }
 
 /// Where what was given explains little, what the frame says of itself is weighed too and added to

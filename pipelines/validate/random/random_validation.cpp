@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -15,6 +16,7 @@
 #include "core/support/progress.h"
 #include "io/frame_writer.h"
 #include "io/images/png_image.h"
+#include "pipelines/interrupt_deadline.h"
 #include "pipelines/page/report_page.h"
 #include "pipelines/validate/random/random_report.h"
 
@@ -98,6 +100,8 @@ SceneSeries see_scenes(const ValidateJobOptions& options, const Job& job) {
     Progress progress("simulating, rendering and tracking", random.scenes, "scenes", job.verbosity);
     progress.announce();
     SceneSeries series{{}, WorstScenes(options.previews)};
+    // After the first scene a signal leaves the scores of those that are done.
+    std::optional<DiscardDeadline> none_done(std::in_place, "validation", options.output);
     std::mutex guard;
     parallel_for(random.scenes, job.threads, [&](std::int64_t i) {
         if (caught_signal() != 0) return;
@@ -106,6 +110,7 @@ SceneSeries see_scenes(const ValidateJobOptions& options, const Job& job) {
                                         i, options.tracking);
             if (!random.keep.empty()) keep_scene(scene, random.keep, job.overwrite);
             const std::lock_guard lock(guard);
+            none_done.reset();
             series.done.push_back(scene.score);
             series.worst.offer(std::move(scene));
             progress.advance();

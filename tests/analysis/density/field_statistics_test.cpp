@@ -300,7 +300,7 @@ TEST(FieldStatistics, TakeNoCheckpointWithAnImpossiblePlan) {
 
 // Three equal densities say what one says.
 TEST(FieldStatistics, HaveAllReplicasOfAnInstantInOneBlock) {
-    for (const std::int64_t instants : {10, 21}) {
+    for (const std::int64_t instants : {4, 10, 21}) {
         Relaxing run;
         FieldStatistics one({.k_max = 3}, instants), three({.k_max = 3}, instants);
         for (std::int64_t i = 0; i < instants; ++i) {
