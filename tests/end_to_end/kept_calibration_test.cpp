@@ -64,8 +64,8 @@ TEST_F(KeptCalibration, ANameThatIsTakenIsRefusedBeforeTheWork) {
 }
 
 TEST_F(KeptCalibration, OfACompleteRunIsNoObstacleToItsRepetition) {
-    const Outcome again = track(frames_, {"-o", folder_ / "a.h5", "--save-calibration",
-                                          folder_ / "cal.toml", "--resume"});
+    const Outcome again = track(
+        frames_, {"-o", folder_ / "a.h5", "--save-calibration", folder_ / "cal.toml", "--resume"});
     EXPECT_EQ(again.code, 0) << again.err;
 }
 
