@@ -215,7 +215,8 @@ std::vector<double> StructureFactor::independent_modes(const Shells& shells,
 std::vector<double> StructureFactor::few_frames_error(const Shells& shells, Estimator estimator,
                                                       const std::vector<double>& s) const {
     // Fields of one instant are no independent ones.
-    const auto frames = static_cast<double>(added_ / replicas_);
+    const std::int64_t instants = added_ / replicas_;
+    const auto frames = static_cast<double>(instants);
     const double each = estimator == Estimator::raw         ? frames
                         : estimator == Estimator::connected ? frames - 1
                                                             : 0.5 * (frames - 1);
