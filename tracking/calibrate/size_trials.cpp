@@ -136,6 +136,7 @@ struct Weighing {
     std::vector<SizeTrial> trials;
     std::vector<SizeCandidate> candidates;  ///< one of each trial
     std::size_t guesses = 0;                ///< that there were
+    bool ends_with_smaller_part = false;    ///< the last trial is of one
 };
 
 bool is_beyond_doubt(const ExplainedShare& explained) {
@@ -174,6 +175,7 @@ void weigh_smaller_parts(const Image& counts, const ModelFit& fit, Weighing& all
     all.trials.push_back(std::move(small.trials.back()));
     all.candidates.push_back(std::move(small.candidates.back()));
     ++all.guesses;
+    all.ends_with_smaller_part = true;
 }
 
 /// Where what was given explains little, what the frame says of itself is weighed too and added to
@@ -229,6 +231,15 @@ std::optional<SizeTrial> best_trial(const Image& counts, const ModelFit& fit, Ru
         plan.warn(fmt::format("two kinds of spheres explain the image about as well: {}; {}",
                               in_words(weighed), kGiveThem));
         return std::nullopt;
+    }
+    if (all.ends_with_smaller_part && *choice.best + 1 == all.trials.size()) {
+        plan.warn(
+            fmt::format("the size is that of a clear part of {} px. All parts twice as wide hold a "
+                        "dense crystal, "
+                        "or what is no sphere: {}. Look at the overlay; options region and mask "
+                        "leave out what is "
+                        "no sphere",
+                        best.candidate.width, judged));
     }
     if (options.polarity == PolarityChoice::automatic || !options.diameter) {
         plan.run("size and polarity",

@@ -119,7 +119,8 @@ TEST(CriticalJob, LeavesOutARunWhoseS1IsNotAboveTwoErrors) {
         write_run(folder / "d.h5", 9, true, {}, Measurement{"s1", "-", 0.8, {}, 100, ""})};
     const Found found = find(folder, inputs, by_value({6, 7, 8, 9}));
     EXPECT_EQ(found.result.runs, 2U);
-    ASSERT_EQ(found.warnings.size(), 2U);
+    ASSERT_EQ(found.warnings.size(), 3U);
+    EXPECT_THAT(found.warnings[2], HasSubstr("there is no critical value"));
     EXPECT_THAT(found.warnings[0], HasSubstr("S1 = 0.8 ± 0.5; a run 2 times as long"));
     EXPECT_THAT(found.warnings[1], HasSubstr("S1 has no error"));
 }

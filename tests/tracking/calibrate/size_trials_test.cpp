@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/support/layer_frames.h"
@@ -85,6 +86,8 @@ TEST(SizeTrials, LookAtASmallerPartWhereWhatIsNoDiscReachesIntoEveryPart) {
     EXPECT_NEAR(best->candidate.diameter, 8, 0.2);
     EXPECT_NEAR(best->candidate.width, 15 * 8, 15 * (0.16 * 8 + 1));
     EXPECT_GT(best->candidate.explained.signal, 0.95);
+    ASSERT_EQ(plan.warnings().size(), 1U) << "what is no disc is filled with discs";
+    EXPECT_THAT(plan.warnings()[0].text, ::testing::HasSubstr("is that of a clear part"));
 }
 
 TEST(SizeTrials, WithoutDiscsHaveNoBestOne) {
