@@ -166,10 +166,6 @@ class Resumption {
     std::vector<std::int64_t> previews_;
 };
 
-}  // namespace
-
-namespace {
-
 /// The lab's units and numbers do not change positions, but stand in the output, and `strict`
 /// decides whether there is one: a complete output of other ones is no output of this job.
 void mind_what_is_recorded(Job& job) {

@@ -235,10 +235,8 @@ std::optional<SizeTrial> best_trial(const Image& counts, const ModelFit& fit, Ru
     if (all.ends_with_smaller_part && *choice.best + 1 == all.trials.size()) {
         plan.warn(
             fmt::format("the size is that of a clear part of {} px. All parts twice as wide hold a "
-                        "dense crystal, "
-                        "or what is no sphere: {}. Look at the overlay; options region and mask "
-                        "leave out what is "
-                        "no sphere",
+                        "dense crystal, or what is no sphere: {}. Look at the overlay; options "
+                        "region and mask leave out what is no sphere",
                         best.candidate.width, judged));
     }
     if (options.polarity == PolarityChoice::automatic || !options.diameter) {

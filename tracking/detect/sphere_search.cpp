@@ -30,7 +30,8 @@ constexpr double kSurely = 0.5;
 /// Nearer than this to a rejected disc nothing is tried again: the gate of matching, D/4.
 constexpr double kSameAgain = 0.25;  // [D]
 /// A place that was tried so often is left. A disc that goes may have moved farther than D/4, so
-/// that only where it ended is rejected: it would come and go to the last pass.
+/// that only where it ended is rejected: it would come and go to the last pass. Chosen: neighbours
+/// that have settled anew may make a second try a good one.
 constexpr int kMostTries = 3;
 /// Share of the white noise in 3 × 3 blocks that is counted as noise. Its sum over n = 9 B² pixels
 /// scatters by sqrt(2/n), 4.7 % for blocks of 10 px: 0.9 is two standard deviations below its mean,
