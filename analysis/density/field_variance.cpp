@@ -87,6 +87,7 @@ ObservableResult FieldVariance::result() const {
         frames += block[0];
         filled += block[0] > 0 ? 1 : 0;
     }
+    SeriesError found;
     for (std::size_t s = 0; s < sizes_.size(); ++s) {
         double sum = 0;
         for (const auto& block : sums_) sum += block[s + 1];
@@ -99,8 +100,9 @@ ObservableResult FieldVariance::result() const {
         const double side = sizes_[s] * spacing_;
         curve.columns[0].values.push_back(side);
         curve.columns[1].values.push_back(sum / frames);
+        found = left_out_error(left);
         curve.columns[2].values.push_back(
-            student_jackknife_error(left).value_or(std::numeric_limits<double>::quiet_NaN()));
+            found.error.value_or(std::numeric_limits<double>::quiet_NaN()));
         curve.columns[3].values.push_back(std::pow(side, dimension_));
     }
     const double volume = curve.columns[3].values.back();
@@ -110,7 +112,7 @@ ObservableResult FieldVariance::result() const {
     if (std::isfinite(error)) {
         largest.error = error;
     } else {
-        largest.reason = too_few_blocks;
+        largest.reason = filled < 4 ? too_few_blocks : found.reason;
     }
     result.measurements = {largest};
     result.curves = {std::move(curve)};

@@ -17,8 +17,9 @@ namespace grainfield::analysis {
 ///   σ²(ℓ) = ⟨(N − ρ̄ ℓ^d)²⟩,   ℓ = m dx = dx · 1, 2, 3, 4, 6, 8, 12, 16, … ≤ L/2 (shorter side).
 ///
 /// Column `mean` of the curve is the volume ℓ^d, so that variance/mean tends to S(k → 0) for large
-/// windows. Contents by running sums (`crow1984`); error: jackknife over at most 16 blocks of time.
-/// Cost O(cells × sizes) a field, about 1 ns each. Memory: 16 numbers a size.
+/// windows. Contents by running sums (`crow1984`); error: from at most 16 blocks of time
+/// (left_out_error), none where these drift. Cost O(cells × sizes) a field, about 1 ns each.
+/// Memory: 16 numbers a size.
 class FieldVariance {
  public:
     /// `instants`: the blocks of time. Of each instant `replicas` fields are added, one after the

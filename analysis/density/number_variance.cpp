@@ -15,6 +15,7 @@ namespace grainfield::analysis {
 namespace {
 
 constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
+constexpr double rounding = 1e-12;  // of sums that cancel, relative
 
 // What stored sums may be, so that 64 and 128 bits hold a hundred such parts.
 constexpr double kMostFrames = 0x1p32;
@@ -312,19 +313,6 @@ ObservableResult NumberVariance::result() const {
             left[at] = values(total(filled[at]));
         });
     }
-    const auto error_of = [&](VarianceReading reading) {
-        std::vector<double> error(sizes_.size(), undefined);
-        for (std::size_t s = 0; s < sizes_.size(); ++s) {
-            if (left.empty()) {
-                error[s] = single_frame_error(best.of(reading)[s], lengths_[s]);
-                continue;
-            }
-            std::vector<double> values;
-            for (const Values& part : left) values.push_back(part.of(reading)[s]);
-            error[s] = student_jackknife_error(values).value_or(undefined);
-        }
-        return error;
-    };
     const bool several = added_ >= 2;
     const VarianceReading reading = several ? options_.reading : VarianceReading::pooled;
     const std::string reason =
@@ -334,22 +322,132 @@ ObservableResult NumberVariance::result() const {
                         : reading == VarianceReading::temporal ? "Number variance, temporal"
                         : reading == VarianceReading::pooled   ? "Number variance, pooled"
                                                                : "Variance of the spatial mean";
-    result.curves = {curve("variance", title, best.of(reading), error_of(reading), best.mean),
-                     curve("variance_pooled", "Number variance, pooled", best.pooled,
-                           error_of(VarianceReading::pooled), best.mean)};
+    const std::vector<BlockDrift> of_positions = drifts_of_positions();
+    const std::vector<BlockDrift> of_spatial_mean = drifts_of_spatial_mean();
+    const auto drifts_of = [&](VarianceReading of) -> const std::vector<BlockDrift>& {
+        return of == VarianceReading::spatial_mean ? of_spatial_mean : of_positions;
+    };
+    const Estimate wanted = estimate(best, left, drifts_of(reading), reading);
+    const auto add_curve = [&](const char* name, const char* of_title, VarianceReading of) {
+        const Estimate found = estimate(best, left, drifts_of(of), of);
+        result.curves.push_back(curve(name, of_title, found.variance, found.error, best.mean));
+    };
+    result.curves.push_back(curve("variance", title, wanted.variance, wanted.error, best.mean));
+    add_curve("variance_pooled", "Number variance, pooled", VarianceReading::pooled);
     if (several && reading != VarianceReading::temporal) {
-        result.curves.push_back(curve("variance_temporal", "Number variance, temporal",
-                                      best.temporal, error_of(VarianceReading::temporal),
-                                      best.mean));
+        add_curve("variance_temporal", "Number variance, temporal", VarianceReading::temporal);
     }
     if (several && reading != VarianceReading::spatial_mean) {
-        result.curves.push_back(curve("variance_spatial_mean", "Variance of the spatial mean",
-                                      best.spatial_mean, error_of(VarianceReading::spatial_mean),
-                                      best.mean));
+        add_curve("variance_spatial_mean", "Variance of the spatial mean",
+                  VarianceReading::spatial_mean);
     }
-    add_slopes(result, best.of(reading), left, reading);
-    add_key_numbers(result, best, reading, reason);
+    add_slopes(result, best, left, wanted, reading);
+    add_key_numbers(result, best, wanted, reading, reason);
     return result;
+}
+
+std::vector<double> NumberVariance::frames_of(const std::vector<std::size_t>& blocks) const {
+    std::vector<double> frames;
+    for (const std::size_t b : blocks) frames.push_back(static_cast<double>(blocks_[b].frames));
+    return frames;
+}
+
+// The BlockScatter of the content of a window, averaged over its positions p. With the content C_b
+// of a block of f_b frames Σ_b f_b (C_b/f_b − ΣC/F)² = Σ_b C_b²/f_b − (ΣC)²/F, and C_b C_c follows
+// from the square of C_b + C_c.
+std::vector<BlockDrift> NumberVariance::drifts_of_positions() const {
+    const std::vector<std::size_t> filled = filled_blocks();
+    const std::size_t blocks = filled.size();
+    std::vector<BlockDrift> drifts(sizes_.size());
+    if (blocks < 2) return drifts;
+    // Of each block, of each with the next, and of all.
+    std::vector<std::vector<double>> squares(2 * blocks);
+    parallel_for(static_cast<std::int64_t>(squares.size()), threads_, [&](std::int64_t i) {
+        const auto at = static_cast<std::size_t>(i);
+        const std::size_t first = at < blocks ? at : at + 1 == squares.size() ? 0 : at - blocks;
+        const std::size_t last = at < blocks                ? at
+                                 : at + 1 == squares.size() ? blocks - 1
+                                                            : first + 1;
+        std::vector<std::int32_t> contents = blocks_[filled[first]].contents;
+        for (std::size_t b = first + 1; b <= last; ++b) {
+            const std::vector<std::int32_t>& more = blocks_[filled[b]].contents;
+            for (std::size_t c = 0; c < contents.size(); ++c) contents[c] += more[c];
+        }
+        const WindowCounter counter(grid_, contents, sizes_.back());
+        for (const int m : sizes_) {
+            squares[at].push_back(static_cast<double>(counter.sums(m).squares));
+        }
+    });
+    const std::vector<double> frames = frames_of(filled);
+    double all = 0;
+    for (const double f : frames) all += f;
+    for (std::size_t s = 0; s < sizes_.size(); ++s) {
+        const double of_all = squares.back()[s] / all;
+        BlockScatter scatter{.squares = -of_all};
+        for (std::size_t b = 0; b < blocks; ++b) {
+            const double f = frames[b];
+            scatter.squares += squares[b][s] / f;
+            if (b + 1 == blocks) break;
+            const double g = frames[b + 1];
+            const double product =
+                0.5 * (squares[blocks + b][s] - squares[b][s] - squares[b + 1][s]);
+            scatter.steps +=
+                2 * f * g / (f + g) *
+                (squares[b][s] / (f * f) + squares[b + 1][s] / (g * g) - 2 * product / (f * g));
+        }
+        if (scatter.squares < rounding * of_all) continue;  // the same in every block
+        const double weight =
+            static_cast<double>(blocks) / (all * static_cast<double>(grid_.positions(sizes_[s])));
+        drifts[s] = block_drift({weight * scatter.squares, weight * scatter.steps}, blocks);
+    }
+    return drifts;
+}
+
+std::vector<BlockDrift> NumberVariance::drifts_of_spatial_mean() const {
+    const std::vector<std::size_t> filled = filled_blocks();
+    const std::vector<double> frames = frames_of(filled);
+    std::vector<BlockDrift> drifts;
+    for (std::size_t s = 0; s < sizes_.size(); ++s) {
+        std::vector<double> means;
+        for (const std::size_t b : filled) {
+            const Block& block = blocks_[b];
+            means.push_back(static_cast<double>(block.sums[s].sum) /
+                            static_cast<double>(block.frames * grid_.positions(sizes_[s])));
+        }
+        BlockScatter scatter;
+        add_scatter<double>(scatter, frames, means);
+        drifts.push_back(block_drift(scatter, filled.size()));
+    }
+    return drifts;
+}
+
+NumberVariance::Estimate NumberVariance::estimate(const Values& best,
+                                                  const std::vector<Values>& left,
+                                                  const std::vector<BlockDrift>& drifts,
+                                                  VarianceReading reading) const {
+    Estimate found{best.of(reading), std::vector<double>(sizes_.size(), undefined),
+                   std::vector<std::string>(sizes_.size())};
+    for (std::size_t s = 0; s < sizes_.size(); ++s) {
+        if (left.empty()) {
+            found.error[s] = single_frame_error(found.variance[s], lengths_[s]);
+            continue;
+        }
+        std::vector<double> values;
+        for (const Values& part : left) values.push_back(part.of(reading)[s]);
+        const SeriesError of_blocks = left_out_error(values);
+        found.reason[s] = values.size() < 4 ? too_few_blocks : of_blocks.reason;
+        found.error[s] = of_blocks.error.value_or(undefined);
+        if (drifts[s].step_ratio < least_step_ratio) {
+            found.error[s] = undefined;
+            found.reason[s] = slower_than_the_run;
+        }
+        if (reading == VarianceReading::pooled) continue;
+        const double independent = found.variance[s] / static_cast<double>(added_);
+        const double added = std::max(0.0, drifts[s].variance_of_mean - independent);
+        found.variance[s] += added;
+        found.error[s] = std::hypot(found.error[s], added);
+    }
+    return found;
 }
 
 const std::vector<double>& NumberVariance::Values::of(VarianceReading reading) const {
@@ -364,21 +462,25 @@ const std::vector<double>& NumberVariance::Values::of(VarianceReading reading) c
     return temporal;
 }
 
+// Whether the line at size `at` goes through size s, too.
+bool NumberVariance::is_in_slope(std::size_t s, std::size_t at) const {
+    constexpr double reach = 1.3;
+    const double ratio = lengths_[s] / lengths_[at];
+    return (s + 1 >= at && s <= at + 1) || (ratio <= reach && ratio >= 1 / reach);
+}
+
 // The slope of a line through ln σ² against ln ℓ around each size; NaN where there is none.
 std::vector<double> NumberVariance::slopes(const std::vector<double>& variance) const {
-    constexpr double reach = 1.3;
     std::vector<double> slopes(variance.size(), undefined);
     for (std::size_t i = 1; i + 1 < variance.size(); ++i) {
         double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
         for (std::size_t j = 0; j < variance.size(); ++j) {
-            const double ratio = lengths_[j] / lengths_[i];
-            const bool beside = j + 1 >= i && j <= i + 1;
-            if (!beside && (ratio > reach || ratio < 1 / reach)) continue;
+            if (!is_in_slope(j, i)) continue;
             if (!(variance[j] > 0)) {
                 n = 0;
                 break;
             }
-            const double x = std::log(ratio);
+            const double x = std::log(lengths_[j] / lengths_[i]);
             const double y = std::log(variance[j]);
             n += 1;
             sx += x;
@@ -391,9 +493,17 @@ std::vector<double> NumberVariance::slopes(const std::vector<double>& variance) 
     return slopes;
 }
 
-void NumberVariance::add_slopes(ObservableResult& result, const std::vector<double>& variance,
-                                const std::vector<Values>& left, VarianceReading reading) const {
-    const std::vector<double> beta = slopes(variance);
+void NumberVariance::add_slopes(ObservableResult& result, const Values& best,
+                                const std::vector<Values>& left, const Estimate& wanted,
+                                VarianceReading reading) const {
+    const std::vector<double> beta = slopes(wanted.variance);
+    const std::vector<double> of_independent = slopes(best.of(reading));
+    const auto has_errors = [&](std::size_t at) {
+        for (std::size_t s = 0; s < sizes_.size(); ++s) {
+            if (is_in_slope(s, at) && !std::isfinite(wanted.error[s])) return false;
+        }
+        return true;
+    };
     std::vector<std::vector<double>> parts;
     for (const Values& part : left) parts.push_back(slopes(part.of(reading)));
     // Beyond half a periodic box the slope is that of the fixed number of particles.
@@ -412,13 +522,16 @@ void NumberVariance::add_slopes(ObservableResult& result, const std::vector<doub
         for (const std::vector<double>& part : parts) values.push_back(part[s]);
         curve.columns[0].values.push_back(lengths_[s]);
         curve.columns[1].values.push_back(beta[s]);
-        curve.columns[2].values.push_back(student_jackknife_error(values).value_or(undefined));
+        const double error = left_out_error(values).error.value_or(undefined);
+        curve.columns[2].values.push_back(
+            has_errors(s) ? std::hypot(error, beta[s] - of_independent[s]) : undefined);
     }
     if (!curve.columns[0].values.empty()) result.curves.push_back(std::move(curve));
 }
 
 void NumberVariance::add_key_numbers(ObservableResult& result, const Values& best,
-                                     VarianceReading reading, const std::string& reason) const {
+                                     const Estimate& wanted, VarianceReading reading,
+                                     const std::string& reason) const {
     Measurement density = density_.measurement("number_density", "1/a^2", std::nullopt,
                                                "one frame: no error from fluctuations");
     result.measurements.push_back(density);
@@ -432,18 +545,16 @@ void NumberVariance::add_key_numbers(ObservableResult& result, const Values& bes
         return;
     }
     const auto s = static_cast<std::size_t>(at - lengths_.begin());
-    const Curve& curve = result.curves.front();
     Measurement relative{name, "-", std::nullopt, std::nullopt, 0, reason};
     if (best.mean[s] > 0) {
-        relative.value = curve.columns[1].values[s] / best.mean[s];
-        const double error = curve.columns[2].values[s] / best.mean[s];
+        relative.value = wanted.variance[s] / best.mean[s];
+        const double error = wanted.error[s] / best.mean[s];
         if (std::isfinite(error) && error > 0) {
             relative.error = error;
             // As many independent normal numbers have a variance with this relative error.
             relative.samples = 1 + 2 * std::pow(*relative.value / error, 2);
         } else if (reason.empty()) {
-            relative.reason =
-                error == 0 ? "the same in every frame: no error from fluctuations" : too_few_blocks;
+            relative.reason = wanted.reason[s];
         }
     } else {
         relative.reason = "no particle inside the border";

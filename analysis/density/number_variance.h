@@ -45,14 +45,22 @@ OptionTable describe(NumberVarianceOptions& options);
 /// `variance`, by a line through the sizes within 1.3 ℓ, at least one on each side. Windows have
 /// corners on grid lines `step` apart and are counted exactly, in integers; the temporal average
 /// needs only the mean content of the cells, because Σ_tp (N − ⟨N⟩_t)² = Σ_tp N² − Σ_p (Σ_t N)²/T.
-/// On periodic axes all positions are used, wrapped, and ℓ is a multiple of L/round(L/step). Frames
-/// are taken as independent in the factor T − 1.
+/// On periodic axes all positions are used, wrapped, and ℓ is a multiple of L/round(L/step).
 ///
-/// Error: jackknife over 4 to 16 blocks of time with Student's factor (student_jackknife_error);
-/// none of two or three frames. For one frame: σ² sqrt(2/(n − 1)) with n = (region/ℓ)² windows side
-/// by side, taken as independent.
+/// The factor T − 1 is that of independent frames. In a run that remembers its start the variance v
+/// of ⟨N⟩_t is larger, and what is left too small. From 12 blocks of time on the temporal variance
+/// and that of the spatial mean are Σ_t (N_tp − ⟨N_tp⟩_t)²/T + v, where that is more, v the
+/// block_drift().variance_of_mean averaged over p. The pooled one is not corrected: between walls
+/// it lacks the variance of the mean over t and p.
 ///
-/// Cost O(N + positions × sizes) a frame. Memory: 4 B × cells × 16 blocks.
+/// Error: from at most 16 blocks of time (left_out_error), and all that v adds to the variance of
+/// independent frames. None of two or three frames, nor of a window whose block means drift
+/// (least_step_ratio): its content changes more slowly than the run is long, and σ² is too small.
+/// For one frame: σ² sqrt(2/(n − 1)) with n = (region/ℓ)² windows side by side, taken as
+/// independent.
+///
+/// Cost O(N + positions × sizes) a frame, and the positions × sizes of 48 frames at the end.
+/// Memory: 4 B × cells × 16 blocks.
 class NumberVariance {
  public:
     struct Sample {
@@ -90,11 +98,21 @@ class NumberVariance {
 
         const std::vector<double>& of(VarianceReading reading) const;
     };
+    struct Estimate {
+        std::vector<double> variance, error;  // per size
+        std::vector<std::string> reason;      // why there is no error
+    };
+    std::vector<double> frames_of(const std::vector<std::size_t>& blocks) const;
+    std::vector<BlockDrift> drifts_of_positions() const;
+    std::vector<BlockDrift> drifts_of_spatial_mean() const;
+    Estimate estimate(const Values& best, const std::vector<Values>& left,
+                      const std::vector<BlockDrift>& drifts, VarianceReading reading) const;
+    bool is_in_slope(std::size_t s, std::size_t at) const;
     std::vector<double> slopes(const std::vector<double>& variance) const;
-    void add_slopes(ObservableResult& result, const std::vector<double>& variance,
-                    const std::vector<Values>& left, VarianceReading reading) const;
-    void add_key_numbers(ObservableResult& result, const Values& best, VarianceReading reading,
-                         const std::string& reason) const;
+    void add_slopes(ObservableResult& result, const Values& best, const std::vector<Values>& left,
+                    const Estimate& wanted, VarianceReading reading) const;
+    void add_key_numbers(ObservableResult& result, const Values& best, const Estimate& wanted,
+                         VarianceReading reading, const std::string& reason) const;
     Block empty_block() const;
     static void add_block(Block& to, const Block& from);
     std::vector<std::size_t> filled_blocks() const;

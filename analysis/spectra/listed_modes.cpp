@@ -188,52 +188,47 @@ std::optional<double> ListedModes::error(std::span<const Block> left_out, std::s
     return spread;
 }
 
-// As StructureFactor::is_slow: the block means of the vectors within a fifth in |k| drift.
-std::vector<bool> ListedModes::slow() const {
-    std::vector<bool> slow(wavevectors_.size(), false);
-    std::vector<const Block*> filled;
+// As StructureFactor::drifts: of the vectors within a fifth in |k|.
+std::vector<BlockDrift> ListedModes::drifts() const {
+    std::vector<double> frames;
     for (const Block& block : blocks_) {
-        if (block.frames > 0) filled.push_back(&block);
+        if (block.frames > 0) frames.push_back(block.frames);
     }
-    if (filled.size() < least_blocks) return slow;
-    struct Drift {
-        double k = 0, steps = 0, variance = 0;
+    struct Vector {
+        double k = 0;
+        BlockScatter scatter;
     };
-    std::vector<Drift> drift;
+    std::vector<Vector> of_each;
     for (std::size_t m = 0; m < wavevectors_.size(); ++m) {
-        Drift d{.k = norm(wavevectors_[m])};
-        std::complex<double> mean = 0;
-        for (const Block* block : filled) mean += block->rho[m] / block->frames;
-        mean /= static_cast<double>(filled.size());
-        for (std::size_t b = 0; b < filled.size(); ++b) {
-            const std::complex<double> here = filled[b]->rho[m] / filled[b]->frames;
-            d.variance += std::norm(here - mean);
-            if (b == 0) continue;
-            d.steps += std::norm(here - filled[b - 1]->rho[m] / filled[b - 1]->frames);
+        of_each.push_back({norm(wavevectors_[m]), {}});
+        std::vector<std::complex<double>> means;
+        for (const Block& block : blocks_) {
+            if (block.frames > 0) means.push_back(block.rho[m] / block.frames);
         }
-        drift.push_back(d);
+        add_scatter<std::complex<double>>(of_each[m].scatter, frames, means);
     }
     // By |k|, so that each looks at its neighbours only.
-    std::vector<std::size_t> order(drift.size());
+    std::vector<std::size_t> order(of_each.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::sort(order, {}, [&](std::size_t m) { return std::pair(drift[m].k, m); });
+    std::ranges::sort(order, {}, [&](std::size_t m) { return std::pair(of_each[m].k, m); });
+    std::vector<BlockDrift> drifts(of_each.size());
     std::size_t first = 0;
     std::size_t last = 0;
-    Drift sum;
+    BlockScatter near;
     for (const std::size_t m : order) {
-        while (last < order.size() && drift[order[last]].k <= drift[m].k * std::exp(0.2)) {
-            sum.steps += drift[order[last]].steps;
-            sum.variance += drift[order[last]].variance;
+        while (last < order.size() && of_each[order[last]].k <= of_each[m].k * std::exp(0.2)) {
+            near.squares += of_each[order[last]].scatter.squares;
+            near.steps += of_each[order[last]].scatter.steps;
             ++last;
         }
-        while (drift[order[first]].k < drift[m].k * std::exp(-0.2)) {
-            sum.steps -= drift[order[first]].steps;
-            sum.variance -= drift[order[first]].variance;
+        while (of_each[order[first]].k < of_each[m].k * std::exp(-0.2)) {
+            near.squares -= of_each[order[first]].scatter.squares;
+            near.steps -= of_each[order[first]].scatter.steps;
             ++first;
         }
-        slow[m] = sum.steps < sum.variance;
+        drifts[m] = block_drift(near, frames.size());
     }
-    return slow;
+    return drifts;
 }
 
 void ListedModes::add_to(ObservableResult& sk) const {
@@ -253,16 +248,22 @@ void ListedModes::add_to(ObservableResult& sk) const {
     for (std::size_t b = 0; blocks_.size() >= least_blocks && b < blocks_.size(); ++b) {
         if (blocks_[b].frames > 0) left_out.push_back(total(b));
     }
-    const std::vector<bool> drifts = slow();
+    const std::vector<BlockDrift> drifts = this->drifts();
+    const auto filled = static_cast<double>(
+        std::ranges::count_if(blocks_, [](const Block& block) { return block.frames > 0; }));
     for (std::size_t m = 0; m < wavevectors_.size(); ++m) {
-        const double independent = independent_frames(sums, m);
+        // Where the scatter of blocks is not what tells it, the frames themselves: one more than
+        // that.
+        const double more = sums.frames <= filled || filled < 2 ? 1 : 0;
+        const double independent = frames_of_mean(independent_frames(sums, m) - more, drifts[m]);
         const double s = value(sums, m, is_connected, independent);
         curve.columns[0].values.push_back(wavevectors_[m].x);
         curve.columns[1].values.push_back(wavevectors_[m].y);
         curve.columns[2].values.push_back(s);
         curve.columns[3].values.push_back(
-            drifts[m] ? undefined
-                      : error(left_out, m, is_connected, s, independent).value_or(undefined));
+            drifts[m].step_ratio < least_step_ratio
+                ? undefined
+                : error(left_out, m, is_connected, s, independent).value_or(undefined));
         curve.columns[4].values.push_back(value(sums, m, false, independent));
     }
     sk.curves.push_back(std::move(curve));

@@ -63,7 +63,7 @@ class ListedModes {
     };
     Block empty_block() const;
     Block total(std::optional<std::size_t> without) const;
-    std::vector<bool> slow() const;
+    std::vector<BlockDrift> drifts() const;
     double independent_frames(const Block& sums, std::size_t mode) const;
     double value(const Block& sums, std::size_t mode, bool is_connected, double independent) const;
     std::optional<double> error(std::span<const Block> left_out, std::size_t mode,

@@ -49,7 +49,9 @@ std::string edges_text(const StructureFactorOptions& options);
 /// Curve `sk` is the connected one for two or more frames with walls, the raw one for periodic
 /// boxes (where ⟨ρ_k⟩ = 0) and, with a stated reason, for one frame. M is the number of
 /// independent frames behind a shell, estimated from the scatter of block means (at most the number
-/// of frames; equal to it below 17 frames) and given in the curve `sk_samples`.
+/// of frames; equal to it below 17 frames) and given in the curve `sk_samples`. M/(M − 1) is M'/(M'
+/// − 1) with M' from frames_of_mean: from 12 blocks of time on blocks that are alike, where modes
+/// are slow, leave fewer frames behind the mean. Shells within a fifth in k tell that together.
 ///
 /// Isotropic average over shells of |k| (half plane), by default every distinct |k| below 5.5 grid
 /// steps and shells one step wide above; or over given annuli e_i ≤ |k| < e_{i+1} (the last one
@@ -179,7 +181,9 @@ class StructureFactor {
     Shells shells(Estimator estimator) const;
     double mode_value(const Block& sums, Estimator estimator, std::size_t mode) const;
     std::vector<double> samples(const Shells& shells, Estimator estimator) const;
-    std::vector<bool> is_slow(const Shells& shells, Estimator estimator) const;
+    std::vector<BlockDrift> drifts(const Shells& shells, Estimator estimator) const;
+    std::vector<double> samples_of_mean(const std::vector<double>& samples,
+                                        const std::vector<BlockDrift>& drifts) const;
     std::vector<double> independent_modes(const Shells& shells, Estimator estimator) const;
     std::vector<double> few_frames_error(const Shells& shells, Estimator estimator,
                                          const std::vector<double>& s) const;

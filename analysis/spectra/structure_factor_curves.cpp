@@ -147,48 +147,57 @@ std::vector<std::size_t> StructureFactor::filled_blocks() const {
     return filled;
 }
 
-// Whether the block means of a mode drift: half the mean square of their steps, which is their
-// variance if they are independent, is below half of their variance. Shells within a fifth in k are
-// taken together.
-std::vector<bool> StructureFactor::is_slow(const Shells& shells, Estimator estimator) const {
-    std::vector<bool> slow(shells.k.size(), false);
+// What the block means of the modes tell. Shells within a fifth in k are taken together.
+std::vector<BlockDrift> StructureFactor::drifts(const Shells& shells, Estimator estimator) const {
     const std::vector<std::size_t> filled = filled_blocks();
-    if (filled.size() < least_blocks) return slow;
-    std::vector<double> of_steps(slow.size(), 0.0);
-    std::vector<double> of_blocks(slow.size(), 0.0);
-    const auto add = [&](std::size_t shell, auto&& mean_of) {
-        const auto value = [&](std::size_t i) { return mean_of(blocks_[filled[i]]); };
-        auto mean = value(0);
-        for (std::size_t i = 1; i < filled.size(); ++i) mean += value(i);
-        mean /= static_cast<double>(filled.size());
-        for (std::size_t i = 0; i < filled.size(); ++i) {
-            of_blocks[shell] += std::norm(value(i) - mean);
-            if (i > 0) of_steps[shell] += std::norm(value(i) - value(i - 1));
-        }
-    };
-    for (std::size_t s = 0; s < slow.size(); ++s) {
+    std::vector<double> frames;
+    for (const std::size_t b : filled) frames.push_back(blocks_[b].frames);
+    std::vector<BlockScatter> scatter(shells.k.size());
+    for (std::size_t s = 0; s < scatter.size(); ++s) {
         for (const std::size_t m : shells.members[s]) {
             if (estimator == Estimator::neumann) {
-                const std::size_t c = neumann_index_[m];
-                add(s, [c](const Block& block) { return block.cosine[c] / block.frames; });
+                std::vector<double> means;
+                for (const std::size_t b : filled) {
+                    means.push_back(blocks_[b].cosine[neumann_index_[m]] / blocks_[b].frames);
+                }
+                add_scatter<double>(scatter[s], frames, means);
                 continue;
             }
             for (std::size_t c = m; c < blocks_[0].rho.size(); c += grid_.modes().size()) {
-                add(s, [c](const Block& block) { return block.rho[c] / block.frames; });
+                std::vector<std::complex<double>> means;
+                for (const std::size_t b : filled) {
+                    means.push_back(blocks_[b].rho[c] / blocks_[b].frames);
+                }
+                add_scatter<std::complex<double>>(scatter[s], frames, means);
             }
         }
     }
-    for (std::size_t i = 0; i < slow.size(); ++i) {
-        double steps = 0;
-        double variance = 0;
-        for (std::size_t j = 0; j < slow.size(); ++j) {
+    std::vector<BlockDrift> drifts;
+    for (std::size_t i = 0; i < scatter.size(); ++i) {
+        BlockScatter near;
+        for (std::size_t j = 0; j < scatter.size(); ++j) {
             if (std::abs(std::log(shells.k[j] / shells.k[i])) > 0.2) continue;
-            steps += of_steps[j];
-            variance += of_blocks[j];
+            near.squares += scatter[j].squares;
+            near.steps += scatter[j].steps;
         }
-        slow[i] = steps < variance;  // ½ Σ steps/(K − 1) < ½ Σ squares/(K − 1)
+        drifts.push_back(block_drift(near, filled.size()));
     }
-    return slow;
+    return drifts;
+}
+
+// frames_of_mean of the shells. Where the scatter of blocks is not what tells `samples`, they are
+// the frames themselves: one more than that.
+std::vector<double> StructureFactor::samples_of_mean(const std::vector<double>& samples,
+                                                     const std::vector<BlockDrift>& drifts) const {
+    double frames = 0;
+    for (const Block& block : blocks_) frames += block.frames;
+    const auto filled = static_cast<double>(filled_blocks().size());
+    const double more = frames <= filled || filled < 2 ? 1 : 0;
+    std::vector<double> of_mean;
+    for (std::size_t s = 0; s < samples.size(); ++s) {
+        of_mean.push_back(frames_of_mean(samples[s] - more, drifts[s]));
+    }
+    return of_mean;
 }
 
 // How many independent modes a shell is worth: plane waves that do not fit between the walls
@@ -251,7 +260,10 @@ const char* StructureFactor::symbol() const {
 
 Curve StructureFactor::curve(const char* name, const char* method, Estimator estimator) const {
     const Shells shells = this->shells(estimator);
-    const std::vector<double> samples = this->samples(shells, estimator);
+    const std::vector<double> independent = this->samples(shells, estimator);
+    const std::vector<BlockDrift> drifts = this->drifts(shells, estimator);
+    const std::vector<double> samples = samples_of_mean(independent, drifts);
+    const std::vector<BlockDrift> uncorrelated(drifts.size());
     const Block sums = total(std::nullopt);
     const std::vector<double> s = averages(shells, sums, estimator, samples);
     std::vector<double> error(s.size(), undefined);
@@ -263,10 +275,13 @@ Curve StructureFactor::curve(const char* name, const char* method, Estimator est
             const std::vector<double> part = averages(shells, total(b), estimator, samples);
             for (std::size_t i = 0; i < s.size(); ++i) left[i].push_back(part[i]);
         }
-        const std::vector<bool> slow = is_slow(shells, estimator);
+        // What correlation adds is as uncertain as the few block means that tell it.
+        const std::vector<double> of_independent =
+            averages(shells, sums, estimator, samples_of_mean(independent, uncorrelated));
         for (std::size_t i = 0; i < s.size(); ++i) {
             const auto spread = student_jackknife_error(left[i], least_blocks);
-            if (spread && !slow[i]) error[i] = *spread;
+            if (!spread || drifts[i].step_ratio < least_step_ratio) continue;
+            error[i] = std::hypot(*spread, s[i] - of_independent[i]);
         }
     } else {
         error = few_frames_error(shells, estimator, s);
@@ -294,10 +309,10 @@ Spectrum StructureFactor::spectrum(Estimator estimator, std::span<const int> tim
     const Block sums = times.empty() ? total(std::nullopt) : total_of(times);
     Spectrum spectrum;
     spectrum.k = shells.k;
-    spectrum.s = averages(shells, sums, estimator, samples);
+    const std::vector<BlockDrift> drifts = this->drifts(shells, estimator);
+    spectrum.s = averages(shells, sums, estimator, samples_of_mean(samples, drifts));
     const auto frames = static_cast<double>(added_);
     const double block = frames / static_cast<double>(filled_blocks().size());
-    const std::vector<bool> slow = is_slow(shells, estimator);
     for (std::size_t i = 0; i < shells.k.size(); ++i) {
         // T/M from few blocks is noisy: the mean over shells within a fifth or so in k.
         double sum = 0;
@@ -315,7 +330,8 @@ Spectrum StructureFactor::spectrum(Estimator estimator, std::span<const int> tim
         if (estimator != Estimator::raw) nu *= std::max(0.0, 1 - 1 / (frames * kept));
         if (estimator == Estimator::neumann) nu *= 0.5;
         // Too slow for the run: one look, and nothing at all where the mean had to be subtracted.
-        if (slow[i]) nu = estimator == Estimator::raw ? modes[i] : 0;
+        const bool is_slow = drifts[i].step_ratio < least_step_ratio;
+        if (is_slow) nu = estimator == Estimator::raw ? modes[i] : 0;
         spectrum.dof.push_back(nu);
         spectrum.error.push_back(spectrum.s[i] / std::sqrt(nu));
     }
@@ -356,8 +372,8 @@ void StructureFactor::add_measurements(ObservableResult& result, Estimator best,
             }
         } else {
             also(error == 0 ? "the same in every frame: no error"
-                 : is_slow(shells, estimator).front()
-                     ? "changes more slowly than the run is long: no error"
+                 : drifts(shells, estimator).front().step_ratio < least_step_ratio
+                     ? slower_than_the_run
                      : "too few frames and modes for an error");
         }
         result.measurements.push_back(m);

@@ -51,6 +51,11 @@ double neumann_ratio(std::span<const double> values) {
     return 0.5 * steps / (count - 1) / variance_of(values, mean_of(values));
 }
 
+// The variance of the mean over a time x of what relaxes exponentially in a time of one.
+double variance_of_average(double x) {
+    return x < 1e-4 ? 1 - x / 3 : 2 * (x + std::expm1(-x)) / (x * x);
+}
+
 }  // namespace
 
 BlockPlan BlockPlan::of(std::int64_t frames, int most) {
@@ -123,6 +128,39 @@ double correlation_of_excess(double excess, double block) {
     return 0.5 * (low + high);
 }
 
+BlockDrift block_drift(const BlockScatter& scatter, std::size_t blocks) {
+    constexpr std::size_t least_blocks = 8;
+    constexpr std::size_t least_to_correct = 12;
+    if (blocks < least_blocks || !(scatter.squares > 0)) return {};
+    const auto k = static_cast<double>(blocks);
+    BlockDrift drift;
+    drift.step_ratio = 0.5 * scatter.steps / scatter.squares;
+    if (blocks >= least_to_correct && drift.step_ratio < 1) {
+        const auto g_of = [k](double x) {
+            return variance_of_average(k * x) / variance_of_average(x);
+        };
+        const auto ratio_of = [&](double x) {
+            const double decay = std::expm1(-x);
+            const double next = decay * decay / (x * x * variance_of_average(x));
+            return (1 - next) * (k - 1) / (k * (1 - g_of(x)));
+        };
+        const double wanted = std::max(drift.step_ratio, least_step_ratio);
+        double low = 0.1;  // the ratio is below a half there, from eight blocks on
+        double high = 1e4;
+        for (int step = 0; step < 60; ++step) {
+            const double middle = std::sqrt(low * high);
+            (ratio_of(middle) < wanted ? low : high) = middle;
+        }
+        drift.excess = (k - 1) * g_of(low) / (1 - g_of(low));
+    }
+    drift.variance_of_mean = drift.excess * scatter.squares / (k * (k - 1));
+    return drift;
+}
+
+double frames_of_mean(double independent, const BlockDrift& drift) {
+    return 1 + independent / drift.excess;
+}
+
 SeriesError series_error(std::span<const double> series, double scale) {
     const auto count = static_cast<double>(series.size());
     const double mean = mean_of(series);
@@ -159,7 +197,7 @@ SeriesError series_error(std::span<const double> series, double scale) {
     const bool drifts = series.size() >= least_to_judge && ratio < least_ratio;
     if (drifts || count * kept < least_samples) {
         found.is_slow = true;
-        found.reason = "changes more slowly than the run is long: no error";
+        found.reason = slower_than_the_run;
         return found;
     }
     const double known = in_blocks ? static_cast<double>(means.size()) : count * kept;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <complex>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -103,11 +104,69 @@ std::optional<double> student_jackknife_error(std::span<const double> leave_one_
 inline constexpr const char* too_few_blocks =
     "fewer than four blocks of frames: no error from fluctuations";
 
+/// Why a measurement has no error where what fluctuates drifts.
+inline constexpr const char* slower_than_the_run =
+    "changes more slowly than the run is long: no error";
+
 /// The correlation r from value to value of a series that relaxes exponentially, from the excess
 /// `excess` of the variance of the means of `block` values over that of independent ones,
 ///   excess = (1 + r)/(1 − r) − 2 r (1 − r^b)/(b (1 − r)²),  b = block,
 /// which rises with r. 0 for an excess of one or less.
 double correlation_of_excess(double excess, double block);
+
+/// How the means m_b of K consecutive blocks of f_b frames, F in all, scatter about their mean m,
+/// and from one to the next; for independent frames both are K − 1 times the variance of a block
+/// mean, `steps` twice that.
+struct BlockScatter {
+    double squares = 0;  ///< K/F Σ_b f_b |m_b − m|²
+    double steps = 0;    ///< K/F Σ_b 2 f_b f_(b+1)/(f_b + f_(b+1)) |m_(b+1) − m_b|²
+};
+
+/// Adds the scatter of real or complex means. `frames`: of each block, above zero.
+template <class Value>
+void add_scatter(BlockScatter& to, std::span<const double> frames, std::span<const Value> means) {
+    if (means.empty()) return;
+    // From the first one, so that equal means have no scatter.
+    double all = 0;
+    Value mean = 0;
+    for (std::size_t b = 0; b < means.size(); ++b) {
+        all += frames[b];
+        mean += frames[b] * (means[b] - means[0]);
+    }
+    mean /= all;
+    const double weight = static_cast<double>(means.size()) / all;
+    for (std::size_t b = 0; b < means.size(); ++b) {
+        to.squares += weight * frames[b] * std::norm(means[b] - means[0] - mean);
+        if (b == 0) continue;
+        const double both = 2 * frames[b] * frames[b - 1] / (frames[b] + frames[b - 1]);
+        to.steps += weight * both * std::norm(means[b] - means[b - 1]);
+    }
+}
+
+/// Below this step_ratio block means drift: what fluctuates changes more slowly than the run is
+/// long.
+inline constexpr double least_step_ratio = 0.5;
+
+/// What the means of consecutive blocks say about the mean of a run.
+struct BlockDrift {
+    double step_ratio = 1;  ///< steps/(2 squares), 1 for independent blocks (`vonneumann1941`)
+    double variance_of_mean = 0;  ///< of the run, in the square of the unit of its values
+    double excess = 1;            ///< variance_of_mean over squares/(K (K − 1))
+};
+
+/// Of K blocks of a quantity that relaxes exponentially, x the length of a block over the time that
+/// takes; the scatter may be a sum over quantities that are alike:
+///   step_ratio = (1 − c)(K − 1)/(K (1 − g)),   g = V(K x)/V(x),   V(x) = 2 (x − 1 + e^−x)/x²,
+///   variance_of_mean = excess squares/(K (K − 1)),   excess = (K − 1) g/(1 − g),
+/// V the variance of the mean over a time x, c = (1 − e^−x)²/(x² V(x)) the correlation of one block
+/// with the next. Below least_step_ratio x is that at this ratio: variance_of_mean is then no more
+/// than a lower bound. Below 12 blocks the ratio is too noisy to correct with, and the excess one;
+/// below 8, and without scatter, nothing is known: {1, 0, 1}.
+BlockDrift block_drift(const BlockScatter& scatter, std::size_t blocks);
+
+/// The number M' in the factor M'/(M' − 1) of a variance s² about the mean of a run, from the
+/// number of independent frames M = K s²/(squares/(K − 1)): M' = 1 + M/excess.
+double frames_of_mean(double independent, const BlockDrift& drift);
 
 /// Standard error of the mean of a series of values that may be correlated, and how many
 /// independent ones it is worth.

@@ -183,13 +183,16 @@ void add_lines(PaperPanel& panel, const std::vector<Results>& runs,
     }
 }
 
-// Where the slope of ln variance is last known to a tenth, else where it is known last.
-std::size_t last_known(const Series& slope) {
+// Where the slope of ln variance is last known to a tenth, else where it is known best.
+std::optional<std::size_t> last_known(const Series& slope) {
     constexpr double known = 0.1;
+    std::optional<std::size_t> best;
     for (std::size_t i = slope.error.size(); i-- > 0;) {
-        if (slope.error[i] > 0 && slope.error[i] < known) return i;
+        if (!(slope.error[i] > 0)) continue;
+        if (slope.error[i] < known) return i;
+        if (!best || slope.error[i] < slope.error[*best]) best = i;
     }
-    return slope.x.size() - 1;
+    return best;
 }
 
 // The slope of ln variance at large windows of the run with the largest control parameter.
@@ -201,12 +204,13 @@ void add_growth(PaperPanel& panel, const Subset& subset) {
         const auto slope = take(*curve, {"variance", "variance_slope", "l", "beta", "err"},
                                 [](std::size_t) { return true; });
         if (!slope) continue;
-        const std::size_t at = last_known(*slope);
-        const double error = slope->error.empty() ? 0 : slope->error[at];
+        const std::optional<std::size_t> at = last_known(*slope);
+        const std::string& label = subset.labels[r];
         panel.lines.push_back(
-            {fmt::format("Ours: β = {} at ℓ = {:.3g} {} ({})",
-                         with_error(slope->y[at], error > 0 ? &error : nullptr), slope->x[at],
-                         subset.runs[r].identity.is_field() ? "l" : "a", subset.labels[r]),
+            {!at ? fmt::format("Ours: no β that has an error ({})", label)
+                 : fmt::format("Ours: β = {} at ℓ = {:.3g} {} ({})",
+                               with_error(slope->y[*at], &slope->error[*at]), slope->x[*at],
+                               subset.runs[r].identity.is_field() ? "l" : "a", label),
              Agreement::unresolved, ""});
         return;
     }

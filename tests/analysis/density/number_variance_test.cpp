@@ -130,6 +130,54 @@ TEST(NumberVariance, OfThreeFramesHasAReasonInPlaceOfAnError) {
     EXPECT_TRUE(std::isnan(column(r, "variance", "err")[3]));
 }
 
+// A run that is cut short, with blocks of unequal length: every window of every frame is counted.
+TEST(NumberVariance, AddsTheVarianceOfTheMeansOfItsPositions) {
+    RandomStream random(12, "drift");
+    const Box box = square_box(8);
+    constexpr int planned = 45;
+    constexpr int frames = 41;
+    constexpr int side = 3;
+    NumberVariance variance({.smallest = side, .largest = side, .step = 1}, box, planned);
+    std::vector<Vec2> points = poisson_points(70, box, random);
+    std::vector<std::vector<double>> contents(64);  // of each position, by frames
+    for (int f = 0; f < frames; ++f) {
+        variance.add(variance.measure(pattern(points, box, f)));
+        for (int p = 0; p < 64; ++p) {
+            double count = 0;
+            for (const Vec2 q : points) {
+                count += box.wrap(q - Vec2{1.0 * (p % 8), 1.0 * (p / 8)}).x < side &&
+                         box.wrap(q - Vec2{1.0 * (p % 8), 1.0 * (p / 8)}).y < side;
+            }
+            contents[static_cast<std::size_t>(p)].push_back(count);
+        }
+        for (Vec2& p : points) {
+            p = box.wrap(p + Vec2{0.4 * random.normal(), 0.4 * random.normal()});
+        }
+    }
+    const BlockPlan plan = BlockPlan::of(planned);
+    std::vector<double> lengths(static_cast<std::size_t>(plan.block_of(frames - 1)) + 1, 0.0);
+    for (int f = 0; f < frames; ++f) ++lengths[static_cast<std::size_t>(plan.block_of(f))];
+    BlockScatter scatter;
+    double plain = 0;
+    for (const std::vector<double>& n : contents) {
+        std::vector<double> means(lengths.size(), 0.0);
+        double mean = 0;
+        for (int f = 0; f < frames; ++f) {
+            const auto b = static_cast<std::size_t>(plan.block_of(f));
+            means[b] += n[static_cast<std::size_t>(f)] / lengths[b];
+            mean += n[static_cast<std::size_t>(f)] / frames;
+        }
+        for (const double x : n) plain += (x - mean) * (x - mean) / frames / 64;
+        add_scatter<double>(scatter, lengths, means);
+    }
+    scatter.squares /= 64;
+    scatter.steps /= 64;
+    const BlockDrift drift = block_drift(scatter, lengths.size());
+    ASSERT_GT(drift.variance_of_mean, 1.2 * plain / (frames - 1));
+    EXPECT_NEAR(column(variance.result(), "variance", "variance")[0],
+                plain + drift.variance_of_mean, 1e-9);
+}
+
 TEST(NumberVariance, NamesItsReadingsApartSoThatNoneIsComparedWithAnother) {
     RandomStream random(7, "names");
     const Box box = square_box(60, Boundary::walls);

@@ -1,10 +1,13 @@
 #include "analysis/spectra/structure_factor.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "analysis/statistics/blocks.h"
 #include "core/errors.h"
 #include "tests/analysis/synthetic_patterns.h"
 
@@ -36,6 +39,48 @@ TEST(StructureFactor, OfAPeriodicBoxIsTheRawOneOnTheFullGrid) {
     const ObservableResult r = sk.result();
     EXPECT_EQ(column(r, "sk", "s"), column(r, "sk_raw", "s"));
     EXPECT_NEAR(column(r, "sk", "k").front(), 2 * std::numbers::pi / 30, 1e-12);
+}
+
+// Points that move slowly, and the lowest mode alone: 16 blocks of two frames.
+TEST(StructureFactor, AddsTheVarianceOfTheMeanThatItSubtracts) {
+    constexpr int frames = 32;
+    constexpr int blocks = 16;
+    constexpr double length = 10;
+    const Box box = square_box(length, Boundary::walls);
+    RandomStream random(11, "slow");
+    std::vector<Vec2> points = poisson_points(200, box, random);
+    StructureFactor sk({.k_max = 0.5}, box, frames);
+    std::vector<double> c;
+    for (int f = 0; f < frames; ++f) {
+        sk.add(sk.measure(pattern(points, box, f)));
+        double sum = 0;
+        for (Vec2& p : points) {
+            const double q = std::numbers::pi / length;
+            sum += std::cos(q * p.x) * std::cos(q * p.y);
+            for (double* x : {&p.x, &p.y}) {
+                *x = std::clamp(*x + 0.8 * random.normal(), 0.0, length * (1 - 1e-9));
+            }
+        }
+        c.push_back(sum);
+    }
+    double mean = 0, square = 0;
+    for (const double x : c) {
+        mean += x / frames;
+        square += x * x / frames;
+    }
+    std::vector<double> means;
+    for (std::size_t b = 0; b < blocks; ++b) means.push_back(0.5 * (c[2 * b] + c[2 * b + 1]));
+    BlockScatter scatter;
+    add_scatter<double>(scatter, std::vector<double>(blocks, 2.0), means);
+    const double variance = square - mean * mean;
+    const BlockDrift drift = block_drift(scatter, blocks);
+    ASSERT_GT(drift.excess, 1.2);  // else this test would hold with independent blocks, too
+    const double independent = std::clamp(blocks * variance / (scatter.squares / (blocks - 1)),
+                                          1.0 * blocks, 1.0 * frames);
+    const double left = frames_of_mean(independent, drift);
+    const ObservableResult result = sk.result();
+    ASSERT_EQ(column(result, "sk_neumann", "k").size(), 1U);
+    EXPECT_NEAR(column(result, "sk_neumann", "s")[0], 4 * variance / 200 * left / (left - 1), 1e-9);
 }
 
 TEST(StructureFactor, TakesOutAnyStaticProfileExactly) {

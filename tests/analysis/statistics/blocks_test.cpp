@@ -78,6 +78,116 @@ TEST(Jackknife, WithStudentsFactorAsksForFourBlocks) {
     EXPECT_FALSE(student_jackknife_error(std::vector<double>{1, 2, 4, 5}, 8).has_value());
 }
 
+// Means of blocks of so many values, each `keep` correlated with the next.
+std::vector<double> block_means_of(const std::vector<double>& frames, double keep,
+                                   RandomStream& random) {
+    std::vector<double> means;
+    double x = random.normal();
+    for (const double f : frames) {
+        double sum = 0;
+        for (int i = 0; i < static_cast<int>(f); ++i) {
+            sum += x;
+            x = keep * x + std::sqrt(1 - keep * keep) * random.normal();
+        }
+        means.push_back(sum / f);
+    }
+    return means;
+}
+
+double weighted_mean(const std::vector<double>& frames, const std::vector<double>& means) {
+    double sum = 0, all = 0;
+    for (std::size_t b = 0; b < means.size(); ++b) {
+        sum += frames[b] * means[b];
+        all += frames[b];
+    }
+    return sum / all;
+}
+
+TEST(BlockDrift, TellsTheVarianceOfTheMeanOfWhatRelaxesExponentially) {
+    // Blocks of 20 values, 40, 4 and 1.3 relaxation times long, and 13 blocks of unequal length.
+    struct Run {
+        std::vector<double> frames;
+        double keep;
+    };
+    std::vector<Run> runs;
+    for (const double time : {0.5, 5.0, 15.0}) {
+        runs.push_back({std::vector<double>(16, 20.0), std::exp(-1 / time)});
+    }
+    std::vector<double> unequal(12, 20.0);
+    unequal.push_back(3);
+    runs.push_back({unequal, std::exp(-1.0 / 5)});
+    for (const auto& [frames, keep] : runs) {
+        RandomStream random(4, "drift", static_cast<std::uint64_t>(1000 * keep) + frames.size());
+        constexpr int series = 20000;
+        BlockScatter scatter;
+        double of_mean = 0;
+        for (int i = 0; i < series; ++i) {
+            const std::vector<double> means = block_means_of(frames, keep, random);
+            add_scatter<double>(scatter, frames, means);
+            of_mean += std::pow(weighted_mean(frames, means), 2) / series;
+        }
+        scatter.squares /= series;
+        scatter.steps /= series;
+        // Known to sqrt(2/20000) = 1 %; six of them.
+        EXPECT_NEAR(block_drift(scatter, frames.size()).variance_of_mean, of_mean, 0.06 * of_mean)
+            << keep << ", " << frames.size() << " blocks";
+    }
+}
+
+TEST(BlockDrift, OfIndependentFramesHasARatioOfOneInBlocksOfAnyLength) {
+    for (const double last : {100.0, 30.0, 1.0}) {
+        std::vector<double> frames(15, 100.0);
+        frames.push_back(last);
+        RandomStream random(5, "unequal", static_cast<std::uint64_t>(last));
+        BlockScatter scatter;
+        for (int i = 0; i < 2000; ++i) {
+            add_scatter<double>(scatter, frames, block_means_of(frames, 0, random));
+        }
+        // Each ratio scatters by some 1/4: six standard errors.
+        EXPECT_NEAR(block_drift(scatter, 16).step_ratio, 1, 6 * 0.25 / std::sqrt(2000)) << last;
+    }
+}
+
+TEST(BlockDrift, OfIndependentMeansIsTheirVarianceOverTheirNumber) {
+    const BlockDrift drift = block_drift({45, 100}, 13);
+    EXPECT_DOUBLE_EQ(drift.step_ratio, 100.0 / 90);
+    EXPECT_DOUBLE_EQ(drift.variance_of_mean, 45.0 / 156);
+    EXPECT_EQ(drift.excess, 1);
+}
+
+TEST(BlockDrift, CorrectsFromTwelveBlocksOnAndJudgesFromEight) {
+    EXPECT_GT(block_drift({1, 1.4}, 12).excess, 1.5);
+    EXPECT_EQ(block_drift({1, 1.4}, 11).excess, 1);
+    EXPECT_DOUBLE_EQ(block_drift({1, 0.4}, 8).step_ratio, 0.2);
+    EXPECT_EQ(block_drift({1, 0.4}, 7).step_ratio, 1);
+}
+
+TEST(BlockDrift, OfAStraightLineIsFarBelowTheLeastRatio) {
+    BlockScatter scatter;
+    std::vector<double> line;
+    for (int b = 0; b < 16; ++b) line.push_back(b);
+    add_scatter<double>(scatter, std::vector<double>(16, 5.0), line);
+    EXPECT_DOUBLE_EQ(scatter.squares, 340);
+    EXPECT_DOUBLE_EQ(scatter.steps, 15);
+    const BlockDrift drift = block_drift(scatter, 16);
+    EXPECT_LT(drift.step_ratio, 0.1 * least_step_ratio);
+    EXPECT_TRUE(std::isfinite(drift.variance_of_mean));
+}
+
+TEST(BlockDrift, OfEqualMeansThatAreNoExactNumbersIsNone) {
+    BlockScatter scatter;
+    add_scatter<double>(scatter, std::vector<double>(16, 3.0), std::vector<double>(16, 1.0 / 3));
+    EXPECT_EQ(scatter.squares, 0);
+    EXPECT_EQ(scatter.steps, 0);
+    EXPECT_EQ(block_drift(scatter, 16).variance_of_mean, 0);
+    EXPECT_EQ(block_drift(scatter, 16).step_ratio, 1);
+}
+
+TEST(BlockDrift, LeavesFewerFramesBehindAMeanOfBlocksThatAreAlike) {
+    EXPECT_DOUBLE_EQ(frames_of_mean(100, BlockDrift{}), 101);
+    EXPECT_DOUBLE_EQ(frames_of_mean(100, {0.8, 1, 4}), 26);
+}
+
 TEST(MeanSeries, GivesAReasonInsteadOfANumberWhenEmpty) {
     const Measurement m = MeanSeries{}.measurement("x", "-", std::nullopt, "nothing seen");
     EXPECT_FALSE(m.value.has_value());
