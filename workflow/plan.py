@@ -118,9 +118,9 @@ class Plan:
 
     def layers(self):
         """Names of all layers, acceleration first: 2.3, and beside it 2.3-large, 2.3-literal."""
-        large = [text(amplitude * LAYER_OMEGA**2) + "-large" for amplitude in self.layer.get("amplitude-large", [])]
-        literal = [f"{gamma}-literal" for gamma in self.layer_gammas()] if self.layer.get("literal") else []
-        return self.layer_gammas() + large + literal
+        beside = [f"{text(amplitude * LAYER_OMEGA**2)}-{kind}" for kind in ("large", "literal")
+                  for amplitude in self.layer.get(f"amplitude-{kind}", [])]
+        return self.layer_gammas() + beside
 
     def layer_length(self, name):
         return self.layer["length-large" if name.endswith("-large") else "length"]

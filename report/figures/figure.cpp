@@ -15,10 +15,7 @@ bool Figure::has_data() const {
 std::vector<std::size_t> points_without_error(const Figure& figure, const Series& series) {
     const auto is_known = [](double error) { return std::isfinite(error) && error > 0; };
     std::vector<std::size_t> open;
-    if (figure.kinds[series.kind].mark != Mark::line ||
-        std::ranges::none_of(series.error, is_known)) {
-        return open;
-    }
+    if (figure.kinds[series.kind].mark != Mark::line) return open;
     for (std::size_t i = 0; i < series.error.size(); ++i) {
         if (!is_known(series.error[i])) open.push_back(i);
     }

@@ -32,7 +32,7 @@ struct Series {
     std::size_t run = 0;   ///< index into Figure::runs; of no meaning for guides
     std::size_t kind = 0;  ///< index into Figure::kinds
     std::vector<double> x, y;
-    std::vector<double> error;  ///< standard error of y, NaN where unknown; may be empty
+    std::vector<double> error;  ///< standard error of y, NaN where unknown; empty: it has none
 };
 
 /// A plot, described once: the page (Plotly), the SVG (gnuplot) and the CSV are made from this.
@@ -58,7 +58,7 @@ struct Figure {
     bool has_data() const;  ///< whether any run has a series
 };
 
-/// Points that have no error though others of their series have one. They are drawn as open
+/// Points whose error is not known, of a series that has a column of errors. They are drawn as open
 /// symbols: without a bar they would look precise. Of a series of points alone; of any other none.
 std::vector<std::size_t> points_without_error(const Figure& figure, const Series& series);
 

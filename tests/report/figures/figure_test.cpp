@@ -61,22 +61,24 @@ TEST(Figure, WithOnlyGuidesHasNoData) {
     EXPECT_FALSE(figure.has_data());
 }
 
-TEST(Figure, OpenSymbolsAreForPointsWithoutErrorAmongOthersThatHaveOne) {
+TEST(Figure, OpenSymbolsAreForPointsWithoutErrorOfSeriesThatHaveErrors) {
     Figure figure;
     figure.kinds = {{"S", Mark::line}, {"fit", Mark::curve}};
     const double none = std::numeric_limits<double>::quiet_NaN();
     const Series some{0, 0, {1, 2, 3}, {4, 5, 6}, {none, 0.1, 0}};
     EXPECT_EQ(points_without_error(figure, some), (std::vector<std::size_t>{0, 2}));
     const Series never{0, 0, {1, 2}, {4, 5}, {none, none}};
-    EXPECT_TRUE(points_without_error(figure, never).empty());
+    EXPECT_EQ(points_without_error(figure, never), (std::vector<std::size_t>{0, 1}));
     EXPECT_TRUE(points_without_error(figure, {0, 0, {1, 2}, {4, 5}, {}}).empty());
     Series fit = some;
     fit.kind = 1;
     EXPECT_TRUE(points_without_error(figure, fit).empty());
 
-    figure.series = {never, fit};
-    EXPECT_EQ(open_symbols_sentence(figure), "");
-    figure.series.push_back(some);
+    figure.series = {{0, 0, {1, 2}, {4, 5}, {}}, fit};
+    EXPECT_EQ(open_symbols_sentence(figure), "") << "of a series without errors, and of a fit";
+    figure.series.push_back(never);
+    EXPECT_EQ(open_symbols_sentence(figure), "Open symbols: the error is not known.");
+    figure.series.back() = some;
     EXPECT_EQ(open_symbols_sentence(figure), "Open symbols: the error is not known.");
     figure.y.scale = Scale::log;
     figure.series.back().y = {-4, 5, -6};
