@@ -117,8 +117,8 @@ class Plan:
         return [text(amplitude * LAYER_OMEGA**2) for amplitude in self.layer["amplitude"]]
 
     def layers(self):
-        """Names of all layers, acceleration first: 2.3, and beside it 2.3-large, 2.3-literal."""
-        beside = [f"{text(amplitude * LAYER_OMEGA**2)}-{kind}" for kind in ("large", "literal")
+        """Names of all layers, acceleration first: 2.3, and beside it 2.3-large, 2.3-literal, 2.3-literal-large."""
+        beside = [f"{text(amplitude * LAYER_OMEGA**2)}-{kind}" for kind in ("large", "literal", "literal-large")
                   for amplitude in self.layer.get(f"amplitude-{kind}", [])]
         return self.layer_gammas() + beside
 
@@ -132,7 +132,7 @@ class Plan:
         length, relax = self.layer_length(name), self.layer["relax"]
         gamma = name.split("-")[0]
         # As the paper is worded: one coefficient for sticking and sliding.
-        friction = [f"--{of}-static-friction=0.03" for of in ("grain", "plate")] if name.endswith("-literal") else []
+        friction = [f"--{of}-static-friction=0.03" for of in ("grain", "plate")] if "-literal" in name else []
         return [f"--grains={self.layer_grains(name)}", f"--length-x={length}", f"--length-y={length}",
                 f"--amplitude={float(gamma) / LAYER_OMEGA**2:.6g}", f"--discard={relax}",
                 f"--periods={relax + self.layer['record']}",
