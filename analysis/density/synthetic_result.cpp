@@ -207,7 +207,8 @@ ObservableResult synthetic_result(const SyntheticInput& input, const SyntheticOp
     result.reason = input.reason;
     if (result.reason.empty() && input.spectrum.k.empty()) result.reason = "no S(k)";
     if (result.reason.empty() && !line && options.spectrum == SpectrumSource::fit) {
-        result.reason = input.fit.reason;
+        const Measurement* s0 = input.fit.find_measurement("s0");
+        result.reason = s0 != nullptr && !s0->value ? s0->reason : input.fit.reason;
     }
     if (!result.reason.empty()) return result;
 

@@ -112,6 +112,19 @@ Measurement systematic(const char* what, const SpectrumFit& a, const SpectrumFit
     return {name, "-", 0.5 * std::abs(a.ratio() - b.ratio()), std::nullopt, 0, meaning};
 }
 
+// Every second shell from `first` on.
+Spectrum every_second(const Spectrum& spectrum, std::size_t first) {
+    Spectrum part;
+    for (std::size_t i = first; i < spectrum.k.size(); i += 2) {
+        part.k.push_back(spectrum.k[i]);
+        part.s.push_back(spectrum.s[i]);
+        part.dof.push_back(spectrum.dof[i]);
+        part.error.push_back(spectrum.error[i]);
+        part.too_slow.push_back(spectrum.is_too_slow(i));
+    }
+    return part;
+}
+
 void add_systematics(const Spectrum& spectrum, const SpectrumFit& fit, const FitOptions& options,
                      ObservableResult& result) {
     const auto at = [&](double k_max, double alpha) {
@@ -123,19 +136,11 @@ void add_systematics(const Spectrum& spectrum, const SpectrumFit& fit, const Fit
     result.measurements.push_back(systematic("range", at(end * 0.5 / 0.65, fit.alpha),
                                              at(end * 0.8 / 0.65, fit.alpha),
                                              "half the change from 0.77 to 1.23 of the range"));
-    Spectrum odd;
-    Spectrum even;
-    for (std::size_t i = 0; i < spectrum.k.size(); ++i) {
-        Spectrum& part = i % 2 == 0 ? odd : even;
-        part.k.push_back(spectrum.k[i]);
-        part.s.push_back(spectrum.s[i]);
-        part.dof.push_back(spectrum.dof[i]);
-        part.error.push_back(spectrum.error[i]);
-    }
-    result.measurements.push_back(
-        systematic("grid", fit_spectrum(odd, end, fit.alpha, options.method),
-                   fit_spectrum(even, end, fit.alpha, options.method),
-                   "half the difference between every second shell and the others"));
+    const auto half = [&](std::size_t first) {
+        return fit_spectrum(every_second(spectrum, first), end, fit.alpha, options.method);
+    };
+    result.measurements.push_back(systematic(
+        "grid", half(0), half(1), "half the difference between every second shell and the others"));
 }
 
 Curve fit_curve(const SpectrumFit& fit, double first) {
@@ -213,18 +218,50 @@ Measurement chi2_of(const SpectrumFit& fit, const FitOptions& options) {
             "whether the curve describes the shells: about 1 where it does"};
 }
 
+std::size_t shell_near(const Spectrum& spectrum, double k) {
+    const auto distance = [k](double shell) { return std::abs(shell - k); };
+    const auto nearest = std::ranges::min_element(spectrum.k, {}, distance);
+    return static_cast<std::size_t>(nearest - spectrum.k.begin());
+}
+
+Measurement pre_peak_of(const Evidence& evidence, double samples, const FitOptions& options) {
+    const PrePeak peak = find_pre_peak(evidence.spectrum);
+    if (!peak.k) return missing("k_pre_peak", "1/a", peak.reason);
+    // Blocks of one slow change are no samples of where the maximum may be.
+    if (evidence.spectrum.is_too_slow(shell_near(evidence.spectrum, *peak.k))) {
+        return measured("k_pre_peak", "1/a", *peak.k, std::nullopt, samples, slower_than_the_run);
+    }
+    const auto wanted = static_cast<std::size_t>(options.bootstrap);
+    return measured("k_pre_peak", "1/a", *peak.k, half_width(evidence.values.peak, wanted), samples,
+                    evidence.resampled ? "" : "no resampled blocks of time: no error");
+}
+
+double samples_up_to(const Spectrum& spectrum, double k_max) {
+    double samples = 0;
+    for (std::size_t i = 0; i < spectrum.k.size() && spectrum.k[i] <= k_max; ++i) {
+        if (std::isfinite(spectrum.dof[i])) samples += spectrum.dof[i];
+    }
+    return samples;
+}
+
+// What is known without a fit: the pre-peak, if there is one.
+ObservableResult without_fit(const Evidence& evidence, const FitOptions& options,
+                             const std::string& reason) {
+    const std::optional<double> peak = find_pre_peak(evidence.spectrum).k;
+    if (!peak) return blank(options, reason);
+    ObservableResult result = blank(options, "");
+    for (const char* name : {"s0_over_s1", "s0", "s1"}) {
+        result.measurements.push_back(missing(name, "-", reason));
+    }
+    result.measurements.push_back(
+        pre_peak_of(evidence, samples_up_to(evidence.spectrum, *peak), options));
+    return result;
+}
+
 void add_range(const Evidence& evidence, const SpectrumFit& fit, bool has_ratio, double samples,
                const FitOptions& options, ObservableResult& result) {
     auto& m = result.measurements;
-    const PrePeak peak = find_pre_peak(evidence.spectrum);
-    if (peak.k) {
-        const auto wanted = static_cast<std::size_t>(options.bootstrap);
-        m.push_back(measured("k_pre_peak", "1/a", *peak.k, half_width(evidence.values.peak, wanted),
-                             samples,
-                             evidence.resampled ? "" : "no resampled blocks of time: no error"));
-    } else {
-        m.push_back(missing("k_pre_peak", "1/a", peak.reason));
-    }
+    m.push_back(pre_peak_of(evidence, samples, options));
     m.push_back({"k_fit", "1/a", fit.k_max, std::nullopt, 0,
                  fmt::format("end of the fit; chi2 = {:.4g} for {} shells", fit.chi2, fit.points)});
     const auto interval = has_ratio ? ratio_interval(evidence.spectrum, fit) : std::nullopt;
@@ -239,8 +276,8 @@ void add_range(const Evidence& evidence, const SpectrumFit& fit, bool has_ratio,
 
 ObservableResult fit_of_evidence(const Evidence& evidence, const FitOptions& options) {
     const SpectrumFit fit = fit_of(evidence.spectrum, options);
-    ObservableResult result = blank(options, fit.reason);
-    if (!fit.ok()) return result;
+    if (!fit.ok()) return without_fit(evidence, options, fit.reason);
+    ObservableResult result = blank(options, "");
     const Spectrum& spectrum = evidence.spectrum;
     const Bootstrap& values = evidence.values;
     const auto fitted = [&](const char* name, double value, const std::vector<double>& resampled,
@@ -248,10 +285,7 @@ ObservableResult fit_of_evidence(const Evidence& evidence, const FitOptions& opt
         FittedError error = error_of(evidence, resampled, from_likelihood, options);
         return measured(name, "-", value, error.value, samples, std::move(error.remark));
     };
-    double samples = 0;
-    for (std::size_t i = 0; i < spectrum.k.size() && spectrum.k[i] <= fit.k_max; ++i) {
-        if (std::isfinite(spectrum.dof[i])) samples += spectrum.dof[i];
-    }
+    const double samples = samples_up_to(spectrum, fit.k_max);
     auto& m = result.measurements;
     const Measurement s1 = fitted("s1", fit.s1, values.s1, fit.error[1], samples);
     const double s1_error = s1.error.value_or(std::numeric_limits<double>::quiet_NaN());
@@ -325,13 +359,20 @@ Spectrum recorded_spectrum(const ObservableResult& sk, FitModes modes) {
     const Curve* s = sk.find_curve(walls ? "sk_neumann" : "sk");
     const Curve* samples = sk.find_curve(walls ? "sk_neumann_samples" : "sk_samples");
     const Column* dof = samples == nullptr ? nullptr : samples->find("dof");
-    if (s == nullptr || dof == nullptr) return {};
+    const Column* looks = samples == nullptr ? nullptr : samples->find("modes");
+    if (s == nullptr || dof == nullptr || looks == nullptr) return {};
     const Column* k = s->find("k");
     const Column* value = s->find("s");
     const Column* error = s->find("s_err");
     if (k == nullptr || value == nullptr || error == nullptr) return {};
     if (dof->values.size() != k->values.size()) return {};
-    return {k->values, value->values, dof->values, error->values};
+    if (looks->values.size() != k->values.size()) return {};
+    Spectrum spectrum{k->values, value->values, dof->values, error->values};
+    for (std::size_t i = 0; i < dof->values.size(); ++i) {
+        const bool one_look = dof->values[i] <= looks->values[i];
+        spectrum.too_slow.push_back(one_look && !std::isfinite(error->values[i]));
+    }
+    return spectrum;
 }
 
 Spectrum fitted_spectrum(const StructureFactor& sk, FitModes modes) {
@@ -361,7 +402,7 @@ ObservableResult fit_result(const StructureFactor& sk, const FitOptions& options
         evidence.others =
             sk.spectrum(fitted == Estimator::neumann ? Estimator::connected : Estimator::neumann);
     }
-    if (fit_of(evidence.spectrum, options).ok()) {
+    if (fit_of(evidence.spectrum, options).ok() || find_pre_peak(evidence.spectrum).k) {
         evidence.values = bootstrap(sk, fitted, options);
     }
     return fit_of_evidence(evidence, options);

@@ -40,6 +40,11 @@ OptionTable describe(FitOptions& options);
 /// 0.5 and 0.8 k_pp (0.77 and 1.23 of a given range), and by leaving out every second shell. Curve
 /// "fit": k, s, s_err.
 ///
+/// There is no fit, with the reason, where fewer than three shells of the range (four with a free
+/// exponent) have an error: those that change more slowly than the run is long have none. A
+/// pre-peak is given all the same; S0/S1, S0 and S1 are then missing, with that reason. It has no
+/// error where the shell nearest to it has none.
+///
 /// S0/S1 is missing, with the reason, unless S1 is above two of its errors (`rises`): it may be
 /// anything there. Its systematics are missing with it, and its interval is left out.
 ///

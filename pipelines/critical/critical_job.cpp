@@ -99,9 +99,10 @@ Gathered as_fitted(const std::vector<Results>& results, const std::vector<double
         const std::string why = falls            ? analysis::no_rise(*s1->value, s1_error)
                                 : fit == nullptr ? "it has no fit; analyse it again (a density "
                                                    "field with a range of the fit)"
-                                : !fit->reason.empty()     ? fit->reason
-                                : m != nullptr && m->value ? "S0/S1 has no error"
-                                                           : "it has no S0/S1";
+                                : !fit->reason.empty() ? fit->reason
+                                : m == nullptr         ? "it has no S0/S1"
+                                : m->value             ? "S0/S1 has no error"
+                                                       : m->reason;
         plan.warn(fmt::format("'{}' is left out: {}", results[i].label, why));
     }
     return gathered;

@@ -17,14 +17,14 @@ std::optional<double> slope_of(const Results& run, std::string& reason) {
         return std::nullopt;
     }
     const Measurement* s1 = fit->find_measurement("s1");
-    if (!fit->reason.empty() || s1 == nullptr || !s1->value) {
-        reason = !fit->reason.empty() ? fit->reason : "its fit has no S1";
-        return std::nullopt;
-    }
     // The analysis gives no S0/S1 where it does not know that S grows with k.
     const Measurement* ratio = fit->find_measurement("s0_over_s1");
-    if (ratio != nullptr && !ratio->value) {
+    if (fit->reason.empty() && ratio != nullptr && !ratio->value) {
         reason = ratio->reason;
+        return std::nullopt;
+    }
+    if (!fit->reason.empty() || s1 == nullptr || !s1->value) {
+        reason = !fit->reason.empty() ? fit->reason : "its fit has no S1";
         return std::nullopt;
     }
     if (*s1->value > 0) return *s1->value;

@@ -3,11 +3,16 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 
+#include "tests/analysis/synthetic_patterns.h"
+
 namespace grainfield::analysis {
 namespace {
+
+using namespace synthetic;
 
 // S = 1 + S1 (ka)^1.12 exactly, of shells that are worth 100 independent modes each.
 ObservableResult fit_of(double s1) {
@@ -42,6 +47,84 @@ TEST(FitResult, HasAReasonInPlaceOfARatioWhereS1IsNotAboveTwoOfItsErrors) {
         EXPECT_FALSE(fit.find_measurement("s0_over_s1_systematic_range")->value.has_value());
         EXPECT_EQ(fit.find_measurement("s0_over_s1_low"), nullptr);
     }
+}
+
+// A periodic layer whose lower modes grow through the whole run, as where it separates, and whose
+// others are those of independent points.
+StructureFactor separating(int frames, double growing_below) {
+    const Box box = square_box(20);
+    RandomStream random(21, "separating");
+    StructureFactor sk({.k_max = 2}, box, frames);
+    for (int f = 0; f < frames; ++f) {
+        StructureFactor::Sample sample =
+            sk.measure(pattern(poisson_points(400, box, random), box, f));
+        for (std::size_t m = 0; m < sample.rho.size(); ++m) {
+            const double k = sk.grid().modes()[m].k;
+            if (k < growing_below) sample.rho[m] = {10 * k + 0.02 * f, 0.01 * f};
+        }
+        sk.add(std::move(sample));
+    }
+    return sk;
+}
+
+TEST(FitResult, IsNoneWhereTheShellsChangeMoreSlowlyThanTheRunIsLong) {
+    const StructureFactor sk = separating(400, 1.2);
+    const ObservableResult fit = fit_result(sk, {.k_max = 1});
+    EXPECT_NE(fit.reason.find("0 shells with an error"), std::string::npos) << fit.reason;
+    EXPECT_NE(fit.reason.find("more slowly than the run"), std::string::npos) << fit.reason;
+    EXPECT_EQ(fit.find_measurement("s0_over_s1"), nullptr);
+    EXPECT_EQ(fit.find_measurement("k_pre_peak"), nullptr);
+    // What is stored says the same.
+    const Spectrum recorded = recorded_spectrum(sk.result());
+    EXPECT_EQ(recorded.too_slow, fitted_spectrum(sk, FitModes::box).too_slow);
+    EXPECT_EQ(fit_result(recorded, {.k_max = 1}).reason, fit.reason);
+    // Farther out there are enough.
+    EXPECT_EQ(fit_result(sk, {.k_max = 2}).reason, "");
+    EXPECT_EQ(fit_result(separating(400, 0), {.k_max = 1}).reason, "");
+}
+
+TEST(FitResult, KeepsAPrePeakBelowWhichNothingIsKnown) {
+    Spectrum spectrum;
+    for (int i = 1; i <= 30; ++i) {
+        const double k = i * std::numbers::pi / 100;
+        const double bump = std::exp(-std::pow((k - 0.45) / 0.15, 2));
+        spectrum.k.push_back(k);
+        spectrum.s.push_back(0.2 + bump);
+        spectrum.dof.push_back(k < 0.25 ? 2 : 400);
+        spectrum.error.push_back(spectrum.s.back() / std::sqrt(spectrum.dof.back()));
+        spectrum.too_slow.push_back(k < 0.25);
+    }
+    const ObservableResult fit = fit_result(spectrum, FitOptions{});
+    EXPECT_EQ(fit.reason, "");
+    EXPECT_NEAR(*fit.find_measurement("k_pre_peak")->value, 0.45, 0.02);
+    for (const char* name : {"s0_over_s1", "s0", "s1"}) {
+        const Measurement* m = fit.find_measurement(name);
+        ASSERT_NE(m, nullptr) << name;
+        EXPECT_FALSE(m->value.has_value()) << name;
+        EXPECT_NE(m->reason.find("3 are needed"), std::string::npos) << m->reason;
+    }
+    EXPECT_EQ(fit.find_curve("fit"), nullptr);
+}
+
+// Density waves about ka = 1 that grow to the end of the run, in blocks that all have the maximum.
+TEST(FitResult, HasNoErrorOfAPrePeakThatChangesMoreSlowlyThanTheRunIsLong) {
+    const Box box = square_box(40);
+    RandomStream random(22, "growing pre-peak");
+    StructureFactor sk({.k_max = 2}, box, 400);
+    for (int f = 0; f < 400; ++f) {
+        auto sample = sk.measure(pattern(poisson_points(1600, box, random), box, f));
+        for (std::size_t m = 0; m < sample.rho.size(); ++m) {
+            const double bump = std::exp(-std::pow((sk.grid().modes()[m].k - 1) / 0.2, 2));
+            sample.rho[m] += bump * (100 + 0.5 * f);
+        }
+        sk.add(std::move(sample));
+    }
+    const ObservableResult fit = fit_result(sk, FitOptions{});
+    const Measurement* peak = fit.find_measurement("k_pre_peak");
+    ASSERT_NE(peak, nullptr) << fit.reason;
+    EXPECT_NEAR(*peak->value, 1, 0.1);
+    EXPECT_FALSE(peak->error.has_value());
+    EXPECT_NE(peak->reason.find("more slowly than the run"), std::string::npos) << peak->reason;
 }
 
 }  // namespace
