@@ -141,7 +141,7 @@ std::string add_side(Table& table, const SpectrumModel& model, const SyntheticIn
                      double side, const SyntheticOptions& options) {
     if (!model.has_fit() && side > input.side * (1 + 1e-9)) {
         return "needs S(k) below the measured wavevectors, which only a fit gives: " +
-               input.fit.reason;
+               why_no_fit(input.fit);
     }
     if (model.k_min() > 1.5 * 2 * std::numbers::pi / input.side) {
         return fmt::format(
@@ -207,8 +207,7 @@ ObservableResult synthetic_result(const SyntheticInput& input, const SyntheticOp
     result.reason = input.reason;
     if (result.reason.empty() && input.spectrum.k.empty()) result.reason = "no S(k)";
     if (result.reason.empty() && !line && options.spectrum == SpectrumSource::fit) {
-        const Measurement* s0 = input.fit.find_measurement("s0");
-        result.reason = s0 != nullptr && !s0->value ? s0->reason : input.fit.reason;
+        result.reason = why_no_fit(input.fit);
     }
     if (!result.reason.empty()) return result;
 
@@ -217,7 +216,7 @@ ObservableResult synthetic_result(const SyntheticInput& input, const SyntheticOp
                                     ? SpectrumModel::of_fit(*line, tail)
                                     : SpectrumModel::of_measured(input.spectrum, line, tail);
     result.measurements.push_back(line ? crossover(input.fit, *line)
-                                       : missing("crossover_length", "a", input.fit.reason));
+                                       : missing("crossover_length", "a", why_no_fit(input.fit)));
     Table table;
     for (const double side : sides) {
         const std::string why = add_side(table, model, input, side, options);

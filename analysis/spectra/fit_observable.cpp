@@ -31,6 +31,7 @@ ObservableTitles FitObservable::titles() {
                 {"k_pre_peak", "Wavevector of the pre-peak"},
                 {"k_fit", "End of the fit"},
                 {"chi2_per_dof", "χ² per degree of freedom"},
+                {"s_growth", "S of the range, last third of the run over the first"},
                 {"s0_s1_correlation", "Correlation of the errors of S₀ and S₁"},
                 {"s0_over_s1_low", "S₀/S₁, lower end"},
                 {"s0_over_s1_high", "S₀/S₁, upper end"},

@@ -120,7 +120,6 @@ Spectrum every_second(const Spectrum& spectrum, std::size_t first) {
         part.s.push_back(spectrum.s[i]);
         part.dof.push_back(spectrum.dof[i]);
         part.error.push_back(spectrum.error[i]);
-        part.too_slow.push_back(spectrum.is_too_slow(i));
     }
     return part;
 }
@@ -167,6 +166,9 @@ struct Evidence {
     std::size_t blocks = 0;
     // Between walls, of the modes that are not fitted: cosines, or plane waves.
     std::optional<Spectrum> others{};
+    std::optional<SpectrumGrowth> growth{};  // of the range
+
+    bool is_steady() const { return !growth || growth->is_steady(); }
 };
 
 ObservableResult blank(const FitOptions& options, std::string reason) {
@@ -218,18 +220,12 @@ Measurement chi2_of(const SpectrumFit& fit, const FitOptions& options) {
             "whether the curve describes the shells: about 1 where it does"};
 }
 
-std::size_t shell_near(const Spectrum& spectrum, double k) {
-    const auto distance = [k](double shell) { return std::abs(shell - k); };
-    const auto nearest = std::ranges::min_element(spectrum.k, {}, distance);
-    return static_cast<std::size_t>(nearest - spectrum.k.begin());
-}
-
 Measurement pre_peak_of(const Evidence& evidence, double samples, const FitOptions& options) {
     const PrePeak peak = find_pre_peak(evidence.spectrum);
     if (!peak.k) return missing("k_pre_peak", "1/a", peak.reason);
-    // Blocks of one slow change are no samples of where the maximum may be.
-    if (evidence.spectrum.is_too_slow(shell_near(evidence.spectrum, *peak.k))) {
-        return measured("k_pre_peak", "1/a", *peak.k, std::nullopt, samples, slower_than_the_run);
+    if (!evidence.is_steady()) {
+        return measured("k_pre_peak", "1/a", *peak.k, std::nullopt, samples,
+                        "S is not steady: no error");
     }
     const auto wanted = static_cast<std::size_t>(options.bootstrap);
     return measured("k_pre_peak", "1/a", *peak.k, half_width(evidence.values.peak, wanted), samples,
@@ -244,17 +240,18 @@ double samples_up_to(const Spectrum& spectrum, double k_max) {
     return samples;
 }
 
-// What is known without a fit: the pre-peak, if there is one.
+// What is known without a fit: the pre-peak and the growth of S, if there are any.
 ObservableResult without_fit(const Evidence& evidence, const FitOptions& options,
                              const std::string& reason) {
     const std::optional<double> peak = find_pre_peak(evidence.spectrum).k;
-    if (!peak) return blank(options, reason);
+    if (!peak && !evidence.growth) return blank(options, reason);
     ObservableResult result = blank(options, "");
     for (const char* name : {"s0_over_s1", "s0", "s1"}) {
         result.measurements.push_back(missing(name, "-", reason));
     }
-    result.measurements.push_back(
-        pre_peak_of(evidence, samples_up_to(evidence.spectrum, *peak), options));
+    const double samples = peak ? samples_up_to(evidence.spectrum, *peak) : 0;
+    result.measurements.push_back(pre_peak_of(evidence, samples, options));
+    if (evidence.growth) result.measurements.push_back(measured_growth("s", *evidence.growth));
     return result;
 }
 
@@ -275,6 +272,9 @@ void add_range(const Evidence& evidence, const SpectrumFit& fit, bool has_ratio,
 }
 
 ObservableResult fit_of_evidence(const Evidence& evidence, const FitOptions& options) {
+    if (!evidence.is_steady()) {
+        return without_fit(evidence, options, not_steady("S", *evidence.growth));
+    }
     const SpectrumFit fit = fit_of(evidence.spectrum, options);
     if (!fit.ok()) return without_fit(evidence, options, fit.reason);
     ObservableResult result = blank(options, "");
@@ -302,6 +302,7 @@ ObservableResult fit_of_evidence(const Evidence& evidence, const FitOptions& opt
     }
     add_range(evidence, fit, why.empty(), samples, options, result);
     m.push_back(chi2_of(fit, options));
+    if (evidence.growth) m.push_back(measured_growth("s", *evidence.growth));
     if (evidence.others) {
         const bool plane = options.modes == FitModes::box;
         const char* name = plane ? "s0_over_s1_connected" : "s0_over_s1_neumann";
@@ -359,20 +360,18 @@ Spectrum recorded_spectrum(const ObservableResult& sk, FitModes modes) {
     const Curve* s = sk.find_curve(walls ? "sk_neumann" : "sk");
     const Curve* samples = sk.find_curve(walls ? "sk_neumann_samples" : "sk_samples");
     const Column* dof = samples == nullptr ? nullptr : samples->find("dof");
-    const Column* looks = samples == nullptr ? nullptr : samples->find("modes");
-    if (s == nullptr || dof == nullptr || looks == nullptr) return {};
+    if (s == nullptr || dof == nullptr) return {};
     const Column* k = s->find("k");
     const Column* value = s->find("s");
     const Column* error = s->find("s_err");
     if (k == nullptr || value == nullptr || error == nullptr) return {};
     if (dof->values.size() != k->values.size()) return {};
-    if (looks->values.size() != k->values.size()) return {};
-    Spectrum spectrum{k->values, value->values, dof->values, error->values};
-    for (std::size_t i = 0; i < dof->values.size(); ++i) {
-        const bool one_look = dof->values[i] <= looks->values[i];
-        spectrum.too_slow.push_back(one_look && !std::isfinite(error->values[i]));
-    }
-    return spectrum;
+    return {k->values, value->values, dof->values, error->values};
+}
+
+std::string why_no_fit(const ObservableResult& fit) {
+    const Measurement* s0 = fit.find_measurement("s0");
+    return s0 != nullptr && !s0->value ? s0->reason : fit.reason;
 }
 
 Spectrum fitted_spectrum(const StructureFactor& sk, FitModes modes) {
@@ -402,8 +401,9 @@ ObservableResult fit_result(const StructureFactor& sk, const FitOptions& options
         evidence.others =
             sk.spectrum(fitted == Estimator::neumann ? Estimator::connected : Estimator::neumann);
     }
-    if (fit_of(evidence.spectrum, options).ok() || find_pre_peak(evidence.spectrum).k) {
-        evidence.values = bootstrap(sk, fitted, options);
+    if (const Range range = range_of(evidence.spectrum, options); range.end) {
+        evidence.growth = sk.growth(fitted, std::max(*range.end, range.peak.k.value_or(0)));
+        if (evidence.is_steady()) evidence.values = bootstrap(sk, fitted, options);
     }
     return fit_of_evidence(evidence, options);
 }

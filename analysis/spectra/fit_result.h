@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include "analysis/spectra/structure_factor.h"
 #include "core/option_table.h"
@@ -34,16 +35,17 @@ OptionTable describe(FitOptions& options);
 /// Between walls the modes that fit between them are used (sk_neumann), because plane waves leak.
 /// The fit of the connected estimator stands beside it. With plane waves selected it is the other
 /// way round, to compare with measurements made with them. Measurements: s0_over_s1, s0, s1, alpha,
-/// k_pre_peak, k_fit; s0_over_s1_low and _high, the ends of the profile-likelihood interval (68 %);
+/// k_pre_peak, k_fit, s_growth; s0_over_s1_low and _high, the profile-likelihood interval (68 %);
 /// s0_over_s1_connected or s0_over_s1_neumann; s0_s1_correlation, that of the errors of S0 and S1;
 /// and the systematics of s0_over_s1: half of what it moves by for α = 0.97 and 1.27, for ranges of
 /// 0.5 and 0.8 k_pp (0.77 and 1.23 of a given range), and by leaving out every second shell. Curve
 /// "fit": k, s, s_err.
 ///
-/// There is no fit, with the reason, where fewer than three shells of the range (four with a free
-/// exponent) have an error: those that change more slowly than the run is long have none. A
-/// pre-peak is given all the same; S0/S1, S0 and S1 are then missing, with that reason. It has no
-/// error where the shell nearest to it has none.
+/// Measured from the blocks of time, `s_growth` tells whether S up to the end of the range, and up
+/// to the pre-peak, is steady (StructureFactor::growth). If it is not, S0/S1, S0 and S1 are
+/// missing, with that reason. So they are where there is a pre-peak but no fit below it. The
+/// pre-peak is given in both cases, without an error where S is not steady. With nothing at all the
+/// observable has the reason.
 ///
 /// S0/S1 is missing, with the reason, unless S1 is above two of its errors (`rises`): it may be
 /// anything there. Its systematics are missing with it, and its interval is left out.
@@ -66,6 +68,9 @@ Spectrum recorded_spectrum(const ObservableResult& sk, FitModes modes = FitModes
 
 /// The modes that a stored observable "fit" was made of.
 FitModes recorded_modes(const ObservableResult& fit);
+
+/// Why an observable "fit" has no S0 and S1; empty if it has.
+std::string why_no_fit(const ObservableResult& fit);
 
 /// The spectrum that `fit_result` takes.
 Spectrum fitted_spectrum(const StructureFactor& sk, FitModes modes);

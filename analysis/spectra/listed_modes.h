@@ -27,7 +27,7 @@ namespace grainfield::analysis {
 /// Error: jackknife over blocks with Student's factor from eight frames on; below that frames are
 /// taken as independent and S as a mean of ν exponentially distributed numbers, ν = M (raw), M − 1
 /// (connected): error² = S² (ν + 2)/((ν − 1)(ν − 2)), none for ν ≤ 2. None either where the modes
-/// change more slowly than the run is long, as in StructureFactor, or do not change at all.
+/// change too slowly for a run of this length, as in StructureFactor, or do not change at all.
 ///
 /// Direct sum: some 30 ns a particle and wavevector. Memory: 16 blocks × 40 B a wavevector.
 class ListedModes {

@@ -59,7 +59,13 @@ ObservableResult OrderStructureFactor::result() const {
     const auto best =
         connected ? StructureFactor::Estimator::connected : StructureFactor::Estimator::raw;
     const Spectrum spectrum = modes_.spectrum(best);
-    const OrnsteinZernikeFit fit = fit_ornstein_zernike(spectrum, options_.fit_k_max);
+    const auto growth = modes_.growth(best, options_.fit_k_max);
+    OrnsteinZernikeFit fit;
+    if (growth && !growth->is_steady()) {
+        fit.reason = not_steady("S4", *growth);
+    } else {
+        fit = fit_ornstein_zernike(spectrum, options_.fit_k_max);
+    }
     if (fit.ok()) {
         double samples = 0;
         for (std::size_t i = 0; i < spectrum.k.size() && spectrum.k[i] <= fit.k_max; ++i) {
@@ -75,6 +81,7 @@ ObservableResult OrderStructureFactor::result() const {
         result.measurements.push_back(missing("s4_zero", "-", fit.reason));
         result.measurements.push_back(missing("xi4", "a", fit.reason));
     }
+    if (growth) result.measurements.push_back(measured_growth("s4", *growth));
     for (Measurement m : modes.measurements) {
         if (m.name != "s_lowest_k" && m.name != "lowest_k") continue;
         if (m.name == "s_lowest_k") m.name = "s4_lowest_k";

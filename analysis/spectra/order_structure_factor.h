@@ -25,7 +25,8 @@ OptionTable describe(OrderStructureFactorOptions& options);
 /// Q4.
 ///
 /// Ornstein–Zernike fit over k ≤ fit_k_max (fit_ornstein_zernike): `s4_zero` = S4(0), `xi4` [a],
-/// curve `s4_fit`. At large k S4 tends to ⟨|Q4|²⟩, which the form does not know.
+/// curve `s4_fit`. There is none where S4 is not steady (`s4_growth`, StructureFactor::growth). At
+/// large k S4 tends to ⟨|Q4|²⟩, which the form does not know.
 ///
 /// Memory: 16 blocks × 80 B × modes.
 class OrderStructureFactor {

@@ -44,6 +44,7 @@ ObservableTitles S4Observable::titles() {
                 {"s4_lowest_k", "S₄ at the lowest k"},
                 {"lowest_k", "Lowest k"},
                 {"chi2_per_dof", "χ² per degree of freedom"},
+                {"s4_growth", "S₄, last third of the run over the first"},
             }};
 }
 

@@ -45,7 +45,7 @@ class SpectrumModel {
 
     /// The fit below its end, the shells above; without a fit the first shell's value below it.
     /// `spectrum.error` may hold NaN or be short: then S/sqrt(ν). Shells without a finite S, or
-    /// whose modes are slower than the run (ν = 0), are left out.
+    /// whose modes are too slow for the run (ν = 0), are left out.
     static SpectrumModel of_measured(const Spectrum& spectrum, const std::optional<Line>& fit,
                                      Tail tail = Tail::one);
 

@@ -34,6 +34,23 @@ struct StructureFactorOptions {
     std::vector<double> edges{};          ///< of annuli of |k| [1/a], in place of shells; or empty
 };
 
+/// S(k) of the last third of a run over that of its first third: the mean of S/S_run over the
+/// waves of a range, each of the same weight.
+struct SpectrumGrowth {
+    double ratio = 1;    ///< [-]
+    double error = 0;    ///< standard error in a steady state, to first order in ln(ratio)
+    double k_end = 0;    ///< end of the range [1/a]
+    double samples = 0;  ///< independent ones of each third
+
+    /// Whether ln(ratio) is within three standard errors of zero.
+    bool is_steady() const;
+};
+
+/// As a measurement, `symbol`_growth.
+Measurement measured_growth(const std::string& symbol, const SpectrumGrowth& growth);
+/// Why nothing is fitted to a spectrum that is not steady.
+std::string not_steady(const std::string& symbol, const SpectrumGrowth& growth);
+
 OptionTable describe(StructureFactorOptions& options, const std::string& section = "sk");
 /// The edges as an option has them: "0.05,0.1,0.2".
 std::string edges_text(const StructureFactorOptions& options);
@@ -60,9 +77,9 @@ std::string edges_text(const StructureFactorOptions& options);
 /// `sk_neumann` for the limit k → 0.
 ///
 /// No error, and a reason, where blocks next to each other are more alike than blocks in general
-/// (von Neumann's ratio of the block means below a half, `vonneumann1941`): such modes change more
-/// slowly than the run is long, and no average over it can tell their spread; the connected S is
-/// too low there.
+/// (von Neumann's ratio of the block means below a half, `vonneumann1941`): such modes change
+/// too slowly for a run of this length (`least_step_ratio`), and no average over it can tell their
+/// spread; the connected S is too low there.
 ///
 /// Error: jackknife over K ≤ 16 blocks of time, times sqrt((K − 1)/(K − 3)), the spread of
 /// Student's t: (S − true S)/error has variance one for small K too. Below eight frames the frames
@@ -152,6 +169,13 @@ class StructureFactor {
     /// finite length. `times`: how often each block of time is taken, for the bootstrap;
     /// empty: once. The degrees of freedom are always those of all blocks.
     Spectrum spectrum(Estimator estimator, std::span<const int> times = {}) const;
+
+    /// Of the ranges up to k_max, k_max/2 and k_max/4 [1/a] the one whose growth differs most from
+    /// one in its errors: where a layer separates, S of the lowest waves grows first. The error
+    /// takes each third for ν/3 exponentially distributed numbers, or for one look at each wave if
+    /// that is more. Nothing with fewer than three blocks, or fewer than four waves or two samples
+    /// a range. In a steady state one run in some 200 is wrongly found to grow or to fall.
+    std::optional<SpectrumGrowth> growth(Estimator estimator, double k_max) const;
     std::size_t blocks() const { return blocks_.size(); }
     /// Numbers of the blocks that a frame came to: all, but of a run that was cut short or lacks a
     /// part.

@@ -333,7 +333,6 @@ Spectrum StructureFactor::spectrum(Estimator estimator, std::span<const int> tim
         const bool is_slow = drifts[i].step_ratio < least_step_ratio;
         if (is_slow) nu = estimator == Estimator::raw ? modes[i] : 0;
         spectrum.dof.push_back(nu);
-        spectrum.too_slow.push_back(is_slow);
         spectrum.error.push_back(spectrum.s[i] / std::sqrt(nu));
     }
     return spectrum;

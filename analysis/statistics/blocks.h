@@ -106,7 +106,7 @@ inline constexpr const char* too_few_blocks =
 
 /// Why a measurement has no error where what fluctuates drifts.
 inline constexpr const char* slower_than_the_run =
-    "changes more slowly than the run is long: no error";
+    "changes too slowly for a run of this length: no error";
 
 /// The correlation r from value to value of a series that relaxes exponentially, from the excess
 /// `excess` of the variance of the means of `block` values over that of independent ones,
@@ -143,8 +143,9 @@ void add_scatter(BlockScatter& to, std::span<const double> frames, std::span<con
     }
 }
 
-/// Below this step_ratio block means drift: what fluctuates changes more slowly than the run is
-/// long.
+/// Below this step_ratio block means drift: what fluctuates changes too slowly for a run of this
+/// length. Of 16 blocks, the run is then shorter than some 15 relaxation times by the formula
+/// below.
 inline constexpr double least_step_ratio = 0.5;
 
 /// What the means of consecutive blocks say about the mean of a run.

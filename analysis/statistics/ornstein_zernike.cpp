@@ -86,12 +86,8 @@ double OrnsteinZernikeFit::value(double k) const {
 OrnsteinZernikeFit fit_ornstein_zernike(const Spectrum& spectrum, double k_max) {
     OrnsteinZernikeFit fit;
     std::vector<Shell> shells;
-    std::size_t known = 0;
-    std::size_t slow = 0;
     for (std::size_t i = 0; i < spectrum.k.size() && spectrum.k[i] <= k_max; ++i) {
-        if (spectrum.is_too_slow(i)) ++slow;
         if (!(spectrum.s[i] > 0) || !(spectrum.dof[i] > 0)) continue;
-        if (!spectrum.is_too_slow(i)) ++known;
         shells.push_back({spectrum.k[i] * spectrum.k[i], spectrum.s[i], spectrum.dof[i]});
         fit.k_max = spectrum.k[i];
     }
@@ -101,8 +97,10 @@ OrnsteinZernikeFit fit_ornstein_zernike(const Spectrum& spectrum, double k_max) 
         none.reason = std::move(reason);
         return none;
     };
-    std::string few = too_few_shells(known, slow, k_max, 3);
-    if (!few.empty()) return without(std::move(few));
+    if (fit.points < 3) {
+        return without(
+            fmt::format("{} shells below k = {:.3g} /a, at least 3 are needed", fit.points, k_max));
+    }
     const Line line = maximum(shells);
     if (!(line.q > 0)) return without("S does not fall with k");
     if (!(line.p > 0)) return without("S has no finite limit at k = 0");

@@ -29,8 +29,7 @@ struct OrnsteinZernikeFit {
 ///
 /// is concave in (p, q): Newton's method with halving finds the one maximum. Errors from its second
 /// derivatives. There is no fit where S does not fall with k (q ≤ 0), where it has no finite limit
-/// (p ≤ 0), or with fewer than three shells that have an error (those that are `too_slow` have
-/// none). Cost O(shells) a step. Thread-safe.
+/// (p ≤ 0), or with fewer than three shells. Cost O(shells) a step. Thread-safe.
 OrnsteinZernikeFit fit_ornstein_zernike(const Spectrum& spectrum, double k_max);
 
 }  // namespace grainfield::analysis

@@ -18,8 +18,6 @@ constexpr double least_rise = 2;  // standard errors of S1
 // The shells inside the range.
 struct Points {
     std::vector<double> log_k, s, weight;  // weight: ν, or S²/error² for least squares
-    std::size_t known = 0;                 // of them, with an error
-    std::size_t slow = 0;  // in the range, changing more slowly than the run is long
     std::size_t size() const { return s.size(); }
 };
 
@@ -28,7 +26,6 @@ Points points_of(const Spectrum& spectrum, double k_max, FitMethod method) {
     for (std::size_t i = 0; i < spectrum.k.size(); ++i) {
         const double k = spectrum.k[i];
         if (!(k > 0) || !(k <= k_max * (1 + 1e-12)) || !std::isfinite(spectrum.s[i])) continue;
-        if (spectrum.is_too_slow(i)) ++points.slow;
         const double nu = spectrum.dof[i];
         double weight = nu;
         if (method == FitMethod::least_squares)
@@ -37,7 +34,6 @@ Points points_of(const Spectrum& spectrum, double k_max, FitMethod method) {
         points.log_k.push_back(std::log(k));
         points.s.push_back(spectrum.s[i]);
         points.weight.push_back(weight);
-        if (!spectrum.is_too_slow(i)) ++points.known;
     }
     return points;
 }
@@ -209,20 +205,6 @@ SpectrumFit finish(const Points& points, const Line& line, double alpha, bool al
 
 }  // namespace
 
-std::string too_few_shells(std::size_t known, std::size_t too_slow, double k_max,
-                           std::size_t least) {
-    if (known >= least) return "";
-    std::string reason = fmt::format("{} shells with an error up to k = {:.3g} /a, {} are needed",
-                                     known, k_max, least);
-    if (too_slow > 0) {
-        reason += fmt::format(
-            "; {} more change more slowly than the run is long: is what was recorded steady? If "
-            "so, make the run longer",
-            too_slow);
-    }
-    return reason;
-}
-
 bool rises(double s1, double error) {
     return s1 > least_rise * error;
 }
@@ -269,8 +251,10 @@ SpectrumFit fit_spectrum(const Spectrum& spectrum, double k_max, std::optional<d
                          FitMethod method) {
     const Points points = points_of(spectrum, k_max, method);
     const std::size_t least = alpha ? 3 : 4;
-    std::string few = too_few_shells(points.known, points.slow, k_max, least);
-    if (!few.empty()) return without(std::move(few));
+    if (points.size() < least) {
+        return without(fmt::format("{} shells with an error up to k = {:.3g} /a, {} are needed",
+                                   points.size(), k_max, least));
+    }
     const auto at = [&](double a) {
         const auto line = best_line(points, a, method);
         return line ? line->objective : -std::numeric_limits<double>::infinity();

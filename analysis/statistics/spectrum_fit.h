@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
 #include <optional>
 #include <span>
 #include <string>
@@ -15,11 +14,6 @@ struct Spectrum {
     std::vector<double> s;      ///< S(k) [-]
     std::vector<double> dof;    ///< ν: exponentially distributed numbers that S is worth
     std::vector<double> error;  ///< standard error of S; for least squares only
-    /// Shells that change more slowly than the run is long: one look at each of their modes, whose
-    /// scatter the run does not show. Empty: none does.
-    std::vector<bool> too_slow{};
-
-    bool is_too_slow(std::size_t shell) const { return shell < too_slow.size() && too_slow[shell]; }
 };
 
 enum class FitMethod {
@@ -54,17 +48,10 @@ struct SpectrumFit {
 ///
 /// S0 may be negative. With α fixed μ is linear and Fisher scoring (weights ν/μ² of the fit, never
 /// of the data, which would bias S0 low) converges in some ten steps with halving; a free α is
-/// searched in [0.2, 4]. Errors from the expected information. Cost O(points) a step. Thread-safe.
-///
-/// Needed is at least one shell more than there are parameters, not counting those that are
-/// `too_slow`. These take part by their ν, but a run that shows no other is not known to be steady.
+/// searched in [0.2, 4]. Errors from the expected information. At least one point more than there
+/// are parameters is needed. Cost O(points) a step. Thread-safe.
 SpectrumFit fit_spectrum(const Spectrum& spectrum, double k_max, std::optional<double> alpha,
                          FitMethod method = FitMethod::whittle);
-
-/// Why there is no fit: `known` shells up to k_max [1/a] have an error and `least` are needed,
-/// `too_slow` have none. Empty if there are enough.
-std::string too_few_shells(std::size_t known, std::size_t too_slow, double k_max,
-                           std::size_t least);
 
 /// Whether S is known to grow with k: S1 above two of its standard errors. Only then is S0/S1 a
 /// number: near S1 = 0 it may be anything. Without an error of S1 (NaN) nothing is known.

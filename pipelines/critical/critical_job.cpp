@@ -113,6 +113,7 @@ Gathered with_shared_exponent(const std::vector<Results>& results, const std::ve
                               RunPlan& plan) {
     std::vector<analysis::Spectrum> spectra;
     std::vector<double> k_max;
+    std::vector<std::string> without;  // why a run has no fit of its own; empty if it has
     for (const Results& run : results) {
         const ObservableResult* sk = run.find("sk");
         const ObservableResult* fit = run.find("fit");
@@ -120,13 +121,15 @@ Gathered with_shared_exponent(const std::vector<Results>& results, const std::ve
                               ? analysis::Spectrum{}
                               : analysis::recorded_spectrum(*sk, analysis::recorded_modes(*fit)));
         const Measurement* end = fit == nullptr ? nullptr : fit->find_measurement("k_fit");
+        without.push_back(fit == nullptr ? "it has no fit" : analysis::why_no_fit(*fit));
         k_max.push_back(end != nullptr && end->value ? *end->value : 0);
     }
     Gathered gathered;
     const auto fits = analysis::fit_shared(spectra, k_max);
     for (std::size_t i = 0; i < fits.size(); ++i) {
         if (!fits[i].ok()) {
-            plan.warn(fmt::format("'{}' is left out: {}", results[i].label, fits[i].reason));
+            plan.warn(fmt::format("'{}' is left out: {}", results[i].label,
+                                  without[i].empty() ? fits[i].reason : without[i]));
             continue;
         }
         // By the error that the likelihood gives, as the weights of the points are.

@@ -137,10 +137,15 @@ std::string absences_html(const std::vector<Results>& runs, const std::vector<st
     }
     if (all.empty()) return "";
     std::string reasons;
-    for (const auto& [absent, whose] : all) {
-        reasons += "<li>" +
-                   escape_html(names_of(whose, labels) + absent.what + ": " + absent.reason) +
-                   "</li>\n";
+    for (std::size_t i = 0; i < all.size();) {
+        const auto& [absent, whose] = all[i];
+        std::string what = absent.what;
+        // What follows for the same reason stands in the same line.
+        for (++i; i < all.size() && all[i].runs == whose && all[i].absent.reason == absent.reason;
+             ++i)
+            what += ", " + all[i].absent.what;
+        reasons +=
+            "<li>" + escape_html(names_of(whose, labels) + what + ": " + absent.reason) + "</li>\n";
     }
     return "<details class=\"missing\"><summary>" + escape_html(line(all)) + "</summary><ul>\n" +
            reasons + "</ul></details>\n";

@@ -149,6 +149,20 @@ TEST(SyntheticResult, WithoutAFitKnowsNoLargerBoxThanTheMeasuredOne) {
     EXPECT_TRUE(of_fit.curves.empty());
 }
 
+TEST(SyntheticResult, HasTheReasonOfAFitThatOnlyLacksItsNumbers) {
+    SyntheticInput in = input(false);
+    in.fit.reason.clear();
+    for (const char* name : {"s0_over_s1", "s0", "s1"}) {
+        in.fit.measurements.push_back(missing(name, "-", "S is not steady"));
+    }
+    in.fit.measurements.push_back({"k_pre_peak", "1/a", 0.4, 0.01, 100, ""});
+    const ObservableResult r = synthetic_result(in, {});
+    for (const char* name : {"box_600", "box_inf", "crossover_length"}) {
+        EXPECT_THAT(r.find_measurement(name)->reason, HasSubstr("not steady")) << name;
+    }
+    EXPECT_EQ(synthetic_result(in, {.spectrum = SpectrumSource::fit}).reason, "S is not steady");
+}
+
 TEST(SyntheticResult, RefusesSidesThatAreNone) {
     SyntheticOptions options;
     for (const char* sides : {"100,x", "-3", "0", "nan", "100;200"}) {

@@ -75,16 +75,6 @@ TEST(OrnsteinZernike, SaysWhyThereIsNone) {
     EXPECT_EQ(fit_ornstein_zernike(diverging, 1).reason, "S has no finite limit at k = 0");
 }
 
-TEST(OrnsteinZernike, NeedsThreeShellsThatTheRunIsLongEnoughFor) {
-    Spectrum spectrum = shells_of(2, 3, 10, nullptr);
-    spectrum.too_slow.assign(12, true);
-    for (const std::size_t i : {9U, 10U, 11U}) spectrum.too_slow[i] = false;
-    EXPECT_TRUE(fit_ornstein_zernike(spectrum, 1).ok());
-    spectrum.too_slow[9] = true;
-    const auto fit = fit_ornstein_zernike(spectrum, 1);
-    EXPECT_NE(fit.reason.find("2 shells with an error"), std::string::npos) << fit.reason;
-}
-
 TEST(OrnsteinZernike, TheRangeIsTheOneAskedFor) {
     Spectrum spectrum = shells_of(20, 5, 60, nullptr);
     for (std::size_t i = 6; i < spectrum.k.size(); ++i) spectrum.s[i] = 100;

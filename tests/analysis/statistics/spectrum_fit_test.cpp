@@ -150,24 +150,6 @@ TEST(Fit, GivesReasonsWhereItCannotBeMade) {
     EXPECT_NEAR(fit.s1, 0, 1e-9);
 }
 
-TEST(Fit, NeedsThreeShellsThatTheRunIsLongEnoughFor) {
-    Spectrum data = spectrum(0.1, 1, 1.12, 50, nullptr);
-    const SpectrumFit all = fit_spectrum(data, 0.2, 1.12);
-    ASSERT_EQ(all.points, 6);
-    data.too_slow = {true, true, true};
-    const SpectrumFit half = fit_spectrum(data, 0.2, 1.12);
-    ASSERT_TRUE(half.ok()) << half.reason;
-    EXPECT_EQ(half.points, 6);  // slow shells take part by their degrees of freedom
-    EXPECT_DOUBLE_EQ(half.s0, all.s0);
-    EXPECT_THAT(fit_spectrum(data, 0.2, std::nullopt).reason, ::testing::HasSubstr("4 are needed"));
-    data.too_slow.push_back(true);
-    EXPECT_THAT(fit_spectrum(data, 0.2, 1.12).reason,
-                ::testing::HasSubstr("2 shells with an error up to k = 0.2 /a, 3 are needed; 4 "
-                                     "more change more slowly than the run is long"));
-    for (std::size_t i = 0; i < 4; ++i) data.dof[i] = 0;  // as where the mean is subtracted
-    EXPECT_THAT(fit_spectrum(data, 0.2, 1.12).reason, ::testing::HasSubstr("; 4 more"));
-}
-
 TEST(Rise, IsKnownAboveTwoErrorsOfTheSlopeOnly) {
     EXPECT_TRUE(rises(0.21, 0.1));
     EXPECT_FALSE(rises(0.19, 0.1));

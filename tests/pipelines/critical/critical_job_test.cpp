@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "analysis/statistics/blocks.h"
 #include "core/errors.h"
 #include "io/h5/results_file.h"
 #include "tests/support/scratch_folder.h"
@@ -123,6 +124,24 @@ TEST(CriticalJob, LeavesOutARunWhoseS1IsNotAboveTwoErrors) {
     EXPECT_THAT(found.warnings[2], HasSubstr("there is no critical value"));
     EXPECT_THAT(found.warnings[0], HasSubstr("S1 = 0.8 ± 0.5; a run 2 times as long"));
     EXPECT_THAT(found.warnings[1], HasSubstr("S1 has no error"));
+}
+
+TEST(CriticalJob, SaysWhyARunWithoutS0OverS1HasNone) {
+    const testing::ScratchFolder folder;
+    const std::vector<std::filesystem::path> inputs{
+        write_run(folder / "a.h5", 6), write_run(folder / "b.h5", 7), folder / "growing.h5"};
+    Results growing = io::read_results(inputs[0]);
+    growing.label = "growing";
+    growing.observables[0].measurements = {analysis::missing("s0_over_s1", "-", "S is not steady"),
+                                           analysis::missing("s0", "-", "S is not steady"),
+                                           analysis::missing("s1", "-", "S is not steady")};
+    io::write_results(inputs[2], growing, Overwrite::force);
+    for (const bool shared : {false, true}) {
+        CriticalJobOptions options = by_value({6, 7, 8});
+        if (shared) options.exponent = SharedExponent::yes;
+        const Found found = find(folder, inputs, options);
+        EXPECT_THAT(found.warnings, ::testing::Contains("'growing' is left out: S is not steady"));
+    }
 }
 
 TEST(CriticalJob, SaysWhatIsWrongWithTheControlParameter) {

@@ -1,5 +1,7 @@
 #include "report/figures/scaled_spectrum.h"
 
+#include <optional>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -64,6 +66,10 @@ TEST(ScaledSpectrum, LeavesOutRunsWithoutAnS0OverS1AsTheAnalysisDoes) {
     EXPECT_TRUE(figure.series.empty());
     ASSERT_EQ(figure.absent.size(), 1U);
     EXPECT_EQ(figure.absent[0].reason, "S is not known to grow with k");
+    for (Measurement& m : run.observables[1].measurements) {
+        m = {m.name, "-", std::nullopt, std::nullopt, 0, "S is not steady"};
+    }
+    EXPECT_EQ(scaled_spectrum({run}, {"A"}).absent[0].reason, "S is not steady");
 }
 
 }  // namespace

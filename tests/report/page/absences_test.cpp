@@ -1,5 +1,7 @@
 #include "report/page/absences.h"
 
+#include <utility>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -65,6 +67,23 @@ TEST(AbsencesHtml, OfManyNumbersNamesAFew) {
     const std::string html = absences_html({run}, {"A"}, {});
     EXPECT_THAT(html, HasSubstr("<summary>Not measured: a, b, c, d and 3 more.</summary>"));
     EXPECT_THAT(html, HasSubstr("<li>g: no g</li>"));
+}
+
+TEST(AbsencesHtml, SaysOneReasonOfSeveralNumbersOnce) {
+    Results run = one_frame();
+    run.frames = 9;
+    run.observables.resize(1);
+    run.observables[0] = {};
+    run.observables[0].name = "fit";
+    for (const auto& [name, reason] :
+         {std::pair{"a", "it grows"}, std::pair{"b", "it grows"}, std::pair{"c", "too few"}}) {
+        run.observables[0].measurements.push_back(
+            {name, "-", std::nullopt, std::nullopt, 0, reason});
+    }
+    run.observables[0].measurements.push_back({"h", "-", 1.0, std::nullopt, 0, ""});
+    const std::string html = absences_html({run}, {"A"}, {});
+    EXPECT_THAT(html, HasSubstr("<li>a, b: it grows</li>"));
+    EXPECT_THAT(html, HasSubstr("<li>c: too few</li>"));
 }
 
 TEST(AbsencesHtml, OfACompleteRunIsEmpty) {
