@@ -246,7 +246,7 @@ ObservableResult without_fit(const Evidence& evidence, const FitOptions& options
     const std::optional<double> peak = find_pre_peak(evidence.spectrum).k;
     if (!peak && !evidence.growth) return blank(options, reason);
     ObservableResult result = blank(options, "");
-    for (const char* name : {"s0_over_s1", "s0", "s1"}) {
+    for (const char* name : {"s0_over_s1", "s0", "s1", "alpha", "chi2_per_dof"}) {
         result.measurements.push_back(missing(name, "-", reason));
     }
     const double samples = peak ? samples_up_to(evidence.spectrum, *peak) : 0;

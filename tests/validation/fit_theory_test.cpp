@@ -26,6 +26,7 @@ TEST(FitTheory, OfCorrelatedGaussianFieldsCoversTheTruthWithBootstrapAndLikeliho
     const Box box = square_box(60);
     for (double s0 : {0.01, 0.1}) {
         Pull resampled, likelihood;
+        int unsteady = 0;  // one in a thousand is found so by chance
         for (std::uint64_t trial = 0; trial < 500; ++trial) {
             StructureFactor sk({.k_max = 1}, box, frames);
             RandomStream random(51, "gaussian field", trial);
@@ -44,12 +45,18 @@ TEST(FitTheory, OfCorrelatedGaussianFieldsCoversTheTruthWithBootstrapAndLikeliho
             const ObservableResult fit = fit_result(sk, {.k_max = 0.9, .bootstrap = 60});
             ASSERT_EQ(fit.reason, "");
             const Measurement* m = fit.find_measurement("s0");
+            if (!m->value) {
+                ASSERT_NE(m->reason.find("not steady"), std::string::npos) << m->reason;
+                ++unsteady;
+                continue;
+            }
             ASSERT_TRUE(m->error.has_value()) << m->reason;
             resampled.add((*m->value - s0) / *m->error);
             const SpectrumFit direct =
                 fit_spectrum(sk.spectrum(StructureFactor::Estimator::raw), 0.9, 1.12);
             likelihood.add((direct.s0 - s0) / direct.error[0]);
         }
+        EXPECT_LE(unsteady, 3) << s0;
         for (const auto& [name, pull] :
              {std::pair{"bootstrap", resampled}, std::pair{"likelihood", likelihood}}) {
             EXPECT_LT(std::abs(pull.mean()), 0.15) << name << " " << s0;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -143,6 +144,31 @@ TEST(OrderStructureFactor, IgnoresParticlesWithoutOrderAndStaticOrder) {
     EXPECT_EQ(values(result, "s4", "s"), values(some.result(), "s4", "s"));
     EXPECT_FALSE(result.find_measurement("xi4")->value.has_value());
     EXPECT_FALSE(result.find_measurement("xi4")->reason.empty());
+}
+
+// Orders of random phase that grow to twice and a half their amplitude.
+TEST(OrderStructureFactor, HasNoFitWhereTheOrderGrowsWhileTheRunLasts) {
+    const Box box = square_box(40);
+    for (const double growth : {0.0, 0.025}) {
+        RandomStream random(9, "growing order");
+        OrderStructureFactor s4({.modes = {.k_max = 1}}, box, 60);
+        for (int f = 0; f < 60; ++f) {
+            const Pattern p = pattern(poisson_points(400, box, random), box, f);
+            Order order;
+            for (std::size_t j = 0; j < p.size(); ++j) {
+                order.push_back(
+                    std::polar(0.3 * (1 + growth * f), 2 * std::numbers::pi * random.uniform()));
+            }
+            s4.add(s4.measure(p, order));
+        }
+        const ObservableResult result = s4.result();
+        const Measurement* found = result.find_measurement("s4_growth");
+        ASSERT_NE(found, nullptr);
+        const bool is_steady =
+            result.find_measurement("xi4")->reason.find("not steady") == std::string::npos;
+        EXPECT_EQ(is_steady, growth == 0) << result.find_measurement("xi4")->reason;
+        EXPECT_EQ(*found->value > 2, growth > 0);
+    }
 }
 
 }  // namespace

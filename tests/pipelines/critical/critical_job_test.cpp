@@ -136,12 +136,20 @@ TEST(CriticalJob, SaysWhyARunWithoutS0OverS1HasNone) {
                                            analysis::missing("s0", "-", "S is not steady"),
                                            analysis::missing("s1", "-", "S is not steady")};
     io::write_results(inputs[2], growing, Overwrite::force);
-    for (const bool shared : {false, true}) {
-        CriticalJobOptions options = by_value({6, 7, 8});
-        if (shared) options.exponent = SharedExponent::yes;
-        const Found found = find(folder, inputs, options);
-        EXPECT_THAT(found.warnings, ::testing::Contains("'growing' is left out: S is not steady"));
-    }
+    const auto says = ::testing::Contains("'growing' is left out: S is not steady");
+    EXPECT_THAT(find(folder, inputs, by_value({6, 7, 8})).warnings, says);
+    // The others have no S(k) to be fitted again.
+    CriticalJobOptions shared = by_value({6, 7, 8});
+    shared.exponent = SharedExponent::yes;
+    shared.output = folder / "critical.h5";
+    Job job;
+    job.command = "critical";
+    job.overwrite = Overwrite::force;
+    job.inputs = inputs;
+    EXPECT_THROW(find_critical_point(shared, job), InputError);
+    std::vector<std::string> warnings;
+    for (const Warning& warning : job.plan.warnings()) warnings.push_back(warning.text);
+    EXPECT_THAT(warnings, says);
 }
 
 TEST(CriticalJob, SaysWhatIsWrongWithTheControlParameter) {
