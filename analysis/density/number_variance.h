@@ -55,8 +55,8 @@ OptionTable describe(NumberVarianceOptions& options);
 ///
 /// Error: from at most 16 blocks of time (left_out_error), and all that v adds to the variance of
 /// independent frames. None of two or three frames, nor of a window whose block means drift
-/// (least_step_ratio): its content changes too slowly for a run of this length, and σ² is too small.
-/// For one frame: σ² sqrt(2/(n − 1)) with n = (region/ℓ)² windows side by side, taken as
+/// (least_step_ratio): its content changes too slowly for a run of this length, and σ² is too
+/// small. For one frame: σ² sqrt(2/(n − 1)) with n = (region/ℓ)² windows side by side, taken as
 /// independent.
 ///
 /// Cost O(N + positions × sizes) a frame, and the positions × sizes of 48 frames at the end.
