@@ -105,7 +105,7 @@ TEST(SpectrumGrowth, OfATenthIsSteadyWhateverItsError) {
     EXPECT_TRUE((SpectrumGrowth{.ratio = 2, .error = 0.5}.is_steady()));
 }
 
-// A quarter of the range has a sixteenth of the waves: 1.2 times is all that the whole range shows.
+// A quarter of the range has a sixteenth of the waves, so that the whole range shows little.
 TEST(SpectrumGrowth, IsFoundWhereAHalfOrAQuarterOfTheRangeGrows) {
     for (const double end : {0.5, 1.0}) {
         RandomStream random(32, "lowest modes");
