@@ -2,9 +2,11 @@
 #include <cmath>
 #include <complex>
 #include <cstddef>
+#include <functional>
 #include <numeric>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -50,6 +52,72 @@ double variance_of_log(double n) {
     return 1 / n + 0.5 / (n * n);
 }
 
+// The blocks of time at one end of a run that hold a third of its frames.
+struct Third {
+    std::vector<std::size_t> blocks;
+    std::vector<double> frames_of_block;
+    double frames = 0;
+};
+
+// One third of a run, a shell of waves or several.
+struct Power {
+    double k = 0;                  // of a shell
+    double waves = 0;              // independent ones
+    double looks = 0;              // independent samples
+    std::vector<double> of_block;  // over the power of the run, summed over waves
+};
+
+// Looks are those of a mean that is weighted by waves.
+Power power_up_to(double end, const std::vector<Power>& shells) {
+    Power sum;
+    double squares = 0;  // Σ waves²/looks
+    for (const Power& shell : shells) {
+        if (shell.k > end * (1 + 1e-12)) break;
+        sum.of_block.resize(shell.of_block.size());
+        std::transform(shell.of_block.begin(), shell.of_block.end(), sum.of_block.begin(),
+                       sum.of_block.begin(), std::plus<>());
+        sum.waves += shell.waves;
+        squares += shell.waves * shell.waves / shell.looks;
+    }
+    if (squares > 0) sum.looks = sum.waves * sum.waves / squares;
+    return sum;
+}
+
+double mean_over_frames(const Power& power, const Third& third) {
+    return std::transform_reduce(power.of_block.begin(), power.of_block.end(),
+                                 third.frames_of_block.begin(), 0.0) /
+           third.frames;
+}
+
+// A third, and its shells.
+struct ThirdPower {
+    Third third;
+    std::vector<Power> shells;
+};
+
+// Nothing where waves or looks are too few. has_scatter: blocks are enough for an error.
+std::optional<SpectrumGrowth> growth_up_to(double end, const ThirdPower& first,
+                                           const ThirdPower& last, bool has_scatter) {
+    const Power of_first = power_up_to(end, first.shells);
+    const Power of_last = power_up_to(end, last.shells);
+    const double looks = std::min(of_first.looks, of_last.looks);
+    if (of_first.waves < least_waves || looks < least_looks) return std::nullopt;
+    const double before = mean_over_frames(of_first, first.third);
+    const double after = mean_over_frames(of_last, last.third);
+    if (!(before > 0) || !(after > 0)) return std::nullopt;
+    double variance = variance_of_log(of_first.looks) + variance_of_log(of_last.looks);
+    if (has_scatter) {
+        variance = std::max(variance, variance_of_blocks(of_first.of_block, of_last.of_block));
+    }
+    const double ratio = after / before;
+    return SpectrumGrowth{ratio, ratio * std::sqrt(variance), end, looks};
+}
+
+// Standard errors of ln(ratio) from no growth.
+double pull_of(const SpectrumGrowth& growth) {
+    return std::abs(std::log(growth.ratio)) * growth.ratio / growth.error;
+}
+
 // 1.061 ± 0.008: as many digits as the error has.
 std::string with_error(double value, double error) {
     const int digits =
@@ -60,8 +128,7 @@ std::string with_error(double value, double error) {
 }  // namespace
 
 bool SpectrumGrowth::is_steady() const {
-    const double change = std::abs(std::log(ratio));
-    return change <= least_change || change <= largest_pull * error / ratio;
+    return std::abs(std::log(ratio)) <= least_change || pull_of(*this) <= largest_pull;
 }
 
 Measurement measured_growth(const std::string& symbol, const SpectrumGrowth& growth) {
@@ -102,87 +169,58 @@ double StructureFactor::deviation(const Block& part, const Block& run, Estimator
 }
 
 std::optional<SpectrumGrowth> StructureFactor::growth(Estimator estimator, double k_max) const {
-    const std::vector<std::size_t> filled = filled_blocks();
+    std::vector<std::size_t> filled = filled_blocks();
     if (filled.size() < 3) return std::nullopt;
     const Block run = total(std::nullopt);
-    // Blocks from each end, until they hold a third of the frames.
-    std::vector<std::size_t> first;
-    std::vector<std::size_t> last;
-    double first_frames = 0;
-    double last_frames = 0;
-    for (std::size_t i = 0; first_frames < run.frames / 3 * (1 - 1e-9); ++i) {
-        first.push_back(filled[i]);
-        first_frames += blocks_[filled[i]].frames;
-    }
-    for (std::size_t i = filled.size(); last_frames < run.frames / 3 * (1 - 1e-9);) {
-        last.push_back(filled[--i]);
-        last_frames += blocks_[filled[i]].frames;
-    }
-    if (first.back() >= last.back()) return std::nullopt;
+    const auto third_from = [&](const std::vector<std::size_t>& in_order) {
+        Third third;
+        for (std::size_t i = 0; third.frames < run.frames / 3 * (1 - 1e-9); ++i) {
+            const double frames = blocks_[in_order[i]].frames;
+            third.blocks.push_back(in_order[i]);
+            third.frames_of_block.push_back(frames);
+            third.frames += frames;
+        }
+        return third;
+    };
+    const bool has_scatter = filled.size() >= least_blocks;
+    ThirdPower first{third_from(filled), {}};
+    std::reverse(filled.begin(), filled.end());
+    ThirdPower last{third_from(filled), {}};
+    if (first.third.blocks.back() >= last.third.blocks.back()) return std::nullopt;
 
     const Spectrum spectrum = this->spectrum(estimator);
     const Shells shells = this->shells(estimator);
     const std::vector<double> waves = independent_modes(shells, estimator);
-    const bool has_scatter = filled.size() >= least_blocks;
     // Fields of one instant are no independent ones, unless the scatter of blocks tells.
     const double replicas = has_scatter ? 1 : static_cast<double>(replicas_);
+    for (std::size_t i = 0; i < shells.k.size() && shells.k[i] <= k_max * (1 + 1e-12); ++i) {
+        const auto power_of = [&](const Block& part) {
+            double sum = 0;
+            for (const std::size_t m : shells.members[i]) {
+                sum += deviation(part, run, estimator, m);
+            }
+            return sum;
+        };
+        const double of_run = power_of(run);
+        if (!(of_run > 0) || !(spectrum.dof[i] > 0)) continue;
+        // Slow modes of a periodic box: one look. Between walls they have no ν.
+        const double one_look = estimator == Estimator::raw ? waves[i] : 0;
+        for (ThirdPower* part : {&first, &last}) {
+            const double share = part->third.frames / run.frames;
+            Power power{
+                shells.k[i], waves[i], std::max(one_look, share * spectrum.dof[i] / replicas), {}};
+            for (const std::size_t block : part->third.blocks) {
+                power.of_block.push_back(waves[i] * power_of(blocks_[block]) / of_run);
+            }
+            part->shells.push_back(std::move(power));
+        }
+    }
 
     std::optional<SpectrumGrowth> found;
-    double largest = -1;
     double end = shells.k.empty() ? 0 : std::min(k_max, shells.k.back());
     for (int halving = 0; halving <= halvings; ++halving, end /= 2) {
-        std::vector<double> of_first(first.size(), 0.0);
-        std::vector<double> of_last(last.size(), 0.0);
-        double weight = 0;
-        double first_squares = 0;  // Σ weight²/looks
-        double last_squares = 0;
-        for (std::size_t i = 0; i < shells.k.size() && shells.k[i] <= end * (1 + 1e-12); ++i) {
-            double of_run = 0;
-            for (const std::size_t m : shells.members[i])
-                of_run += deviation(run, run, estimator, m);
-            if (!(of_run > 0) || !(spectrum.dof[i] > 0)) continue;
-            const auto add = [&](const std::vector<std::size_t>& blocks, std::vector<double>& to) {
-                for (std::size_t b = 0; b < blocks.size(); ++b) {
-                    double s = 0;
-                    for (const std::size_t m : shells.members[i]) {
-                        s += deviation(blocks_[blocks[b]], run, estimator, m);
-                    }
-                    to[b] += waves[i] * s / of_run;
-                }
-            };
-            add(first, of_first);
-            add(last, of_last);
-            // Slow modes of a periodic box: one look. Between walls they have no ν.
-            const double one_look = estimator == Estimator::raw ? waves[i] : 0;
-            const auto looks = [&](double frames) {
-                return std::max(one_look, frames / run.frames * spectrum.dof[i] / replicas);
-            };
-            weight += waves[i];
-            first_squares += waves[i] * waves[i] / looks(first_frames);
-            last_squares += waves[i] * waves[i] / looks(last_frames);
-        }
-        if (weight < least_waves) continue;
-        const double n_first = weight * weight / first_squares;
-        const double n_last = weight * weight / last_squares;
-        if (std::min(n_first, n_last) < least_looks) continue;
-        const auto of_frames = [&](const std::vector<double>& values,
-                                   const std::vector<std::size_t>& blocks, double frames) {
-            double sum = 0;
-            for (std::size_t b = 0; b < blocks.size(); ++b) {
-                sum += values[b] * blocks_[blocks[b]].frames;
-            }
-            return sum / frames;
-        };
-        const double before = of_frames(of_first, first, first_frames);
-        const double after = of_frames(of_last, last, last_frames);
-        if (!(before > 0) || !(after > 0)) continue;
-        double variance = variance_of_log(n_first) + variance_of_log(n_last);
-        if (has_scatter) variance = std::max(variance, variance_of_blocks(of_first, of_last));
-        const double ratio = after / before;
-        const double pull = std::abs(std::log(ratio)) / std::sqrt(variance);
-        if (pull <= largest) continue;
-        largest = pull;
-        found = SpectrumGrowth{ratio, ratio * std::sqrt(variance), end, std::min(n_first, n_last)};
+        const auto growth = growth_up_to(end, first, last, has_scatter);
+        if (growth && (!found || pull_of(*growth) > pull_of(*found))) found = growth;
     }
     return found;
 }
