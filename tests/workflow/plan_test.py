@@ -63,13 +63,13 @@ class TheScales(unittest.TestCase):
         decide = plan.Plan("decide")
         self.assertEqual(decide.layer_grains("2.2"), 88875)
         self.assertEqual(decide.layer_grains("2.2-large"), 355500)
-        self.assertEqual([name for name in decide.layers() if name.endswith("-large")], ["1.9-large", "2.2-large", "1.05-literal-large"])
+        self.assertEqual([name for name in decide.layers() if name.endswith("-large")], ["1.9-large", "2.2-large", "1.15-literal-large"])
         self.assertEqual([name for name in decide.layers() if name.endswith("-literal")],
                          ["0.95-literal", "1.05-literal", "1.15-literal", "1.25-literal", "1.5-literal"])
-        for name in ("1.5-literal", "1.05-literal-large"):
+        for name in ("1.5-literal", "1.15-literal-large"):
             self.assertIn(name, decide.layers())
             self.assertEqual(option(decide.layer_options(name), "grain-static-friction"), "0.03")
-        self.assertEqual(decide.layer_grains("1.05-literal-large"), 355500)
+        self.assertEqual(decide.layer_grains("1.15-literal-large"), 355500)
         self.assertFalse([o for o in decide.layer_options("2.2-large") if "friction" in o])
         self.assertEqual(float(option(decide.layer_options("1.5-literal"), "amplitude")), 0.06)
 
