@@ -1,9 +1,11 @@
-"""What bench/results/paper holds, as scripts/long-run-plots and scripts/long-run-numbers read it."""
+"""What the scripts of long runs share: how they run a program, and what bench/results/paper holds."""
 
 import csv
 import math
 import pathlib
 import re
+import subprocess
+import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "bench/results/paper"
@@ -15,6 +17,21 @@ ANNULI = [(0.02, 0.045), (0.045, 0.07), (0.07, 0.1), (0.1, 0.15), (0.15, 0.2), (
 THIRDS = ("first", "second", "last")
 VARIANTS = {"": "300 a", "-literal": "one coefficient of friction", "-large": "600 a",
             "-literal-large": "the same, 600 a"}
+
+
+def output_of(command):
+    """What a command prints; ends the script with its message if it fails, and as Ctrl-C does if it was stopped."""
+    script = pathlib.Path(sys.argv[0]).name
+    command = [str(word) for word in command]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True)
+    except OSError as error:
+        sys.exit(f"{script}: cannot run '{command[0]}': {error.strerror}; give the path of grainfield")
+    if done.returncode in (130, 143):
+        raise KeyboardInterrupt
+    if done.returncode:
+        sys.exit(f"{script}: {' '.join(command[:3])} ended with exit code {done.returncode}:\n{done.stderr}")
+    return done.stdout
 
 
 def table(path):
