@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
+#include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -51,6 +54,20 @@ std::string words(const Measurement& m, TimeUnit time_unit) {
     return text + "\n";
 }
 
+// A line for each; one for neighbours that are missing for one reason.
+std::string words(const std::vector<Measurement>& measurements, TimeUnit time_unit) {
+    std::string text;
+    for (std::size_t i = 0; i < measurements.size(); ++i) {
+        Measurement shown = measurements[i];
+        while (!shown.value && i + 1 < measurements.size() && !measurements[i + 1].value &&
+               measurements[i + 1].reason == shown.reason) {
+            shown.name += ", " + measurements[++i].name;
+        }
+        text += words(shown, time_unit);
+    }
+    return text;
+}
+
 std::string words(const Session& session, const Results& results) {
     std::string text = fmt::format(
         "{}: {}{}\n", session.outputs.front().string(), counted(results.frames, "frame"),
@@ -62,9 +79,7 @@ std::string words(const Session& session, const Results& results) {
             observable.name == "q4" ? report::order_symbol(results) : observable.name;
         text += fmt::format("  {} ({})\n", name, format_duration(observable.seconds));
         if (!observable.reason.empty()) text += fmt::format("    - ({})\n", observable.reason);
-        for (const Measurement& m : observable.measurements) {
-            text += words(m, results.source.time_unit);
-        }
+        text += words(observable.measurements, results.source.time_unit);
     }
     for (const PlannedStage& stage : session.plan.skipped()) {
         text += fmt::format("  skipped    {}: {}\n", stage.stage, stage.reason);

@@ -20,6 +20,7 @@ using Estimator = StructureFactor::Estimator;
 
 constexpr std::size_t least_blocks = 8;
 constexpr double least_particles = 25;
+constexpr double growth_end = 0.5;  // [1/a] where the fit has no range, as of S4
 
 std::optional<double> alpha_of(const FitOptions& options) {
     if (options.exponent == Exponent::free) return std::nullopt;
@@ -401,10 +402,10 @@ ObservableResult fit_result(const StructureFactor& sk, const FitOptions& options
         evidence.others =
             sk.spectrum(fitted == Estimator::neumann ? Estimator::connected : Estimator::neumann);
     }
-    if (const Range range = range_of(evidence.spectrum, options); range.end) {
-        evidence.growth = sk.growth(fitted, std::max(*range.end, range.peak.k.value_or(0)));
-        if (evidence.is_steady()) evidence.values = bootstrap(sk, fitted, options);
-    }
+    const Range range = range_of(evidence.spectrum, options);
+    const double end = range.end ? std::max(*range.end, range.peak.k.value_or(0)) : growth_end;
+    evidence.growth = sk.growth(fitted, end);
+    if (range.end && evidence.is_steady()) evidence.values = bootstrap(sk, fitted, options);
     return fit_of_evidence(evidence, options);
 }
 

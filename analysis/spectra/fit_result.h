@@ -42,10 +42,11 @@ OptionTable describe(FitOptions& options);
 /// "fit": k, s, s_err.
 ///
 /// Measured from the blocks of time, `s_growth` tells whether S up to the end of the range, and up
-/// to the pre-peak, is steady (StructureFactor::growth). If it is not, S0/S1, S0, S1, α and χ² are
-/// missing, with that reason. So they are where there is no fit although the pre-peak or the growth
-/// is known. The pre-peak is given in both cases, without an error where S is not steady. With
-/// nothing at all the observable has the reason.
+/// to the pre-peak, is steady (StructureFactor::growth). Without a range it is told up to ka = 0.5.
+/// If S is not steady, S0/S1, S0, S1, α and χ² are missing, with that reason. So they are where
+/// there is no fit although the pre-peak or the growth is known. The pre-peak is given in both
+/// cases, without an error where S is not steady. With nothing at all the observable has the
+/// reason.
 ///
 /// S0/S1 is missing, with the reason, unless S1 is above two of its errors (`rises`): it may be
 /// anything there. Its systematics are missing with it, and its interval is left out.

@@ -118,6 +118,11 @@ double pull_of(const SpectrumGrowth& growth) {
     return std::abs(std::log(growth.ratio)) * growth.ratio / growth.error;
 }
 
+// The smallest ratio that would not pass as steady.
+double least_seen(const SpectrumGrowth& growth) {
+    return std::exp(std::max(least_change, largest_pull * growth.error / growth.ratio));
+}
+
 // 1.061 ± 0.008: as many digits as the error has.
 std::string with_error(double value, double error) {
     const int digits =
@@ -132,19 +137,22 @@ bool SpectrumGrowth::is_steady() const {
 }
 
 Measurement measured_growth(const std::string& symbol, const SpectrumGrowth& growth) {
-    return {symbol + "_growth",
-            "-",
-            growth.ratio,
-            growth.error,
-            growth.samples,
-            fmt::format("of the last third of the run over the first, up to k = {:.3g} /a",
-                        growth.k_end)};
+    return {
+        symbol + "_growth",
+        "-",
+        growth.ratio,
+        growth.error,
+        growth.samples,
+        fmt::format("of the last third of the run over the first, up to k = {:.3g} /a; a factor "
+                    "below {:.2g} would not be seen",
+                    growth.k_end, least_seen(growth))};
 }
 
 std::string not_steady(const std::string& symbol, const SpectrumGrowth& growth) {
     return fmt::format(
         "{} up to k = {:.3g} /a is {} times as large in the last third of the run as in the "
-        "first: it is not steady; leave out the start (--frames), or run longer if it settles",
+        "first: it is not steady; run until it settles, then leave out the start (--frames). A "
+        "shorter span alone only sees less growth",
         symbol, growth.k_end, with_error(growth.ratio, growth.error));
 }
 

@@ -222,8 +222,8 @@ std::string no_rise(double s1, double error) {
     const std::string what = "S does not grow with k in its range: " + number;
     if (s1 < -least_rise * error) {
         return what +
-               "; S falls, and no length of the run makes up for that: is the end of the fit "
-               "(--fit-k-max) too far out?";
+               "; S falls, and no length of the run makes up for that: does the layer separate, or "
+               "is the end of the fit (--fit-k-max) too far out?";
     }
     return what +
            fmt::format(
