@@ -76,7 +76,7 @@ TEST(FitTheory, GivesReasonsForOneFrameAndWithoutAPrePeak) {
     for (int f = 0; f < 20; ++f) {
         flat.add(flat.measure(pattern(poisson_points(900, walls, random), walls, f)));
     }
-    EXPECT_NE(fit_result(flat, {}).reason.find("--fit-k-max"), std::string::npos);
+    EXPECT_NE(why_no_fit(fit_result(flat, {})).find("--fit-k-max"), std::string::npos);
     const ObservableResult given = fit_result(flat, {.k_max = 1.5});
     ASSERT_EQ(given.reason, "");
     EXPECT_NE(given.find_measurement("s0_over_s1_connected"), nullptr);

@@ -51,8 +51,8 @@ TEST(FitResult, HasAReasonInPlaceOfARatioWhereS1IsNotAboveTwoOfItsErrors) {
 
 // A periodic layer of `frames` frames. Modes below `end` have amplitudes of `growth` per frame in
 // the place of those of independent points.
-StructureFactor growing(int frames, double end, double growth) {
-    const Box box = square_box(20);
+StructureFactor growing(int frames, double end, double growth, double side = 20) {
+    const Box box = square_box(side);
     RandomStream random(21, "growing");
     StructureFactor sk({.k_max = 2}, box, frames);
     for (int f = 0; f < frames; ++f) {
@@ -95,6 +95,16 @@ TEST(FitResult, OfASteadyLayerIsAFit) {
     const Measurement* growth = fit.find_measurement("s_growth");
     ASSERT_NE(growth, nullptr);
     EXPECT_NEAR(*growth->value, 1, 3 * *growth->error);
+}
+
+TEST(FitResult, TellsTheGrowthOfSWhereNoPrePeakSetsTheRange) {
+    const ObservableResult steady = fit_result(growing(400, 10, 0, 40), FitOptions{});
+    EXPECT_NE(why_no_fit(steady).find("--fit-k-max"), std::string::npos) << why_no_fit(steady);
+    const Measurement* growth = steady.find_measurement("s_growth");
+    ASSERT_NE(growth, nullptr);
+    EXPECT_NEAR(growth->value.value_or(0), 1, 3 * growth->error.value_or(0));
+    const ObservableResult unsteady = fit_result(growing(400, 10, 0.05, 40), FitOptions{});
+    EXPECT_NE(why_no_fit(unsteady).find("not steady"), std::string::npos) << why_no_fit(unsteady);
 }
 
 // A maximum near ka = .45 and two shells below .65 of it.
