@@ -118,8 +118,8 @@ double pull_of(const SpectrumGrowth& growth) {
     return std::abs(std::log(growth.ratio)) * growth.ratio / growth.error;
 }
 
-// The smallest ratio that would not pass as steady.
-double least_seen(const SpectrumGrowth& growth) {
+// The largest ratio that passes as steady; its inverse is the smallest.
+double largest_steady(const SpectrumGrowth& growth) {
     return std::exp(std::max(least_change, largest_pull * growth.error / growth.ratio));
 }
 
@@ -143,9 +143,9 @@ Measurement measured_growth(const std::string& symbol, const SpectrumGrowth& gro
         growth.ratio,
         growth.error,
         growth.samples,
-        fmt::format("of the last third of the run over the first, up to k = {:.3g} /a; a factor "
-                    "below {:.2g} would not be seen",
-                    growth.k_end, least_seen(growth))};
+        fmt::format("of the last third of the run over the first, up to k = {:.3g} /a; {:.2g} to "
+                    "{:.2g} passes as steady",
+                    growth.k_end, 1 / largest_steady(growth), largest_steady(growth))};
 }
 
 std::string not_steady(const std::string& symbol, const SpectrumGrowth& growth) {

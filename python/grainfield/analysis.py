@@ -38,7 +38,8 @@ class Observable:
     ----------
     name : str
     reason : str
-        Why nothing could be measured; empty if something was.
+        Why nothing could be measured; empty if something was. A measurement that is missing
+        has its own: of a fit that could not be made ``fit["s0"].reason``.
     measurements : dict of str to Measurement
     curves : dict of str to dict of str to array
         Columns by name; ``observable.table("sk")`` is a DataFrame.
@@ -54,11 +55,20 @@ class Observable:
         return self.measurements[name]
 
     def table(self, curve: str | None = None) -> "pandas.DataFrame":
-        """A curve as a DataFrame; by default the one that is called as the observable."""
-        return pandas_module().DataFrame(self.curves[curve or self.name])
+        """A curve as a DataFrame; by default the one that is called as the observable.
+
+        Raises KeyError, with the reason if one is known, where there is no such curve.
+        """
+        name = curve or self.name
+        if name not in self.curves:
+            missing = (m.reason for m in self.measurements.values() if m.value is None)
+            why = self.reason or next(missing, "") or f"there are {', '.join(self.curves) or 'none'}"
+            raise KeyError(f"no curve '{name}' of {self.name}: {why}")
+        return pandas_module().DataFrame(self.curves[name])
 
     def __repr__(self) -> str:
-        said = self.reason or f"{', '.join(self.measurements)}; curves {', '.join(self.curves)}"
+        known = [name for name, m in self.measurements.items() if m.value is not None]
+        said = self.reason or f"{', '.join(known)}; curves {', '.join(self.curves)}"
         return f"<grainfield.Observable {self.name}: {said}>"
 
 

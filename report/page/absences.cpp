@@ -98,19 +98,29 @@ std::vector<Absent> absences(const Results& run, const std::vector<ObservableTit
             add(title, observable.measurements.front().reason);
             continue;
         }
-        // One reason of several numbers is said once, under the name of the whole.
+        // One reason of several numbers is said once, under the name of the whole: that there is
+        // one frame, or that of more than half of the numbers, as where there is no fit.
         const auto of_one = std::ranges::count_if(observable.measurements, [&](const auto& m) {
             return is_missing(m) && blames_one_frame(run, m.reason);
         });
-        bool is_named = false;
+        const auto is_of_most = [&](const Measurement& m) {
+            const auto same = std::ranges::count_if(
+                observable.measurements,
+                [&](const auto& other) { return is_missing(other) && other.reason == m.reason; });
+            return !is_drawn && 2 * same > size && same > 1;
+        };
+        bool said_of_one_frame = false;
+        bool said_of_most = false;
         for (const Measurement& m : observable.measurements) {
             if (!is_missing(m)) continue;
+            const std::string own = quantity_title(titles, observable.name, m.name);
             if (of_one > 1 && blames_one_frame(run, m.reason)) {
-                const std::string first = quantity_title(titles, observable.name, m.name);
-                if (!std::exchange(is_named, true)) add(is_drawn ? first : title, m.reason);
-                continue;
+                if (!std::exchange(said_of_one_frame, true)) add(is_drawn ? own : title, m.reason);
+            } else if (is_of_most(m)) {
+                if (!std::exchange(said_of_most, true)) add(title, m.reason);
+            } else {
+                add(own, m.reason);
             }
-            add(quantity_title(titles, observable.name, m.name), m.reason);
         }
     }
     if (run.frames == 1 && run.find("sk") != nullptr && !run.identity.is_field()) {

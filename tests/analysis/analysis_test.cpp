@@ -97,7 +97,8 @@ TEST(Analysis, OfALinkedVideoMeasuresAllObservables) {
     ASSERT_EQ(results.size(), 10U);
     for (const ObservableResult& r : results) {
         // Nothing here has a pre-peak.
-        EXPECT_EQ(r.reason.empty(), r.name != "fit") << r.name << ": " << r.reason;
+        const std::string why = r.name == "fit" ? why_no_fit(r) : r.reason;
+        EXPECT_EQ(why.empty(), r.name != "fit") << r.name << ": " << why;
     }
     const Measurement* spacing = results[0].find_measurement("lattice_spacing");
     EXPECT_NEAR(*spacing->value, 1, 0.01);

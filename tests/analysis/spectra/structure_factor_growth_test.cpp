@@ -132,6 +132,20 @@ TEST(SpectrumGrowth, IsNotToldFromTwoFramesOrTwoWaves) {
     EXPECT_TRUE(run_of(64, 0.5, 1, steady).growth(Estimator::raw, 0.45).has_value());  // four
 }
 
+TEST(SpectrumGrowth, SaysWhichRatiosPassAsSteady) {
+    // 3.5 errors of .2 in ln(ratio): exp(±.7) = .4966 and 2.014.
+    const auto at = [](double ratio) {
+        return SpectrumGrowth{.ratio = ratio, .error = 0.2 * ratio, .k_end = 0.5};
+    };
+    for (const double ratio : {0.51, 1.0, 2.0}) EXPECT_TRUE(at(ratio).is_steady()) << ratio;
+    for (const double ratio : {0.48, 2.03}) EXPECT_FALSE(at(ratio).is_steady()) << ratio;
+    const std::string said = measured_growth("s", at(1.3)).reason;
+    EXPECT_NE(said.find("up to k = 0.5 /a; 0.5 to 2 passes as steady"), std::string::npos) << said;
+    const std::string exact =
+        measured_growth("s", {.ratio = 1, .error = 0.001, .k_end = 0.5}).reason;
+    EXPECT_NE(exact.find("0.9 to 1.1 passes"), std::string::npos) << exact;
+}
+
 TEST(SpectrumGrowth, SaysItWithTheDigitsOfTheError) {
     EXPECT_NE(not_steady("S", {.ratio = 1.1234, .error = 0.0084, .k_end = 0.1})
                   .find("S up to k = 0.1 /a is 1.1234 ± 0.0084 times as large"),

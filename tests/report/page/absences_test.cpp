@@ -86,6 +86,26 @@ TEST(AbsencesHtml, SaysOneReasonOfSeveralNumbersOnce) {
     EXPECT_THAT(html, HasSubstr("<li>c: too few</li>"));
 }
 
+TEST(Absences, NameAnObservableOnceWhereMostOfItIsMissingForOneReason) {
+    Results run = one_frame();
+    run.frames = 9;
+    run.observables.resize(1);
+    run.observables[0] = {};
+    run.observables[0].name = "fit";
+    for (const char* name : {"s0", "s1", "alpha"}) {
+        run.observables[0].measurements.push_back(
+            {name, "-", std::nullopt, std::nullopt, 0, "no maximum"});
+    }
+    run.observables[0].measurements.push_back(
+        {"k_pre_peak", "1/a", std::nullopt, std::nullopt, 0, "none stands out"});
+    run.observables[0].measurements.push_back({"s_growth", "-", 1.0, 0.1, 9, ""});
+    const std::vector<Absent> all = absences(run, {});
+    ASSERT_EQ(all.size(), 2U);
+    EXPECT_EQ(all[0].what, "fit");
+    EXPECT_EQ(all[0].reason, "no maximum");
+    EXPECT_EQ(all[1].what, "k pre peak");
+}
+
 TEST(AbsencesHtml, OfACompleteRunIsEmpty) {
     Results run = one_frame();
     run.observables.erase(run.observables.begin());
