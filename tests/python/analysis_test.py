@@ -109,6 +109,15 @@ def test_points_without_correlation_are_not_hyperuniform():
     assert float(fit["k_fit"]) == 2 and fit["alpha"].reason == "given, not fitted"
 
 
+def test_a_fit_that_could_not_be_made_says_why():
+    points = np.random.default_rng(8).random((60, 800, 2)) * 30
+    fit = gf.fit_hyperuniform(list(points), box=(30, 30), boundary="periodic")
+    assert "no maximum" in (fit.reason or fit["s0"].reason)
+    assert fit["s_growth"].value is not None and "s0" not in repr(fit).replace("s0_", "")
+    with pytest.raises(KeyError, match="no maximum"):
+        fit.table()
+
+
 def test_a_report_compares_results(tmp_path, layer, frames):
     md = gf.analyze(layer, "q4,sk", label="MD")
     film = gf.analyze(gf.track(frames, search_range=6), "q4,sk", label="film")
