@@ -16,7 +16,7 @@ WORDS = ("modes", "origin", "geometry", "folder")  # columns of text
 ANNULI = [(0.02, 0.045), (0.045, 0.07), (0.07, 0.1), (0.1, 0.15), (0.15, 0.2), (0.2, 0.3)]
 THIRDS = ("first", "second", "last")
 VARIANTS = {"": "300 a", "-literal": "one coefficient of friction", "-large": "600 a",
-            "-literal-large": "the same, 600 a"}
+            "-literal-large": "one coefficient, 600 a"}
 
 
 def output_of(command):
