@@ -1,6 +1,9 @@
 #include "report/page/absences.h"
 
+#include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -20,6 +23,20 @@ Results one_frame() {
     run.observables[1].measurements = {
         {"q4_mean", "-", 0.4, 0.1, 9, ""},
         {"order_length", "a", std::nullopt, std::nullopt, 0, "no <decay>"}};
+    return run;
+}
+
+// Nine frames whose fit has one number, and lacks these for these reasons.
+Results without(const std::vector<std::pair<std::string, std::string>>& numbers) {
+    Results run;
+    run.frames = 9;
+    run.observables.resize(1);
+    ObservableResult& fit = run.observables[0];
+    fit.name = "fit";
+    for (const auto& [name, reason] : numbers) {
+        fit.measurements.push_back({name, "-", std::nullopt, std::nullopt, 0, reason});
+    }
+    fit.measurements.push_back({"h", "-", 1.0, std::nullopt, 0, ""});
     return run;
 }
 
@@ -54,52 +71,31 @@ TEST(AbsencesHtml, OfSeveralRunsIsOneLineAndTheReasonsSayWhose) {
 }
 
 TEST(AbsencesHtml, OfManyNumbersNamesAFew) {
-    Results run = one_frame();
-    run.frames = 9;
-    run.observables.resize(1);
-    run.observables[0] = {};
-    run.observables[0].name = "fit";
-    for (const char* name : {"a", "b", "c", "d", "e", "f", "g"}) {
-        run.observables[0].measurements.push_back(
-            {name, "-", std::nullopt, std::nullopt, 0, std::string("no ") + name});
-    }
-    run.observables[0].measurements.push_back({"h", "-", 1.0, std::nullopt, 0, ""});
+    const Results run = without({{"a", "no a"},
+                                 {"b", "no b"},
+                                 {"c", "no c"},
+                                 {"d", "no d"},
+                                 {"e", "no e"},
+                                 {"f", "no f"},
+                                 {"g", "no g"}});
     const std::string html = absences_html({run}, {"A"}, {});
     EXPECT_THAT(html, HasSubstr("<summary>Not measured: a, b, c, d and 3 more.</summary>"));
     EXPECT_THAT(html, HasSubstr("<li>g: no g</li>"));
 }
 
 TEST(AbsencesHtml, SaysOneReasonOfSeveralNumbersOnce) {
-    Results run = one_frame();
-    run.frames = 9;
-    run.observables.resize(1);
-    run.observables[0] = {};
-    run.observables[0].name = "fit";
-    for (const auto& [name, reason] :
-         {std::pair{"a", "it grows"}, std::pair{"b", "it grows"}, std::pair{"c", "too few"}}) {
-        run.observables[0].measurements.push_back(
-            {name, "-", std::nullopt, std::nullopt, 0, reason});
-    }
-    run.observables[0].measurements.push_back({"h", "-", 1.0, std::nullopt, 0, ""});
+    const Results run = without({{"a", "it grows"}, {"b", "it grows"}, {"c", "too few"}});
     const std::string html = absences_html({run}, {"A"}, {});
     EXPECT_THAT(html, HasSubstr("<li>a, b: it grows</li>"));
     EXPECT_THAT(html, HasSubstr("<li>c: too few</li>"));
 }
 
 TEST(Absences, NameAnObservableOnceWhereMostOfItIsMissingForOneReason) {
-    Results run = one_frame();
-    run.frames = 9;
-    run.observables.resize(1);
-    run.observables[0] = {};
-    run.observables[0].name = "fit";
-    for (const char* name : {"s0", "s1", "alpha"}) {
-        run.observables[0].measurements.push_back(
-            {name, "-", std::nullopt, std::nullopt, 0, "no maximum"});
-    }
-    run.observables[0].measurements.push_back(
-        {"k_pre_peak", "1/a", std::nullopt, std::nullopt, 0, "none stands out"});
-    run.observables[0].measurements.push_back({"s_growth", "-", 1.0, 0.1, 9, ""});
-    const std::vector<Absent> all = absences(run, {});
+    const std::vector<Absent> all = absences(without({{"s0", "no maximum"},
+                                                      {"s1", "no maximum"},
+                                                      {"alpha", "no maximum"},
+                                                      {"k_pre_peak", "none stands out"}}),
+                                             {});
     ASSERT_EQ(all.size(), 2U);
     EXPECT_EQ(all[0].what, "fit");
     EXPECT_EQ(all[0].reason, "no maximum");
